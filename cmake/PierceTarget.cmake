@@ -1,0 +1,19 @@
+# pierce_library(NAME SOURCES...): a library target pierce_NAME, known as pierce::NAME here and when installed.
+function(pierce_library name)
+    add_library(pierce_${name} ${ARGN})
+    add_library(pierce::${name} ALIAS pierce_${name})
+    set_target_properties(pierce_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+    target_include_directories(pierce_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    pierce_options(pierce_${name})
+endfunction()
+
+# The compile options of everything in this project.
+function(pierce_options target)
+    get_target_property(type ${target} TYPE)
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    # Fused multiply-adds differ between machines and break the antisymmetry of edge functions.
+    target_compile_options(${target} PUBLIC $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                             $<$<BOOL:${PIERCE_WERROR}>:-Werror>>)
+endfunction()

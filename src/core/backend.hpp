@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pierce/core/pipeline.hpp"
+
+namespace pierce {
+
+/// Where steps run: an executor and a tracer behind one door. Made by a factory (reference_backend below, and one per
+/// backend library) and handed to a World.
+class Backend {
+public:
+    virtual ~Backend() = default;
+
+    /// What it is and how it was made, for people: "embree 3.13.5, 2 threads".
+    virtual std::string description() const = 0;
+    virtual void step(const Scene& scene, StepStats& stats) = 0;
+    /// Results of the last step; valid until the next one.
+    virtual View<const Contact> contacts() const = 0;
+    virtual View<const Pair> pairs() const = 0;
+    /// Traces rays outside a step, bringing the targets' trees up to date first.
+    virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
+};
+
+/// Any executor and tracer as a Backend.
+template <class E, class T>
+class PipelineBackend : public Backend {
+public:
+    PipelineBackend(std::string description, std::unique_ptr<E> executor, std::unique_ptr<T> tracer)
+        : description_(std::move(description)),
+          executor_(std::move(executor)),
+          tracer_(std::move(tracer)),
+          pipeline_(*executor_, *tracer_) {}
+
+    std::string description() const override { return description_; }
+    void step(const Scene& scene, StepStats& stats) override { pipeline_.step(scene, stats); }
+    View<const Contact> contacts() const override { return pipeline_.contacts(); }
+    View<const Pair> pairs() const override { return pipeline_.pairs(); }
+
+    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
+        std::vector<std::uint32_t> wanted(bodies.size, 0);
+        for (const Ray& ray : rays) wanted[ray.target] = 1;
+        tracer_->update(*executor_, bodies, view_of(std::as_const(wanted)));
+        tracer_->closest_hits(*executor_, "trace", bodies, rays, hits);
+    }
+
+private:
+    std::string description_;
+    std::unique_ptr<E> executor_;
+    std::unique_ptr<T> tracer_;
+    Pipeline<E, T> pipeline_;
+};
+
+/// One thread and brute force: slow, simple, and the definition of what every other backend must answer.
+std::unique_ptr<Backend> reference_backend();
+
+}  // namespace pierce

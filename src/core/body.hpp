@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+
+#include "pierce/core/constants.hpp"
+#include "pierce/core/first_crossing.hpp"
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/pose.hpp"
+
+namespace pierce {
+
+/// How a body moves; decides which stages it needs.
+enum class Motion : std::uint8_t {
+    fixed,      ///< never moves; two fixed bodies are no pair
+    rigid,      ///< moves by its pose
+    deforming,  ///< every vertex is given in world space, every step
+};
+
+/// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed or rigid body, the
+/// world for a deforming one. Its *fit* is the frame in which it looks most like the mesh's rest shape.
+struct BodyView {
+    MeshView mesh;
+    View<const Vec3f> positions;      ///< in the body's space
+    View<const PatchSphere> patches;  ///< in the body's space
+    View<const double> own_exit;      ///< per vertex, length of the inward ray inside the rest shape; not for deforming
+    Frame space;                      ///< body's space to world
+    Frame fit;                        ///< rest shape to world
+    Box fit_box;                      ///< around the vertices, in `fit`
+    Box world_box;
+    double deviation = 0;             ///< no vertex is further than this from its place in the rest shape under `fit`
+    double touch = 0;                 ///< [length] touch tolerance of this body as a target
+    double range = 0;                 ///< [length] longest ray of an open body
+    std::uint64_t mesh_key = 0;          ///< the mesh's identity, never used twice
+    std::uint64_t positions_version = 0; ///< changes whenever a deforming body's positions do
+    Motion motion = Motion::fixed;
+    bool active = true;               ///< false: left out of this step (not finite)
+
+    PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
+
+    /// Distance from a world point to this body's solid is at least this; zero where nothing is known.
+    PIERCE_HD double clearance(Vec3d in_fit) const {
+        return max_of(mesh.clearance(in_fit) - deviation, fit_box.distance(in_fit));
+    }
+};
+
+/// Two bodies whose boxes overlap, a < b.
+struct Pair {
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;
+
+    PIERCE_HD std::uint32_t source(std::uint32_t side) const { return side == 0 ? a : b; }
+    PIERCE_HD std::uint32_t target(std::uint32_t side) const { return side == 0 ? b : a; }
+    friend bool operator==(const Pair&, const Pair&) = default;
+};
+
+}  // namespace pierce

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "pierce/core/tracer.hpp"
+
+namespace pierce {
+
+/// Shows every triangle of the target to every ray: the definition of a right answer.
+class BruteForceTracer {
+public:
+    template <class E>
+    void update(E&, View<const BodyView>, View<const std::uint32_t>) {}
+
+    template <class E>
+    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
+                      View<Hit> hits) {
+        executor.for_each(name, rays.size, Trace{bodies, rays, hits});
+    }
+
+    /// Counts nothing: it has no trees.
+    TracerCounts counts() const { return {}; }
+
+private:
+    struct Trace {
+        View<const BodyView> bodies;
+        View<const Ray> rays;
+        View<Hit> hits;
+
+        void operator()(std::uint32_t i) const {
+            const Ray& ray = rays[i];
+            hits[i] = {};
+            if (!(ray.t_max >= 0)) return;
+            const Surface surface = bodies[ray.target].surface();
+            hits[i] = first_crossing(ray, surface, [&](CrossingSearch& search) {
+                for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
+            });
+        }
+    };
+};
+
+static_assert(Tracer<BruteForceTracer, SerialExecutor>);
+
+}  // namespace pierce

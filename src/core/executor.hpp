@@ -1,0 +1,88 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstdint>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "pierce/core/view.hpp"
+
+namespace pierce {
+
+namespace detail {
+struct AnyStage {
+    PIERCE_HD void operator()(std::uint32_t) const {}
+};
+}  // namespace detail
+
+/// Runs stages over independent items and provides the few collective operations the step needs. Results never depend
+/// on how work is spread. The name of an operation is for profilers.
+template <class E>
+concept Executor = requires(E executor, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out,
+                            View<std::uint64_t> keys) {
+    typename E::template Buffer<float>;
+    executor.for_each("stage", n, detail::AnyStage{});
+    { executor.exclusive_scan("stage", in, out) } -> std::same_as<std::uint32_t>;
+    executor.sort("stage", keys, out);
+};
+
+/// A vector whose new elements are left as they are: every stage writes all it reads.
+template <class T>
+struct UninitializedAllocator : std::allocator<T> {
+    template <class U>
+    struct rebind {
+        using other = UninitializedAllocator<U>;
+    };
+    template <class U>
+    void construct(U* p) noexcept {
+        ::new (static_cast<void*>(p)) U;
+    }
+    template <class U, class... Args>
+    void construct(U* p, Args&&... args) {
+        ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+    }
+};
+
+template <class T>
+using HostBuffer = std::vector<T, UninitializedAllocator<T>>;
+
+/// The sort of every host executor: lists of keys are short, and a stable order of pairs is all that is asked for.
+inline void host_sort(View<std::uint64_t> keys, View<std::uint32_t> values) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> items(keys.size);
+    for (std::uint32_t i = 0; i < keys.size; ++i) items[i] = {keys[i], values[i]};
+    std::sort(items.begin(), items.end());
+    for (std::uint32_t i = 0; i < keys.size; ++i) std::tie(keys[i], values[i]) = items[i];
+}
+
+/// One item after the other, on the calling thread: the reference the other executors are compared with.
+class SerialExecutor {
+public:
+    template <class T>
+    using Buffer = HostBuffer<T>;
+
+    template <class F>
+    void for_each(const char*, std::uint32_t n, const F& stage) {
+        for (std::uint32_t i = 0; i < n; ++i) stage(i);
+    }
+
+    /// out[i] = in[0] + ... + in[i-1]; returns the total.
+    std::uint32_t exclusive_scan(const char*, View<const std::uint32_t> in, View<std::uint32_t> out) {
+        std::uint32_t sum = 0;
+        for (std::uint32_t i = 0; i < in.size; ++i) {
+            const std::uint32_t value = in[i];
+            out[i] = sum;
+            sum += value;
+        }
+        return sum;
+    }
+
+    /// Sorts keys and moves their values along. Values of equal keys end in ascending order.
+    void sort(const char*, View<std::uint64_t> keys, View<std::uint32_t> values) { host_sort(keys, values); }
+};
+
+static_assert(Executor<SerialExecutor>);
+
+}  // namespace pierce

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <limits>
+
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/ray.hpp"
+#include "pierce/core/triangle.hpp"
+
+namespace pierce {
+
+/// The surface a ray is traced against: triangles over positions that share the ray's space.
+struct Surface {
+    View<const Vec3f> positions;
+    View<const Triangle> triangles;
+    double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
+};
+
+/// A ray under way through a surface. Any tracer shows it candidate triangles in any order through test(); which
+/// triangle it settles on does not depend on that order, nor on candidates it was shown in vain.
+///
+/// Meaning of the result (first_crossing below): crossings within `touch` of the ray's origin are a start. If they lead
+/// out of the surface, the origin touches it from inside and that triangle is the hit; if they lead in, they do not count.
+/// Then comes the first window [t, t + touch] whose signed crossings do not cancel: its net sign decides, and the
+/// triangle of that sign with the smallest id is the hit. Cancelling windows are grazed edges and coincident sheets.
+class CrossingSearch {
+public:
+    PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
+        : surface_(surface), ray_(ray.origin, ray.direction), excluded_(ray.excluded_vertex), t_max_(ray.t_max) {
+        after_ = surface.touch;
+    }
+
+    /// Triangles beyond this need not be shown any more. It only shrinks.
+    PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + surface_.touch; }
+    /// Triangles before this need not be shown.
+    PIERCE_HD double begin() const { return first_pass_ ? -surface_.touch : after_; }
+
+    PIERCE_HD void test(std::uint32_t triangle) {
+        const Triangle& t = surface_.triangles[triangle];
+        if (t.vertex[0] == excluded_ || t.vertex[1] == excluded_ || t.vertex[2] == excluded_) return;
+        const Vec3d a = to_double(surface_.positions[t.vertex[0]]);
+        const Vec3d b = to_double(surface_.positions[t.vertex[1]]);
+        const Vec3d c = to_double(surface_.positions[t.vertex[2]]);
+        const Crossing crossing = cross_triangle(ray_, a, b, c);
+        if (crossing.kind == Crossing::none) return;
+        if (crossing.kind == Crossing::coplanar) {
+            if (first_pass_ && touches_triangle(ray_.origin, a, b, c, surface_.touch)) coplanar_ = min_of(triangle, coplanar_);
+            return;
+        }
+        if (crossing.t <= after_) {
+            if (first_pass_ && crossing.t >= -surface_.touch)
+                start_.add(triangle, crossing.sign * crossing_share(ray_, a, b, c, crossing));
+            return;
+        }
+        if (crossing.t > t_max_ + surface_.touch) return;
+        if (summing_) {
+            if (crossing.t <= nearest_ + surface_.touch)
+                window_.add(triangle, crossing.sign * crossing_share(ray_, a, b, c, crossing));
+            return;
+        }
+        const bool clean = crossing.weight[0] > 0 && crossing.weight[1] > 0 && crossing.weight[2] > 0;
+        if (crossing.t < nearest_) {
+            second_ = nearest_;
+            nearest_ = crossing.t;
+            nearest_triangle_ = triangle;
+            nearest_clean_ = clean;
+        } else {
+            second_ = min_of(crossing.t, second_);
+        }
+    }
+
+    /// What to do after all triangles between begin() and limit() were shown: true to show them all again, false if
+    /// hit() is the answer. Rays that meet one clean crossing, nearly all, need no second look.
+    PIERCE_HD bool again() {
+        if (first_pass_) {
+            first_pass_ = false;
+            if (coplanar_ != no_triangle) return settle(coplanar_);
+            if (start_.weight >= constants::crossing_weight) return settle(start_.exit);
+        }
+        if (!summing_) {
+            if (nearest_triangle_ == no_triangle) return settle(no_triangle);
+            if (nearest_clean_ && second_ > nearest_ + surface_.touch) return settle(nearest_triangle_);
+            summing_ = true;
+            window_ = {};
+            return true;
+        }
+        if (window_.weight >= constants::crossing_weight) return settle(window_.exit);
+        if (window_.weight <= -constants::crossing_weight) return settle(window_.entry);
+        after_ = nearest_ + surface_.touch;
+        summing_ = false;
+        nearest_ = second_ = std::numeric_limits<double>::infinity();
+        nearest_triangle_ = no_triangle;
+        return true;
+    }
+
+    PIERCE_HD Hit hit() const { return {hit_}; }
+
+private:
+    /// Signed crossings of one window, and the smallest triangle of either sign.
+    struct Window {
+        double weight = 0;
+        std::uint32_t exit = no_triangle, entry = no_triangle;
+
+        PIERCE_HD void add(std::uint32_t triangle, double signed_share) {
+            weight += signed_share;
+            std::uint32_t& side = signed_share > 0 ? exit : entry;
+            side = min_of(triangle, side);
+        }
+    };
+
+    PIERCE_HD bool settle(std::uint32_t triangle) {
+        hit_ = triangle;
+        return false;
+    }
+
+    Surface surface_;
+    ShearedRay ray_;
+    std::uint32_t excluded_ = no_vertex;
+    double t_max_ = 0;
+    double after_ = 0;
+    double nearest_ = std::numeric_limits<double>::infinity();
+    double second_ = std::numeric_limits<double>::infinity();
+    std::uint32_t nearest_triangle_ = no_triangle;
+    std::uint32_t coplanar_ = no_triangle;
+    std::uint32_t hit_ = no_triangle;
+    Window start_, window_;
+    bool nearest_clean_ = false;
+    bool first_pass_ = true;
+    bool summing_ = false;
+};
+
+/// The triangle through which a ray first crosses a surface, or none. `show(search)` calls search.test() for every
+/// triangle the ray may meet between search.begin() and search.limit().
+template <class Show>
+PIERCE_HD Hit first_crossing(const Ray& ray, const Surface& surface, Show show) {
+    CrossingSearch search(ray, surface);
+    do show(search);
+    while (search.again());
+    return search.hit();
+}
+
+}  // namespace pierce

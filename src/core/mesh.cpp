@@ -1,0 +1,130 @@
+#include "pierce/core/mesh.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "pierce/core/bvh/morton.hpp"
+#include "pierce/core/constants.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/core/patch.hpp"
+#include "pierce/core/triangle.hpp"
+#include "pierce/core/vertex_normal.hpp"
+
+namespace pierce {
+namespace {
+
+void check_indices(const std::string& name, const MeshData& data) {
+    for (std::size_t t = 0; t < data.triangles.size(); ++t)
+        for (std::uint32_t v : data.triangles[t].vertex)
+            if (v >= data.positions.size())
+                throw InputError("mesh '" + name + "': triangle " + std::to_string(t) + " names vertex " +
+                                 std::to_string(v) + ", but there are " + std::to_string(data.positions.size()));
+}
+
+/// Walks over all undirected edges and counts those that break closedness, orientation or manifoldness.
+void count_edges(std::span<const Triangle> triangles, MeshTraits& traits) {
+    struct HalfEdge {
+        std::uint64_t edge;
+        int direction;
+    };
+    std::vector<HalfEdge> half_edges;
+    half_edges.reserve(3 * triangles.size());
+    for (const Triangle& t : triangles)
+        for (int k = 0; k < 3; ++k) {
+            const std::uint64_t a = t.vertex[k], b = t.vertex[(k + 1) % 3];
+            half_edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1});
+        }
+    std::ranges::sort(half_edges, {}, &HalfEdge::edge);
+    for (std::size_t i = 0; i < half_edges.size();) {
+        std::size_t count = 0;
+        int balance = 0;
+        for (const std::uint64_t edge = half_edges[i].edge; i < half_edges.size() && half_edges[i].edge == edge; ++i) {
+            balance += half_edges[i].direction;
+            ++count;
+        }
+        traits.boundary_edges += count == 1;
+        traits.non_manifold_edges += count > 2;
+        traits.inconsistent_edges += balance != 0;
+    }
+}
+
+MeshTraits traits_of(const MeshData& data, Vec3d centroid) {
+    MeshTraits traits;
+    count_edges(data.triangles, traits);
+    double edges = 0;
+    for (const Triangle& t : data.triangles) {
+        Vec3d p[3];
+        for (int k = 0; k < 3; ++k) p[k] = to_double(data.positions[t.vertex[k]]) - centroid;
+        traits.degenerate_triangles += is_degenerate(p[0], p[1], p[2]);
+        traits.volume += dot(p[0], cross(p[1], p[2])) / 6;
+        for (int k = 0; k < 3; ++k) edges += length(p[(k + 1) % 3] - p[k]);
+    }
+    traits.mean_edge_length = edges / (3.0 * static_cast<double>(data.triangles.size()));
+    return traits;
+}
+
+std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> rings_of(const MeshData& data) {
+    std::vector<std::uint32_t> offsets(data.positions.size() + 1, 0);
+    for (const Triangle& t : data.triangles)
+        for (std::uint32_t v : t.vertex) ++offsets[v + 1];
+    for (std::size_t v = 0; v < data.positions.size(); ++v) offsets[v + 1] += offsets[v];
+    std::vector<std::uint32_t> ring(offsets.back());
+    std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
+    for (std::uint32_t t = 0; t < data.triangles.size(); ++t)
+        for (std::uint32_t v : data.triangles[t].vertex) ring[next[v]++] = t;
+    return {std::move(offsets), std::move(ring)};
+}
+
+/// Vertex ids along a Morton curve, so that consecutive ones are neighbours; ties keep the caller's order.
+std::vector<std::uint32_t> spatial_order(const MeshData& data, const Box& box) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+    keys.reserve(data.positions.size());
+    for (std::uint32_t v = 0; v < data.positions.size(); ++v)
+        keys.emplace_back(morton_code(to_double(data.positions[v]), box), v);
+    std::ranges::sort(keys);
+    std::vector<std::uint32_t> order;
+    order.reserve(keys.size());
+    for (const auto& [code, v] : keys) order.push_back(v);
+    return order;
+}
+
+}  // namespace
+
+void check_finite(const std::string& name, std::span<const Vec3f> positions) {
+    for (std::size_t v = 0; v < positions.size(); ++v)
+        if (!is_finite(positions[v]))
+            throw InputError("'" + name + "': vertex " + std::to_string(v) + " is not finite");
+}
+
+Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std::move(data)) {
+    if (data_.triangles.empty()) throw InputError("mesh '" + name_ + "' has no triangles");
+    check_finite(name_, data_.positions);
+    check_indices(name_, data_);
+
+    Vec3d sum;
+    for (Vec3f p : data_.positions) {
+        box_.extend(to_double(p));
+        sum += to_double(p);
+    }
+    centroid_ = sum * (1.0 / static_cast<double>(data_.positions.size()));
+    traits_ = traits_of(data_, centroid_);
+    std::tie(ring_offsets_, ring_) = rings_of(data_);
+    patch_vertices_ = spatial_order(data_, box_);
+    if (traits_.closed()) clearance_ = build_clearance_grid(data_.positions, data_.triangles);
+
+    const MeshView mesh = view();
+    normals_.reserve(data_.positions.size());
+    for (std::uint32_t v = 0; v < data_.positions.size(); ++v)
+        normals_.push_back(to_float(vertex_normal(mesh, mesh.positions, v)));
+    for (std::uint32_t p = 0; p < patch_count(mesh); ++p) patches_.push_back(patch_sphere(mesh, mesh.positions, p));
+}
+
+MeshView Mesh::view() const {
+    return {view_of(data_.positions), view_of(normals_),  view_of(data_.triangles),
+            view_of(ring_offsets_),   view_of(ring_),     view_of(patch_vertices_),
+            view_of(patches_),        clearance_.view(),  box_,
+            centroid_,                traits_.mean_edge_length, traits_.closed()};
+}
+
+}  // namespace pierce

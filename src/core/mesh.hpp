@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pierce/core/box.hpp"
+#include "pierce/core/clearance_grid.hpp"
+#include "pierce/core/view.hpp"
+
+namespace pierce {
+
+/// Three vertex ids, counter-clockwise seen from outside.
+struct Triangle {
+    std::uint32_t vertex[3];
+
+    friend bool operator==(const Triangle&, const Triangle&) = default;
+};
+
+/// What a mesh is made from: vertex positions and triangles, in the caller's numbering and unit.
+struct MeshData {
+    std::vector<Vec3f> positions;
+    std::vector<Triangle> triangles;
+};
+
+/// What was found out about a mesh's topology; decides which contact rules apply to it.
+struct MeshTraits {
+    std::uint32_t boundary_edges = 0;       ///< edges with one triangle
+    std::uint32_t non_manifold_edges = 0;   ///< edges with more than two triangles
+    std::uint32_t inconsistent_edges = 0;   ///< edges whose triangles do not run through it equally often both ways
+    std::uint32_t degenerate_triangles = 0; ///< triangles without area; they are never hit
+    double volume = 0;                      ///< signed; negative: the mesh is inside out
+    double mean_edge_length = 0;
+
+    /// True if the surface has no border and one orientation, so that it has an inside.
+    bool closed() const { return inconsistent_edges == 0; }
+};
+
+/// A small group of neighbouring vertices and the sphere around them, in the space of the positions.
+struct PatchSphere {
+    Vec3d center;
+    double radius = 0;
+};
+
+/// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.
+struct MeshView {
+    View<const Vec3f> positions;             ///< rest shape
+    View<const Vec3f> normals;               ///< unit, outward, of the rest shape; zero where undefined
+    View<const Triangle> triangles;
+    View<const std::uint32_t> ring_offsets;  ///< vertex_count + 1; triangles around vertex v are ring[offsets[v]..offsets[v+1])
+    View<const std::uint32_t> ring;
+    View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
+    View<const PatchSphere> patches;           ///< of the rest shape
+    ClearanceGridView clearance;               ///< of the rest shape; empty for a mesh that is not closed
+    Box box;                                   ///< of the rest shape
+    Vec3d centroid;                            ///< mean of the rest positions
+    double mean_edge_length = 0;
+    bool closed = false;
+};
+
+/// Topology and rest shape, checked once and then constant; any number of bodies share it.
+class Mesh {
+public:
+    /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out of range or a
+    /// position that is not finite. Anything else is accepted and described by traits().
+    Mesh(std::string name, MeshData data);
+
+    const std::string& name() const { return name_; }
+    std::span<const Vec3f> positions() const { return data_.positions; }
+    std::span<const Vec3f> normals() const { return normals_; }
+    std::span<const Triangle> triangles() const { return data_.triangles; }
+    const MeshTraits& traits() const { return traits_; }
+    MeshView view() const;
+
+private:
+    std::string name_;
+    MeshData data_;
+    MeshTraits traits_;
+    Box box_;
+    Vec3d centroid_;
+    std::vector<Vec3f> normals_;
+    std::vector<std::uint32_t> ring_offsets_, ring_;
+    std::vector<std::uint32_t> patch_vertices_;
+    std::vector<PatchSphere> patches_;
+    ClearanceGrid clearance_;
+};
+
+/// Throws InputError unless every position is finite.
+void check_finite(const std::string& name, std::span<const Vec3f> positions);
+
+}  // namespace pierce

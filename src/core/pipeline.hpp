@@ -1,0 +1,229 @@
+#pragma once
+
+#include <utility>
+
+#include "pierce/core/scene.hpp"
+#include "pierce/core/stages/bounds.hpp"
+#include "pierce/core/stages/classify.hpp"
+#include "pierce/core/stages/contacts.hpp"
+#include "pierce/core/stages/pairs.hpp"
+#include "pierce/core/stages/ray_gen.hpp"
+#include "pierce/core/stages/vertex_cull.hpp"
+#include "pierce/core/step_stats.hpp"
+#include "pierce/core/tracer.hpp"
+
+namespace pierce {
+
+/// The step, top to bottom, on any executor and tracer. Owns the buffers between stages; they grow and are kept, so a
+/// steady step allocates nothing.
+template <Executor E, Tracer<E> T>
+class Pipeline {
+public:
+    Pipeline(E& executor, T& tracer) : executor_(executor), tracer_(tracer) {}
+
+    /// One step: fills contacts() and `stats`.
+    void step(const Scene& scene, StepStats& stats) {
+        StageTimer time(stats);
+        const TracerCounts before = tracer_.counts();
+        std::swap(contacts_, last_contacts_);
+        contacts_.clear();
+
+        time("bounds", [&] { bounds(scene); });
+        time("pairs", [&] { pairs(scene.bodies); });
+        time("vertex_cull", [&] { vertex_cull(scene.bodies); });
+        time("ray_gen", [&] { ray_gen(scene.bodies); });
+        time("update", [&] { update(scene.bodies, view_of(rays_)); });
+        time("trace", [&] { tracer_.closest_hits(executor_, "trace", scene.bodies, view_of(rays_), view_of(hits_)); });
+        time("classify", [&] { test_inside(scene.bodies); });
+        if (scene.plan->traces_own_exits) {
+            time("classify", [&] { generate_own_rays(scene.bodies); });
+            time("update", [&] { update(scene.bodies, view_of(own_rays_)); });
+            time("trace", [&] {
+                tracer_.closest_hits(executor_, "trace_own", scene.bodies, view_of(own_rays_), view_of(own_hits_));
+            });
+        }
+        time("classify", [&] { test_own_exit(scene.bodies); });
+        time("contacts", [&] { contacts(scene); });
+
+        count(before, stats);
+    }
+
+    View<const Contact> contacts() const { return view_of(contacts_); }
+    View<const Pair> pairs() const { return view_of(pairs_); }
+
+private:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    /// Turns per-item counts into places to write to; returns how many there are in all.
+    std::uint32_t place(const char* name) {
+        offsets_.resize(counts_.size());
+        return executor_.exclusive_scan(name, view_of(std::as_const(counts_)), view_of(offsets_));
+    }
+
+    // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
+    void bounds(const Scene& scene) {
+        executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
+        if (!scene.plan->measures_deformation) return;
+        moments_.resize(scene.chunks.size);
+        chunk_bounds_.resize(scene.chunks.size);
+        executor_.for_each("measure_moments", scene.chunks.size,
+                           stages::MeasureMoments{scene.bodies, scene.chunks, view_of(moments_)});
+        executor_.for_each("fit_frame", scene.ranges.size,
+                           stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
+        executor_.for_each("measure_chunk", scene.chunks.size,
+                           stages::MeasureChunk{scene.bodies, scene.chunks, view_of(chunk_bounds_), scene.patches});
+        executor_.for_each("join_bounds", scene.ranges.size,
+                           stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
+    }
+
+    // Stage 2. Bodies whose boxes overlap, sorted by (a, b).
+    void pairs(View<const BodyView> bodies) {
+        keys_.resize(bodies.size);
+        order_.resize(bodies.size);
+        counts_.resize(bodies.size);
+        executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(keys_), view_of(order_)});
+        executor_.sort("sweep_sort", view_of(keys_), view_of(order_));
+        stages::SweepPairs sweep{bodies, view_of(order_), view_of(counts_), {}, {}, {}};
+        executor_.for_each("sweep_count", bodies.size, sweep);
+        const std::uint32_t total = place("sweep_scan");
+        keys_.resize(total);
+        values_.resize(total);
+        pairs_.resize(total);
+        if (total == 0) return;
+        sweep.offsets = view_of(offsets_);
+        sweep.keys = view_of(keys_);
+        sweep.values = view_of(values_);
+        executor_.for_each("sweep_fill", bodies.size, sweep);
+        executor_.sort("pair_sort", view_of(keys_), view_of(values_));
+        executor_.for_each("unpack_pair", total, stages::UnpackPair{view_of(keys_), view_of(pairs_)});
+    }
+
+    // Stage 4. Patches, then vertices, that may be inside the other body.
+    void vertex_cull(View<const BodyView> bodies) {
+        const auto directed_count = static_cast<std::uint32_t>(2 * pairs_.size());
+        directed_.resize(directed_count);
+        counts_.resize(directed_count);
+        executor_.for_each("direct_pair", directed_count,
+                           stages::DirectPair{bodies, view_of(pairs_), view_of(directed_), view_of(counts_)});
+        const std::uint32_t items = place("patch_scan");
+        items_.resize(items);
+        executor_.for_each("list_patches", directed_count,
+                           stages::ListPatches{view_of(counts_), view_of(offsets_), view_of(items_)});
+
+        counts_.resize(items);
+        executor_.for_each("cull_patch", items,
+                           stages::CullPatch{bodies, view_of(directed_), view_of(items_), view_of(counts_)});
+        const std::uint32_t kept = place("keep_scan");
+        patches_.resize(kept);
+        executor_.for_each("compact_patches", items,
+                           stages::CompactPatches{view_of(items_), view_of(counts_), view_of(offsets_), view_of(patches_)});
+
+        masks_.resize(kept);
+        counts_.resize(kept);
+        executor_.for_each("cull_vertices", kept,
+                           stages::CullVertices{bodies, view_of(directed_), view_of(patches_), view_of(masks_), view_of(counts_)});
+    }
+
+    // Stage 5. A ray per vertex left.
+    void ray_gen(View<const BodyView> bodies) {
+        const std::uint32_t total = place("ray_scan");
+        rays_.resize(total);
+        sources_.resize(total);
+        hits_.resize(total);
+        executor_.for_each("generate_rays", static_cast<std::uint32_t>(patches_.size()),
+                           stages::GenerateRays{bodies, view_of(directed_), view_of(patches_), view_of(masks_),
+                                                view_of(offsets_), view_of(rays_), view_of(sources_)});
+    }
+
+    // Stage 7. Trees of the bodies these rays are aimed at, and of no others.
+    void update(View<const BodyView> bodies, View<const Ray> rays) {
+        wanted_.assign(bodies.size, 0);
+        for (const Ray& ray : rays) wanted_[ray.target] |= static_cast<std::uint32_t>(ray.t_max >= 0);
+        tracer_.update(executor_, bodies, view_of(wanted_));
+    }
+
+    // Stage 9, first half. R1: which vertices are inside.
+    void test_inside(View<const BodyView> bodies) {
+        const auto ray_count = static_cast<std::uint32_t>(rays_.size());
+        counts_.resize(ray_count);
+        executor_.for_each("test_inside", ray_count,
+                           stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(counts_)});
+        const std::uint32_t total = place("inside_scan");
+        candidates_.resize(total);
+        own_rays_.clear();
+        own_hits_.clear();
+        executor_.for_each("list_inside", ray_count,
+                           stages::ListInside{view_of(counts_), view_of(offsets_), view_of(candidates_)});
+    }
+
+    void generate_own_rays(View<const BodyView> bodies) {
+        own_rays_.resize(candidates_.size());
+        own_hits_.resize(candidates_.size());
+        executor_.for_each("generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
+                           stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_),
+                                                   view_of(candidates_), view_of(own_rays_)});
+    }
+
+    // Stage 9, second half. R2 and R3: which of them are contacts.
+    void test_own_exit(View<const BodyView> bodies) {
+        counts_.resize(candidates_.size());
+        executor_.for_each("test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
+                           stages::TestOwnExit{bodies, view_of(rays_), view_of(hits_), view_of(candidates_),
+                                               view_of(own_rays_), view_of(own_hits_), view_of(counts_)});
+    }
+
+    // Stage 10. The list, in (pair, side, vertex) order.
+    void contacts(const Scene& scene) {
+        const std::uint32_t total = place("contact_scan");
+        keys_.resize(total);
+        order_.resize(total);
+        contacts_.resize(total);
+        executor_.for_each("key_contacts", static_cast<std::uint32_t>(candidates_.size()),
+                           stages::KeyContacts{view_of(sources_), view_of(candidates_), view_of(counts_),
+                                               view_of(offsets_), view_of(keys_), view_of(order_)});
+        executor_.sort("contact_sort", view_of(keys_), view_of(order_));
+        executor_.for_each("fill_contact", total,
+                           stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_),
+                                               view_of(hits_), view_of(candidates_), view_of(order_),
+                                               view_of(last_contacts_), view_of(contacts_)});
+    }
+
+    // Stage 12. What the step did; sums in contact order.
+    void count(const TracerCounts& before, StepStats& stats) const {
+        const TracerCounts after = tracer_.counts();
+        stats.pairs = static_cast<std::uint32_t>(pairs_.size());
+        stats.rays = static_cast<std::uint32_t>(rays_.size());
+        stats.own_rays = static_cast<std::uint32_t>(own_rays_.size());
+        stats.contacts = static_cast<std::uint32_t>(contacts_.size());
+        stats.refits = static_cast<std::uint32_t>(after.refits - before.refits);
+        stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);
+        stats.triangle_tests = after.triangle_tests - before.triangle_tests;
+        for (const Hit& hit : hits_) stats.hits += hit.triangle != no_triangle;
+        double sum = 0;
+        for (std::size_t i = 0; i < contacts_.size(); ++i) {
+            const Contact& c = contacts_[i];
+            stats.touching_pairs += i == 0 || contacts_[i - 1].a != c.a || contacts_[i - 1].b != c.b;
+            sum += c.penetration_depth();
+            stats.penetration_max = max_of(c.penetration_depth(), stats.penetration_max);
+        }
+        if (!contacts_.empty()) stats.penetration_mean = sum / static_cast<double>(contacts_.size());
+    }
+
+    E& executor_;
+    T& tracer_;
+
+    Buffer<stages::Moments> moments_;
+    Buffer<stages::ChunkBounds> chunk_bounds_;
+    Buffer<std::uint64_t> keys_;
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_;
+    Buffer<Pair> pairs_;
+    Buffer<stages::DirectedPair> directed_;
+    Buffer<stages::PatchItem> items_, patches_;
+    Buffer<Ray> rays_, own_rays_;
+    Buffer<RaySource> sources_;
+    Buffer<Hit> hits_, own_hits_;
+    Buffer<Contact> contacts_, last_contacts_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "pierce/core/body.hpp"
+#include "pierce/core/contact.hpp"
+#include "pierce/core/plan.hpp"
+#include "pierce/core/stages/bounds.hpp"
+
+namespace pierce {
+
+/// All that a step reads of a world, and what it keeps up to date there: bounds and fitted frames of its bodies.
+struct Scene {
+    View<BodyView> bodies;
+    View<const BodyId> ids;
+    View<Quaternion> rotations;                ///< per body, last fitted rotation
+    View<const stages::Chunk> chunks;          ///< of deforming bodies
+    View<const stages::ChunkRange> ranges;     ///< per deforming body, its chunks
+    View<const View<PatchSphere>> patches;     ///< per body, where a deforming body's spheres go
+    const Plan* plan = nullptr;
+};
+
+}  // namespace pierce

@@ -1,0 +1,119 @@
+#pragma once
+
+#include "pierce/core/stages/ray_gen.hpp"
+
+/// Stage 9, classify: which hits are contacts. Rules of Hermann, Faure and Raffin (2008), in the form
+///   R1  the ray leaves the target at its first crossing, so the vertex was inside;
+///   R2  the ray's first crossing of its own body, the triangles around the vertex left aside, leaves that body;
+///   R3  the target is left first, or at the same place.
+/// Together: the segment from vertex to hit lies in both bodies and ends on the target's surface.
+namespace pierce::stages {
+
+/// How a ray meets the triangle its tracer found.
+struct Meeting {
+    double t = 0;                 ///< [length] not below zero
+    double barycentric[3] = {};
+    bool exit = false;            ///< leaves the target, or touches its surface
+};
+
+/// Recomputes the meeting from the triangle itself, so that no tracer's arithmetic reaches a result.
+PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    const Vec3d a = to_double(surface.positions[t.vertex[0]]);
+    const Vec3d b = to_double(surface.positions[t.vertex[1]]);
+    const Vec3d c = to_double(surface.positions[t.vertex[2]]);
+    const Crossing crossing = cross_triangle({ray.origin, ray.direction}, a, b, c);
+    Meeting m;
+    if (crossing.kind == Crossing::coplanar) {
+        // The origin lies in the triangle: barycentrics by areas.
+        const Vec3d n = cross(b - a, c - a);
+        const double area = length_squared(n);
+        m.barycentric[0] = dot(n, cross(c - b, ray.origin - b)) / area;
+        m.barycentric[1] = dot(n, cross(a - c, ray.origin - c)) / area;
+        m.barycentric[2] = 1.0 - m.barycentric[0] - m.barycentric[1];
+        m.exit = true;
+        return m;
+    }
+    m.t = max_of(crossing.t, 0.0);
+    for (int k = 0; k < 3; ++k) m.barycentric[k] = crossing.weight[k];
+    m.exit = crossing.sign > 0;
+    return m;
+}
+
+/// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere.
+struct TestInside {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const Hit> hits;
+    View<std::uint32_t> inside;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t triangle = hits[i].triangle;
+        inside[i] = triangle != no_triangle && meet(rays[i], bodies[rays[i].target].surface(), triangle).exit;
+    }
+};
+
+/// Per ray: lists the ones inside. Reads flags and offsets; writes ray indices.
+struct ListInside {
+    View<const std::uint32_t> inside, offsets;
+    View<std::uint32_t> candidates;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (inside[i]) candidates[offsets[i]] = i;
+    }
+};
+
+/// Per candidate: the ray into its own body, for the sources that have no own_exit table.
+struct GenerateOwnRays {
+    View<const BodyView> bodies;
+    View<const Pair> pairs;
+    View<const Ray> rays;
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates;
+    View<Ray> own_rays;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const RaySource source = sources[candidates[i]];
+        const std::uint32_t body_index = pairs[source.pair].source(source.side);
+        const BodyView& body = bodies[body_index];
+        Ray ray;
+        ray.t_max = -1.0;
+        if (body.motion == Motion::deforming && body.mesh.closed) {
+            ray.origin = to_double(body.positions[source.vertex]);
+            ray.direction = inward_direction(body, source.vertex);
+            ray.t_max = body.fit_box.extent();
+            ray.target = body_index;
+            ray.excluded_vertex = source.vertex;
+        }
+        own_rays[i] = ray;
+    }
+};
+
+/// Per candidate: R2 and R3. Rigid and fixed sources were cut at their own exit by ray_gen; open ones have no inside.
+/// Reads own hits; writes 1 for a contact, 0 otherwise.
+struct TestOwnExit {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const Hit> hits;
+    View<const std::uint32_t> candidates;
+    View<const Ray> own_rays;  ///< empty if no source deforms
+    View<const Hit> own_hits;
+    View<std::uint32_t> keep;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t r = candidates[i];
+        const BodyView& target = bodies[rays[r].target];
+        const double t = meet(rays[r], target.surface(), hits[r].triangle).t;
+        keep[i] = t <= rays[r].t_max + target.touch;
+        if (own_rays.size == 0 || own_rays[i].t_max < 0) return;
+        const std::uint32_t own = own_hits[i].triangle;
+        if (own == no_triangle) {
+            keep[i] = 0;
+            return;
+        }
+        const Meeting exit = meet(own_rays[i], bodies[own_rays[i].target].surface(), own);
+        keep[i] = keep[i] && exit.exit && t <= exit.t + target.touch;
+    }
+};
+
+}  // namespace pierce::stages

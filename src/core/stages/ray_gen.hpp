@@ -1,0 +1,54 @@
+#pragma once
+
+#include "pierce/core/stages/vertex_cull.hpp"
+#include "pierce/core/vertex_normal.hpp"
+
+/// Stage 5, ray_gen: one ray per vertex left, along its inward normal.
+namespace pierce::stages {
+
+/// The unit inward direction at a vertex, in the body's space; zero where there is none.
+PIERCE_HD inline Vec3d inward_direction(const BodyView& body, std::uint32_t vertex) {
+    const Vec3d n = body.motion == Motion::deforming ? vertex_normal(body.mesh, body.positions, vertex)
+                                                     : normalized(to_double(body.mesh.normals[vertex]));
+    return -n;
+}
+
+/// How far an inward ray from `vertex` may go before it leaves its own body for certain.
+PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex) {
+    if (!source.mesh.closed) return source.range;
+    if (source.motion != Motion::deforming) return source.own_exit[vertex];
+    return target.fit_box.extent();  // a chord of the target cannot be longer; its own exit is looked for later
+}
+
+/// Per kept patch: writes its rays. Reads masks and offsets; writes rays and their sources.
+struct GenerateRays {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const PatchItem> patches;
+    View<const std::uint32_t> masks, offsets;
+    View<Ray> rays;
+    View<RaySource> sources;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const PatchItem item = patches[i];
+        const DirectedPair& d = directed[item.directed];
+        const BodyView& source = bodies[d.source];
+        const BodyView& target = bodies[d.target];
+        std::uint32_t slot = offsets[i];
+        for (std::uint32_t k = 0; k < patch_length(source.mesh, item.patch); ++k) {
+            if (!(masks[i] >> k & 1u)) continue;
+            const std::uint32_t v = source.mesh.patch_vertices[item.patch * constants::patch_size + k];
+            const Vec3d direction = inward_direction(source, v);
+            Ray ray;
+            ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
+            ray.direction = normalized(d.to_space.rotation * direction);
+            ray.t_max = length_squared(direction) > 0 ? inward_range(source, target, v) : -1.0;
+            ray.target = d.target;
+            rays[slot] = ray;
+            sources[slot] = {item.directed / 2, item.directed % 2, v};
+            ++slot;
+        }
+    }
+};
+
+}  // namespace pierce::stages

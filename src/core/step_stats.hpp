@@ -1,0 +1,59 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pierce {
+
+/// Things a step could not do in full; 0 if there were none.
+enum StepStatus : std::uint32_t {
+    step_ok = 0,
+    body_excluded = 1u << 0,  ///< a body's pose or positions were not finite: it had no contacts in this step
+};
+
+/// What one step took and found.
+struct StepStats {
+    struct Stage {
+        const char* name;
+        double milliseconds;
+    };
+    std::vector<Stage> stages;   ///< in the order they ran
+    double milliseconds = 0;     ///< the whole step
+    std::uint32_t status = step_ok;
+    std::uint32_t excluded_bodies = 0;
+    std::uint32_t pairs = 0;           ///< bodies whose boxes overlap
+    std::uint32_t rays = 0;            ///< vertices not culled
+    std::uint32_t hits = 0;            ///< rays that meet the other body at all
+    std::uint32_t own_rays = 0;        ///< rays that looked for their own body's far side
+    std::uint32_t contacts = 0;
+    std::uint32_t touching_pairs = 0;  ///< pairs with a contact
+    std::uint32_t refits = 0, rebuilds = 0;
+    std::uint64_t triangle_tests = 0;
+    double penetration_mean = 0, penetration_max = 0;  ///< [length] over the contacts
+};
+
+/// Times stages into a StepStats; a stage that runs twice adds up.
+class StageTimer {
+public:
+    explicit StageTimer(StepStats& stats) : stats_(stats) {}
+
+    template <class F>
+    void operator()(const char* name, F&& stage) {
+        const auto begin = std::chrono::steady_clock::now();
+        stage();
+        const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
+        for (StepStats::Stage& s : stats_.stages)
+            if (s.name == name) {
+                s.milliseconds += elapsed.count();
+                return;
+            }
+        stats_.stages.push_back({name, elapsed.count()});
+    }
+
+private:
+    StepStats& stats_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,117 @@
+#pragma once
+
+#include "pierce/core/constants.hpp"
+#include "pierce/core/float_rules.hpp"
+#include "pierce/core/vec3.hpp"
+
+namespace pierce {
+
+/// True if the triangle is too thin to have a normal.
+PIERCE_HD inline bool is_degenerate(Vec3d a, Vec3d b, Vec3d c) {
+    const Vec3d ab = b - a, bc = c - b, ca = a - c;
+    const double longest = max_of(length_squared(ab), max_of(length_squared(bc), length_squared(ca)));
+    return !(length(cross(ab, ca)) > constants::degenerate_area * longest);
+}
+
+/// A ray prepared for the triangle test: the axis it runs along most becomes z, and a shear makes it (0, 0, 1).
+struct ShearedRay {
+    Vec3d origin;
+    Vec3d direction;
+    int kx = 0, ky = 1, kz = 2;
+    double sx = 0, sy = 0;
+
+    ShearedRay() = default;
+    PIERCE_HD ShearedRay(Vec3d ray_origin, Vec3d ray_direction) : origin(ray_origin), direction(ray_direction) {
+        const double x = std::fabs(direction.x), y = std::fabs(direction.y), z = std::fabs(direction.z);
+        kz = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+        kx = (kz + 1) % 3;
+        ky = (kx + 1) % 3;
+        if (direction[kz] < 0) {
+            const int swap = kx;
+            kx = ky;
+            ky = swap;
+        }
+        sx = direction[kx] / direction[kz];
+        sy = direction[ky] / direction[kz];
+    }
+};
+
+/// How a line meets a triangle.
+struct Crossing {
+    enum Kind : std::uint8_t {
+        none,
+        transversal,  ///< the line passes through the closed triangle
+        coplanar,     ///< the line lies in the triangle's plane
+    };
+    Kind kind = none;
+    double t = 0;           ///< along the ray's direction; negative behind the origin
+    double sign = 0;        ///< +1: leaves through the back (exit), -1: comes in from the front (entry)
+    double weight[3] = {};  ///< barycentric coordinates of the point hit
+
+    PIERCE_HD explicit operator bool() const { return kind == transversal; }
+};
+
+/// The one geometric truth of the library: the watertight line-triangle test of Woop, Benthin and Wald (JCGT 2(1),
+/// 2013) in double. Neighbouring triangles compute their shared edge function from the same sheared vertices with the
+/// operands swapped, so it differs in sign only and no line passes between them.
+PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2) {
+    const Vec3d a = v0 - ray.origin, b = v1 - ray.origin, c = v2 - ray.origin;
+    const double ax = a[ray.kx] - ray.sx * a[ray.kz], ay = a[ray.ky] - ray.sy * a[ray.kz];
+    const double bx = b[ray.kx] - ray.sx * b[ray.kz], by = b[ray.ky] - ray.sy * b[ray.kz];
+    const double cx = c[ray.kx] - ray.sx * c[ray.kz], cy = c[ray.ky] - ray.sy * c[ray.kz];
+    const double u = cx * by - cy * bx;
+    const double v = ax * cy - ay * cx;
+    const double w = bx * ay - by * ax;
+
+    Crossing crossing;
+    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return crossing;
+    const double reach = length_squared(a) + length_squared(b) + length_squared(c);
+    if (std::fabs(u) + std::fabs(v) + std::fabs(w) <= constants::coplanar_tolerance * reach) {
+        crossing.kind = Crossing::coplanar;
+        return crossing;
+    }
+    const double det = u + v + w;
+    if (is_degenerate(v0, v1, v2)) return crossing;
+    crossing.kind = Crossing::transversal;
+    crossing.sign = det < 0 ? 1.0 : -1.0;
+    crossing.weight[0] = u / det;
+    crossing.weight[1] = v / det;
+    crossing.weight[2] = w / det;
+    crossing.t =
+        dot(crossing.weight[0] * a + crossing.weight[1] * b + crossing.weight[2] * c, ray.direction);
+    return crossing;
+}
+
+/// Twice the part of the full turn that the triangle covers around the line: 2 if the line passes through the inside,
+/// 1 through an edge, the angle over pi through a vertex. Signed weights of all triangles met at one point of a closed
+/// surface add up to twice the change of the winding number.
+PIERCE_HD inline double crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2, const Crossing& crossing) {
+    constexpr double pi = 3.14159265358979323846;
+    const bool on[3] = {crossing.weight[0] == 0, crossing.weight[1] == 0, crossing.weight[2] == 0};
+    const int zeros = on[0] + on[1] + on[2];
+    if (zeros == 0) return 2.0;
+    if (zeros == 1) return 1.0;
+    const int apex = !on[0] ? 0 : !on[1] ? 1 : 2;
+    const Vec3d corner[3] = {v0, v1, v2};
+    const auto flat = [&](Vec3d p) {
+        const Vec3d d = p - corner[apex];
+        return Vec3d{d[ray.kx] - ray.sx * d[ray.kz], d[ray.ky] - ray.sy * d[ray.kz], 0};
+    };
+    const Vec3d e = flat(corner[(apex + 1) % 3]), f = flat(corner[(apex + 2) % 3]);
+    const double lengths = std::sqrt(length_squared(e) * length_squared(f));
+    return lengths > 0 ? arc_cosine(dot(e, f) / lengths) / pi : 0.0;
+}
+
+/// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer to it than `tolerance`.
+PIERCE_HD inline bool touches_triangle(Vec3d p, Vec3d v0, Vec3d v1, Vec3d v2, double tolerance) {
+    const Vec3d n = normalized(cross(v1 - v0, v2 - v0));
+    if (length_squared(n) == 0 || std::fabs(dot(n, p - v0)) > tolerance) return false;
+    const Vec3d corner[3] = {v0, v1, v2};
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d edge = corner[(k + 1) % 3] - corner[k];
+        if (dot(cross(n, normalized(edge)), p - corner[k]) < -tolerance) return false;
+    }
+    return true;
+}
+
+}  // namespace pierce

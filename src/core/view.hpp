@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "pierce/core/config.hpp"
+
+namespace pierce {
+
+/// A pointer and a count; the form in which stages see arrays, on host and device alike. Owns nothing.
+template <class T>
+struct View {
+    T* data = nullptr;
+    std::uint32_t size = 0;
+
+    PIERCE_HD T& operator[](std::size_t i) const { return data[i]; }
+    PIERCE_HD T* begin() const { return data; }
+    PIERCE_HD T* end() const { return data + size; }
+    PIERCE_HD operator View<const T>() const { return {data, size}; }
+};
+
+/// The view of a contiguous container.
+template <class Container>
+auto view_of(Container& c) {
+    return View<std::remove_pointer_t<decltype(c.data())>>{c.data(), static_cast<std::uint32_t>(c.size())};
+}
+
+}  // namespace pierce

@@ -1,0 +1,387 @@
+#include "pierce/core/world.hpp"
+
+#include <algorithm>
+
+#include "pierce/core/brute_force_tracer.hpp"
+#include "pierce/core/patch.hpp"
+#include "pierce/core/slot_map.hpp"
+
+namespace pierce {
+namespace {
+
+struct MeshEntry {
+    std::unique_ptr<Mesh> mesh;
+    std::uint64_t key = 0;
+    std::vector<double> own_exit;  ///< of the rest shape; made when a fixed or rigid body first needs it
+};
+
+struct BodyEntry {
+    MeshId mesh;
+    Motion motion = Motion::fixed;
+    Pose pose;
+    std::vector<Vec3f> positions;      ///< of a deforming body
+    std::vector<PatchSphere> patches;  ///< of a deforming body
+    std::uint64_t positions_version = 0;
+    bool finite = true;
+};
+
+bool is_finite(const Pose& pose) {
+    const Quaternion& q = pose.rotation;
+    const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    return is_finite(pose.position) && norm - norm == 0 && norm > 0;
+}
+
+bool is_finite(std::span<const Vec3f> positions) {
+    return std::ranges::all_of(positions, [](Vec3f p) { return pierce::is_finite(p); });
+}
+
+void check_pose(const Pose& pose, const std::string& mesh) {
+    if (!is_finite(pose)) throw InputError("pose of a body of mesh '" + mesh + "' is not finite or has no rotation");
+}
+
+void check_count(std::size_t given, const Mesh& mesh) {
+    if (given != mesh.positions().size())
+        throw InputError("body of mesh '" + mesh.name() + "' needs " + std::to_string(mesh.positions().size()) +
+                         " positions, got " + std::to_string(given));
+}
+
+/// Distance along the ray at which it enters `box`, or nothing.
+std::optional<double> enter_box(Vec3d origin, Vec3d direction, const Box& box) {
+    double begin = 0, end = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        if (direction[k] == 0) {
+            if (origin[k] < box.lower[k] || origin[k] > box.upper[k]) return std::nullopt;
+            continue;
+        }
+        const double t0 = (box.lower[k] - origin[k]) / direction[k], t1 = (box.upper[k] - origin[k]) / direction[k];
+        begin = std::max(begin, std::min(t0, t1));
+        end = std::min(end, std::max(t0, t1));
+    }
+    if (begin <= end) return begin;
+    return std::nullopt;
+}
+
+}  // namespace
+
+struct World::State {
+    std::unique_ptr<Backend> backend;
+    Settings settings;
+    SlotMap<MeshTag, MeshEntry> meshes;
+    SlotMap<BodyTag, BodyEntry> bodies;
+    std::uint64_t next_key = 1;
+
+    // What a step reads; remade when bodies are added, removed or change kind.
+    bool planned = false;
+    Plan plan;
+    std::vector<BodyView> views;
+    std::vector<BodyId> ids;
+    std::vector<Quaternion> rotations;
+    std::vector<stages::Chunk> chunks;
+    std::vector<stages::ChunkRange> ranges;
+    std::vector<View<PatchSphere>> patches;
+    StepStats stats;
+
+    const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
+
+    BodyId add(BodyEntry body) {
+        planned = false;
+        return bodies.add(std::move(body));
+    }
+
+    /// What does not change between steps.
+    void make_plan();
+    void add_chunks(std::uint32_t body);
+    void describe(const BodyEntry& body, const Mesh& mesh);
+    /// What may have changed since the last step.
+    void refresh_views();
+    /// Lengths of the inward rays of a mesh's rest shape inside itself; -1 where a ray does not start inside (R2).
+    void find_own_exits(MeshEntry& entry, const BodyView& body);
+};
+
+void World::State::add_chunks(std::uint32_t body) {
+    const std::uint32_t count = patch_count(views[body].mesh);
+    stages::ChunkRange range{body, static_cast<std::uint32_t>(chunks.size()), 0};
+    for (std::uint32_t p = 0; p < count; p += constants::chunk_patches)
+        chunks.push_back({body, p, std::min(p + constants::chunk_patches, count)});
+    range.last = static_cast<std::uint32_t>(chunks.size());
+    ranges.push_back(range);
+}
+
+void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
+    plan.fixed_bodies += body.motion == Motion::fixed;
+    plan.rigid_bodies += body.motion == Motion::rigid;
+    plan.deforming_bodies += body.motion == Motion::deforming;
+    plan.open_bodies += !mesh.traits().closed();
+    const auto note = [&](const std::string& text) {
+        const std::string line = "mesh '" + mesh.name() + "': " + text;
+        if (std::ranges::find(plan.notes, line) == plan.notes.end()) plan.notes.push_back(line);
+    };
+    const MeshTraits& traits = mesh.traits();
+    if (!traits.closed())
+        note("open (" + std::to_string(traits.inconsistent_edges) +
+             " edges without a partner of opposite direction): it has no inside, so nothing penetrates it; its own rays "
+             "are limited in length and rules R2 and R3 do not apply");
+    else if (traits.volume < 0)
+        note("inside out (negative volume): its normals point inward, so rays start in the wrong direction");
+    if (traits.degenerate_triangles > 0)
+        note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
+}
+
+void World::State::find_own_exits(MeshEntry& entry, const BodyView& body) {
+    const MeshView& mesh = body.mesh;
+    std::vector<Ray> rays(mesh.positions.size);
+    for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
+        rays[v].origin = to_double(mesh.positions[v]);
+        rays[v].direction = stages::inward_direction(body, v);
+        rays[v].t_max = length_squared(rays[v].direction) > 0 ? body.fit_box.extent() : -1.0;
+        rays[v].excluded_vertex = v;
+    }
+    std::vector<Hit> hits(rays.size());
+    backend->closest_hits({&body, 1}, view_of(std::as_const(rays)), view_of(hits));
+    entry.own_exit.assign(rays.size(), -1.0);
+    for (std::size_t v = 0; v < rays.size(); ++v) {
+        if (hits[v].triangle == no_triangle) continue;
+        const stages::Meeting exit = stages::meet(rays[v], body.surface(), hits[v].triangle);
+        if (exit.exit) entry.own_exit[v] = exit.t;
+    }
+}
+
+void World::State::make_plan() {
+    const auto& slots = bodies.slots();
+    plan = {};
+    chunks.clear();
+    ranges.clear();
+    views.assign(slots.size(), {});
+    ids.assign(slots.size(), {});
+    patches.assign(slots.size(), {});
+    rotations.resize(slots.size());
+
+    for (std::uint32_t i = 0; i < slots.size(); ++i) {
+        BodyView& view = views[i];
+        view.active = false;
+        if (!slots[i].used) continue;
+        const BodyEntry& body = slots[i].thing;
+        MeshEntry& entry = meshes.get(body.mesh, "mesh");
+        ids[i] = {i, slots[i].generation};
+        view.mesh = entry.mesh->view();
+        view.mesh_key = entry.key;
+        view.motion = body.motion;
+        view.range = settings.open_body_range * view.mesh.mean_edge_length;
+        view.fit_box = view.mesh.box;
+        view.touch = constants::touch_tolerance * view.fit_box.extent();
+        describe(body, *entry.mesh);
+        if (body.motion == Motion::deforming) {
+            view.positions = view_of(body.positions);
+            view.patches = view_of(body.patches);
+            patches[i] = view_of(bodies.slots()[i].thing.patches);
+            add_chunks(i);
+        } else {
+            view.positions = view.mesh.positions;
+            view.patches = view.mesh.patches;
+            if (view.mesh.closed && entry.own_exit.empty()) find_own_exits(entry, view);
+            view.own_exit = view_of(std::as_const(entry.own_exit));
+        }
+    }
+
+    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;
+    plan.measures_deformation = plan.deforming_bodies > 0;
+    plan.traces_own_exits = plan.deforming_bodies > 0;
+    plan.stages = {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts"};
+    planned = true;
+}
+
+void World::State::refresh_views() {
+    if (!planned) make_plan();
+    for (std::uint32_t i = 0; i < views.size(); ++i) {
+        if (!ids[i]) continue;
+        const BodyEntry& body = bodies.slots()[i].thing;
+        views[i].active = body.finite;
+        if (!body.finite) {
+            stats.status |= body_excluded;
+            ++stats.excluded_bodies;
+        }
+        if (body.motion == Motion::deforming)
+            views[i].positions_version = body.positions_version;
+        else if (body.finite)
+            views[i].fit = views[i].space = frame_of(body.pose);
+    }
+}
+
+World::World(std::unique_ptr<Backend> backend, Settings settings) : state_(std::make_unique<State>()) {
+    if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
+    state_->backend = std::move(backend);
+    state_->settings = settings;
+}
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+World::~World() = default;
+
+MeshId World::add_mesh(std::string name, MeshData data) {
+    auto mesh = std::make_unique<Mesh>(std::move(name), std::move(data));
+    return state_->meshes.add({std::move(mesh), state_->next_key++, {}});
+}
+
+void World::remove_mesh(MeshId mesh) {
+    const Mesh& named = this->mesh(mesh);
+    for (const auto& slot : state_->bodies.slots())
+        if (slot.used && slot.thing.mesh == mesh)
+            throw InputError("mesh '" + named.name() + "' is still used by a body");
+    state_->meshes.remove(mesh, "mesh");
+}
+
+const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "mesh").mesh; }
+
+BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
+    check_pose(pose, this->mesh(mesh).name());
+    return state_->add({mesh, Motion::fixed, pose, {}, {}, 0, true});
+}
+
+BodyId World::add_rigid_body(MeshId mesh, const Pose& pose) {
+    check_pose(pose, this->mesh(mesh).name());
+    return state_->add({mesh, Motion::rigid, pose, {}, {}, 0, true});
+}
+
+BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) {
+    const Mesh& shape = this->mesh(mesh);
+    if (positions.empty()) positions = shape.positions();
+    check_count(positions.size(), shape);
+    check_finite("body of mesh '" + shape.name() + "'", positions);
+    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, state_->next_key++, true};
+    body.patches.resize(patch_count(shape.view()));
+    const BodyId id = state_->add(std::move(body));
+    state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
+    state_->rotations[id.index] = {};
+    return id;
+}
+
+void World::remove_body(BodyId body) {
+    state_->bodies.remove(body, "body");
+    state_->planned = false;
+}
+
+MeshId World::mesh_of(BodyId body) const { return state_->bodies.get(body, "body").mesh; }
+
+Motion World::motion_of(BodyId body) const { return state_->bodies.get(body, "body").motion; }
+
+Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
+    const BodyEntry& entry = state_->bodies.get(body, "body");
+    const Mesh& mesh = state_->mesh_of(entry);
+    if (vertex >= mesh.positions().size())
+        throw InputError("mesh '" + mesh.name() + "' has no vertex " + std::to_string(vertex));
+    if (entry.motion == Motion::deforming) return to_double(entry.positions[vertex]);
+    return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
+}
+
+void World::set_pose(BodyId body, const Pose& pose) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion == Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " deforms: it has positions, not a pose");
+    entry.pose = pose;
+    entry.finite = is_finite(pose);
+}
+
+void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+    check_count(positions.size(), state_->mesh_of(entry));
+    std::ranges::copy(positions, entry.positions.begin());
+    entry.positions_version = state_->next_key++;
+    entry.finite = is_finite(positions);
+}
+
+void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    const Mesh& shape = this->mesh(mesh);
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: only a deforming body changes its mesh");
+    check_count(positions.size(), shape);
+    entry.mesh = mesh;
+    entry.positions.assign(positions.begin(), positions.end());
+    entry.patches.resize(patch_count(shape.view()));
+    entry.positions_version = state_->next_key++;
+    entry.finite = is_finite(positions);
+    state_->planned = false;
+}
+
+const StepStats& World::detect() {
+    const auto begin = std::chrono::steady_clock::now();
+    State& s = *state_;
+    s.stats = {};
+    s.refresh_views();
+    const Scene scene{view_of(s.views),
+                      view_of(std::as_const(s.ids)),
+                      view_of(s.rotations),
+                      view_of(std::as_const(s.chunks)),
+                      view_of(std::as_const(s.ranges)),
+                      view_of(std::as_const(s.patches)),
+                      &s.plan};
+    s.backend->step(scene, s.stats);
+    s.stats.milliseconds =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    return s.stats;
+}
+
+std::span<const Contact> World::contacts() const {
+    const View<const Contact> contacts = state_->backend->contacts();
+    return {contacts.data, contacts.size};
+}
+
+const StepStats& World::stats() const { return state_->stats; }
+
+const Plan& World::plan() {
+    if (!state_->planned) state_->make_plan();
+    return state_->plan;
+}
+
+std::string World::backend() const { return state_->backend->description(); }
+
+std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
+    if (!state_->planned) throw InputError("cast_rays needs a detect() after bodies were added, removed or changed");
+    const auto& views = state_->views;
+    std::vector<Ray> rays;
+    std::vector<std::size_t> line;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const Vec3d direction = normalized(directions[i]);
+        if (length_squared(direction) == 0) continue;
+        for (std::uint32_t b = 0; b < views.size(); ++b) {
+            if (!views[b].active) continue;
+            const Frame to_fit = relative_frame({}, views[b].fit);
+            const auto enter = enter_box(to_fit.to_parent(origin), to_fit.rotation * direction, views[b].fit_box);
+            if (!enter) continue;
+            const Frame to_space = relative_frame({}, views[b].space);
+            Ray ray;
+            ray.origin = to_space.to_parent(origin + *enter * direction);
+            ray.direction = to_space.rotation * direction;
+            ray.t_max = views[b].fit_box.extent();
+            ray.target = b;
+            rays.push_back(ray);
+            line.push_back(i);
+        }
+    }
+    std::vector<Hit> hits(rays.size());
+    state_->backend->closest_hits(view_of(views), view_of(std::as_const(rays)), view_of(hits));
+
+    std::vector<std::optional<RayHit>> nearest(directions.size());
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+        if (hits[r].triangle == no_triangle) continue;
+        const BodyView& body = views[rays[r].target];
+        const stages::Meeting m = stages::meet(rays[r], body.surface(), hits[r].triangle);
+        const Vec3d at = body.space.to_parent(rays[r].origin + m.t * rays[r].direction);
+        const double t = length(at - origin);
+        std::optional<RayHit>& best = nearest[line[r]];
+        if (best && best->t <= t) continue;
+        const Triangle& tri = body.mesh.triangles[hits[r].triangle];
+        const Vec3d a = to_double(body.positions[tri.vertex[0]]);
+        const Vec3d n = cross(to_double(body.positions[tri.vertex[1]]) - a, to_double(body.positions[tri.vertex[2]]) - a);
+        best = RayHit{state_->ids[rays[r].target], hits[r].triangle, t, body.space.rotation * normalized(n)};
+    }
+    return nearest;
+}
+
+std::unique_ptr<Backend> reference_backend() {
+    return std::make_unique<PipelineBackend<SerialExecutor, BruteForceTracer>>(
+        "reference, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BruteForceTracer>());
+}
+
+}  // namespace pierce

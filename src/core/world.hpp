@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "pierce/core/backend.hpp"
+#include "pierce/core/contact.hpp"
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/plan.hpp"
+#include "pierce/core/pose.hpp"
+#include "pierce/core/settings.hpp"
+#include "pierce/core/step_stats.hpp"
+
+namespace pierce {
+
+/// Where a line of sight first meets a body.
+struct RayHit {
+    BodyId body;
+    std::uint32_t triangle = no_triangle;
+    double t = 0;   ///< [length] along the direction
+    Vec3d normal;   ///< of the triangle, unit, world space
+};
+
+/// Bodies and their contacts. Not thread-safe; one step uses as many threads as its backend has.
+/// Calls that take a handle throw InputError if it is null or its thing was removed; on any throw nothing has changed.
+class World {
+public:
+    explicit World(std::unique_ptr<Backend> backend = reference_backend(), Settings settings = {});
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+    ~World();
+
+    /// Checks and keeps a mesh; see Mesh for what is refused. `name` appears in messages.
+    MeshId add_mesh(std::string name, MeshData data);
+    /// Throws InputError while a body still uses the mesh.
+    void remove_mesh(MeshId mesh);
+    const Mesh& mesh(MeshId mesh) const;
+
+    /// A body that does not move. Two of them are never in contact.
+    BodyId add_fixed_body(MeshId mesh, const Pose& pose = {});
+    /// A body that moves by its pose.
+    BodyId add_rigid_body(MeshId mesh, const Pose& pose = {});
+    /// A body whose vertices are given in world space; they start at the mesh's rest positions if none are given.
+    BodyId add_deforming_body(MeshId mesh, std::span<const Vec3f> positions = {});
+    void remove_body(BodyId body);
+
+    MeshId mesh_of(BodyId body) const;
+    Motion motion_of(BodyId body) const;
+    /// The world position of a vertex as the last set_pose or set_positions left it.
+    Vec3d vertex_position(BodyId body, std::uint32_t vertex) const;
+
+    /// Moves a fixed or rigid body. A pose that is not finite, or has a zero rotation, excludes the body from detect()
+    /// until a good one is set. Throws InputError for a deforming body.
+    void set_pose(BodyId body, const Pose& pose);
+    /// Moves the vertices of a deforming body; copied. Positions that are not finite exclude the body from detect() until
+    /// good ones are set. Throws InputError for a wrong count or a body that does not deform.
+    void set_positions(BodyId body, std::span<const Vec3f> positions);
+    /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`.
+    void set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions);
+
+    /// One step: finds all contacts of the bodies as they stand.
+    const StepStats& detect();
+    /// The last step's contacts, sorted by (a, b, source, vertex). Valid until the next detect().
+    std::span<const Contact> contacts() const;
+    /// The last step's stages, counts and status bits.
+    const StepStats& stats() const;
+    /// Which stages this world's steps run and which rules do not apply to some body.
+    const Plan& plan();
+    std::string backend() const;
+
+    /// The first body along each line of sight from `origin`, bodies standing as in the last detect().
+    /// Directions need not be unit; zero ones meet nothing.
+    std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "pierce/core/backend.hpp"
+
+namespace pierce {
+
+/// The CPU backend: Embree's trees and oneTBB's threads. `threads` zero takes all the machine has; throws InputError if
+/// it is negative.
+std::unique_ptr<Backend> embree_backend(int threads = 0);
+
+/// The version of the Embree in use, as "3.13.5".
+std::string embree_version();
+
+}  // namespace pierce

@@ -1,0 +1,147 @@
+#include "pierce/cpu_embree/embree_tracer.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "pierce/cpu_embree/embree_tree.hpp"
+
+namespace pierce {
+namespace {
+
+using embree::Tree;
+using embree::TreeKind;
+
+/// The tree of a deforming body and what it was last fitted to.
+struct MovingTree {
+    std::unique_ptr<Tree> tree;
+    std::uint64_t mesh_key = 0;
+    std::uint64_t positions_version = 0;
+};
+
+}  // namespace
+
+struct EmbreeTracer::State {
+    RTCDevice device = nullptr;
+    std::unordered_map<std::uint64_t, std::unique_ptr<Tree>> still;  ///< by mesh key
+    std::vector<MovingTree> moving;                                  ///< by body
+    std::vector<Tree*> trees;                                        ///< by body, of this step
+    std::vector<std::uint32_t> tests;                                ///< by ray
+    std::vector<std::uint64_t> body_rays, body_tests;
+    TracerCounts counts;
+
+    ~State() {
+        still.clear();
+        moving.clear();
+        if (device != nullptr) rtcReleaseDevice(device);
+    }
+
+    /// Throws what Embree has complained about since the last call.
+    void check() const {
+        const RTCError error = rtcGetDeviceError(device);
+        if (error != RTC_ERROR_NONE)
+            throw std::runtime_error("Embree reports error " + std::to_string(static_cast<int>(error)));
+    }
+
+    void forget_unused(View<const BodyView> bodies);
+    void update_moving(const BodyView& body, MovingTree& entry, TracerCounts& done);
+};
+
+EmbreeTracer::EmbreeTracer() : state_(std::make_unique<State>()) {
+    // No thread count here: Embree would limit all of the process's oneTBB to it.
+    state_->device = rtcNewDevice(nullptr);
+    if (state_->device == nullptr)
+        throw std::runtime_error("Embree cannot start: error " + std::to_string(static_cast<int>(rtcGetDeviceError(nullptr))));
+}
+
+EmbreeTracer::~EmbreeTracer() = default;
+
+/// Drops trees of meshes that no body uses any more, and of bodies that are gone or no longer deform.
+void EmbreeTracer::State::forget_unused(View<const BodyView> bodies) {
+    moving.resize(bodies.size);
+    std::unordered_map<std::uint64_t, bool> used;
+    for (std::uint32_t b = 0; b < bodies.size; ++b) {
+        const bool deforms = bodies[b].motion == Motion::deforming && bodies[b].mesh_key != 0;
+        if (!deforms) {
+            moving[b] = {};
+            used[bodies[b].mesh_key] = true;
+        }
+    }
+    std::erase_if(still, [&](const auto& entry) { return !used.contains(entry.first); });
+}
+
+void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry, TracerCounts& done) {
+    const double reach = body.world_box.max_coordinate();
+    const bool other_mesh = entry.mesh_key != body.mesh_key;
+    const bool decayed = entry.tree != nullptr && entry.tree->policy.should_rebuild(entry.tree->triangle_count());
+    if (entry.tree == nullptr || other_mesh || decayed) {
+        entry.tree = std::make_unique<Tree>(device, TreeKind::moving, body.surface(), reach);
+        entry.mesh_key = body.mesh_key;
+        ++done.builds;
+        done.rebuilds += decayed && !other_mesh;
+    } else if (entry.positions_version != body.positions_version) {
+        entry.tree->refit(body.surface(), reach);
+        ++done.refits;
+    }
+    entry.positions_version = body.positions_version;
+}
+
+void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+    State& s = *state_;
+    s.forget_unused(bodies);
+    s.trees.assign(bodies.size, nullptr);
+    std::vector<std::uint32_t> deforming;
+    for (std::uint32_t b = 0; b < bodies.size; ++b) {
+        if (!wanted[b]) continue;
+        if (bodies[b].motion == Motion::deforming) {
+            deforming.push_back(b);
+            continue;
+        }
+        std::unique_ptr<Tree>& tree = s.still[bodies[b].mesh_key];
+        if (tree == nullptr) {
+            tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(),
+                                          bodies[b].fit_box.max_coordinate());
+            ++s.counts.builds;
+        }
+        s.trees[b] = tree.get();
+    }
+    std::vector<TracerCounts> done(deforming.size());
+    executor.for_each_task(static_cast<std::uint32_t>(deforming.size()), [&](std::uint32_t i) {
+        s.update_moving(bodies[deforming[i]], s.moving[deforming[i]], done[i]);
+    });
+    for (std::size_t i = 0; i < deforming.size(); ++i) {
+        s.trees[deforming[i]] = s.moving[deforming[i]].tree.get();
+        s.counts.builds += done[i].builds;
+        s.counts.refits += done[i].refits;
+        s.counts.rebuilds += done[i].rebuilds;
+    }
+    s.check();
+}
+
+void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
+                                View<const Ray> rays, View<Hit> hits) {
+    State& s = *state_;
+    s.tests.assign(rays.size, 0);
+    executor.for_each(name, rays.size, [&](std::uint32_t i) {
+        const Ray& ray = rays[i];
+        hits[i] = {};
+        if (ray.t_max >= 0) hits[i] = s.trees[ray.target]->trace(ray, s.tests[i]);
+    });
+
+    s.body_rays.assign(bodies.size, 0);
+    s.body_tests.assign(bodies.size, 0);
+    for (std::uint32_t i = 0; i < rays.size; ++i) {
+        s.body_rays[rays[i].target] += 1;
+        s.body_tests[rays[i].target] += s.tests[i];
+    }
+    for (std::uint32_t b = 0; b < bodies.size; ++b) {
+        s.counts.triangle_tests += s.body_tests[b];
+        if (bodies[b].motion == Motion::deforming && s.trees[b] != nullptr)
+            s.trees[b]->policy.record(s.body_rays[b], s.body_tests[b]);
+    }
+}
+
+TracerCounts EmbreeTracer::counts() const { return state_->counts; }
+
+}  // namespace pierce

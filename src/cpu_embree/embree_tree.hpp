@@ -1,0 +1,43 @@
+#pragma once
+
+#include "pierce/core/first_crossing.hpp"
+#include "pierce/core/refit_policy.hpp"
+#include "pierce/cpu_embree/embree_api.hpp"
+
+namespace pierce::embree {
+
+/// Whether a tree's triangles will ever move.
+enum class TreeKind { still, moving };
+
+/// An Embree scene over one surface. Triangles are user primitives, so that Embree asks us for boxes and tests.
+class Tree {
+public:
+    Tree(RTCDevice device, TreeKind kind, const Surface& surface, double max_coordinate);
+    ~Tree();
+    Tree(const Tree&) = delete;
+    Tree& operator=(const Tree&) = delete;
+
+    /// Takes over positions that moved, keeping the tree's shape. The triangles must be the same.
+    void refit(const Surface& surface, double max_coordinate);
+
+    /// The triangle the ray crosses first; adds the number of triangles tested to `tests`.
+    Hit trace(const Ray& ray, std::uint32_t& tests) const;
+
+    std::uint32_t triangle_count() const { return surface_.triangles.size; }
+
+    RefitPolicy policy;
+
+private:
+    struct Query;
+
+    static void bounds(const RTCBoundsFunctionArguments* arguments);
+    static void intersect(const RTCIntersectFunctionNArguments* arguments);
+    void set_surface(const Surface& surface, double max_coordinate);
+
+    Surface surface_;
+    float margin_ = 0;  ///< [length] how far boxes reach beyond their triangles
+    RTCScene scene_ = nullptr;
+    RTCGeometry geometry_ = nullptr;
+};
+
+}  // namespace pierce::embree

@@ -1,0 +1,124 @@
+// Contacts against their definition, found again in long double by tests/support/brute_force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/world.hpp"
+#include "support/backends.hpp"
+#include "support/brute_force.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using test::Solid;
+using test::SolidVec;
+
+SolidVec exact(Vec3d p) { return {p.x, p.y, p.z}; }
+
+Solid solid_of(const MeshData& mesh, const Pose& pose) {
+    const Frame frame = frame_of(pose);
+    Solid solid{{}, mesh.triangles};
+    for (Vec3f p : mesh.positions) solid.positions.push_back(exact(frame.to_parent(to_double(p))));
+    return solid;
+}
+
+std::vector<SolidVec> inward_of(const Mesh& mesh, const Pose& pose) {
+    const Frame frame = frame_of(pose);
+    std::vector<SolidVec> inward;
+    for (Vec3f n : mesh.normals()) inward.push_back(exact(-1.0 * normalized(frame.rotation * to_double(n))));
+    return inward;
+}
+
+class ContactsTest : public testing::TestWithParam<test::NamedBackend> {};
+
+/// Both directions of one pair against the definition.
+void expect_defined_contacts(World& world, BodyId a, BodyId b, const std::array<Solid, 2>& solid,
+                             const std::array<std::vector<SolidVec>, 2>& inward) {
+    for (int side = 0; side < 2; ++side) {
+        const test::Expected expected = test::expected_contacts(solid[side], inward[side], solid[1 - side]);
+        std::vector<Contact> found;
+        for (const Contact& c : world.contacts())
+            if (static_cast<int>(c.source) == side) found.push_back(c);
+        const auto unclear = [&](std::uint32_t v) { return std::ranges::binary_search(expected.unclear, v); };
+        for (const test::ExpectedContact& e : expected.contacts) {
+            const auto it = std::ranges::find(found, e.vertex, &Contact::vertex);
+            ASSERT_NE(it, found.end()) << "missing: side " << side << " vertex " << e.vertex << " depth " << (double)e.depth;
+            EXPECT_EQ(it->triangle, e.triangle);
+            EXPECT_NEAR(it->penetration_depth(), static_cast<double>(e.depth), 1e-6);
+        }
+        for (const Contact& c : found) {
+            EXPECT_EQ(c.a, a);
+            EXPECT_EQ(c.b, b);
+            EXPECT_TRUE(unclear(c.vertex) || std::ranges::any_of(expected.contacts, [&](const auto& e) {
+                            return e.vertex == c.vertex;
+                        })) << "false: side " << side << " vertex " << c.vertex;
+            // The segment lies in both bodies and ends on the target.
+            if (unclear(c.vertex)) continue;
+            const SolidVec p = exact(side == 0 ? c.point_a : c.point_b), q = exact(side == 0 ? c.point_b : c.point_a);
+            const long double margin = std::min(0.4L, 1e-4L / std::max(static_cast<long double>(c.penetration_depth()), 1e-9L));
+            EXPECT_EQ(test::crossings_between(p, q, solid[1 - side], ~0u, margin), 0);
+            EXPECT_EQ(test::crossings_between(p, q, solid[side], c.vertex, margin), 0);
+            if (c.penetration_depth() > 1e-3) {
+                const SolidVec middle{(p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2};
+                EXPECT_TRUE(test::is_inside(middle, solid[0]));
+                EXPECT_TRUE(test::is_inside(middle, solid[1]));
+            }
+            EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-6);
+        }
+    }
+}
+
+TEST_P(ContactsTest, RandomRigidPairsMatchTheDefinition) {
+    test::Random random(20240501);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::size_t contacts = 0;
+    for (int i = 0; i < 60 && !HasFailure(); ++i) {
+        SCOPED_TRACE("pair " + std::to_string(i));
+        World world(GetParam().make());
+        const MeshData data[2] = {test::random_closed_mesh(random), test::random_closed_mesh(random)};
+        const Pose pose[2] = {{random.in_box(0.6), random.rotation()}, {random.in_box(0.6), random.rotation()}};
+        const MeshId mesh[2] = {world.add_mesh("first", data[0]), world.add_mesh("second", data[1])};
+        const BodyId a = world.add_rigid_body(mesh[0], pose[0]), b = world.add_rigid_body(mesh[1], pose[1]);
+        world.detect();
+        contacts += world.contacts().size();
+        expect_defined_contacts(world, a, b, {solid_of(data[0], pose[0]), solid_of(data[1], pose[1])},
+                                {inward_of(world.mesh(mesh[0]), pose[0]), inward_of(world.mesh(mesh[1]), pose[1])});
+    }
+    EXPECT_GT(contacts, 1000u);
+}
+
+TEST_P(ContactsTest, RandomDeformingPairsMatchTheDefinition) {
+    test::Random random(77);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::size_t contacts = 0;
+    for (int i = 0; i < 60 && !HasFailure(); ++i) {
+        SCOPED_TRACE("pair " + std::to_string(i));
+        World world(GetParam().make());
+        std::array<Solid, 2> solid;
+        std::array<std::vector<SolidVec>, 2> inward;
+        BodyId body[2];
+        for (int k = 0; k < 2; ++k) {
+            MeshData data = test::random_closed_mesh(random);
+            const MeshId rest = world.add_mesh("rest", data);
+            // Stretch, then place, so that the body is far from its rest shape.
+            const double stretch = random.uniform(0.6, 1.6);
+            for (Vec3f& p : data.positions) p.x *= static_cast<float>(stretch);
+            data.positions = test::placed(data, {random.in_box(0.6), random.rotation()});
+            body[k] = world.add_deforming_body(rest, data.positions);
+            solid[k] = solid_of(data, {});
+            inward[k] = inward_of(Mesh("now", data), {});
+        }
+        world.detect();
+        contacts += world.contacts().size();
+        expect_defined_contacts(world, body[0], body[1], solid, inward);
+    }
+    EXPECT_GT(contacts, 1000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, ContactsTest, testing::ValuesIn(test::backends()), test::backend_name);
+
+}  // namespace
+}  // namespace pierce

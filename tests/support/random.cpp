@@ -1,0 +1,60 @@
+#include "support/random.hpp"
+
+#include <cstdlib>
+
+#include "pierce/scenes/shapes.hpp"
+
+namespace pierce::test {
+
+Random::Random(std::uint32_t seed) : seed_(seed) {
+    if (const char* given = std::getenv("PIERCE_TEST_SEED")) seed_ = static_cast<std::uint32_t>(std::atoll(given));
+    engine_.seed(seed_);
+}
+
+Vec3d Random::unit_vector() {
+    for (;;) {
+        const Vec3d v = in_box(1);
+        if (length_squared(v) > 0.01 && length_squared(v) < 1) return normalized(v);
+    }
+}
+
+Quaternion Random::rotation() {
+    const Vec3d v = unit_vector();
+    return {v.x, v.y, v.z, uniform(-2, 2)};
+}
+
+MeshData random_closed_mesh(Random& random) {
+    switch (random.integer(0, 3)) {
+        case 0: {
+            MeshData mesh = scenes::sphere(1, random.integer(1, 3));
+            const Vec3d wave = 6.0 * random.unit_vector();
+            const double height = random.uniform(0, 0.3);
+            for (Vec3f& p : mesh.positions) {
+                const Vec3d d = to_double(p);
+                p = to_float((1 + height * std::sin(dot(wave, d))) * d);
+            }
+            return mesh;
+        }
+        case 1:
+            return scenes::torus(0.8, random.uniform(0.1, 0.4), static_cast<std::uint32_t>(random.integer(5, 30)),
+                                 static_cast<std::uint32_t>(random.integer(4, 12)));
+        case 2: {
+            const Vec3d half{random.uniform(0.05, 1), random.uniform(0.3, 1), random.uniform(0.5, 1)};
+            return scenes::box(-half, half);
+        }
+        default: {
+            MeshData mesh = scenes::sphere(1, 2);
+            for (Vec3f& p : mesh.positions) p = static_cast<float>(random.uniform(0.5, 1)) * p;
+            return mesh;
+        }
+    }
+}
+
+std::vector<Vec3f> placed(const MeshData& mesh, const Pose& pose) {
+    const Frame frame = frame_of(pose);
+    std::vector<Vec3f> positions;
+    for (Vec3f p : mesh.positions) positions.push_back(to_float(frame.to_parent(to_double(p))));
+    return positions;
+}
+
+}  // namespace pierce::test
