@@ -1,0 +1,77 @@
+#include "pierce/bullet/soft_response.hpp"
+
+#include <BulletSoftBody/btSoftBodyInternals.h>
+
+#include "pierce/bullet/bullet_convert.hpp"
+
+namespace pierce::bullet {
+namespace {
+
+Vec3d target_point(const Contact& c) { return c.source == Side::a ? c.point_b : c.point_a; }
+Vec3d source_point(const Contact& c) { return c.source == Side::a ? c.point_a : c.point_b; }
+
+/// Pushes `node` out of the half space below the plane through `through` with unit normal `normal`.
+void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisionObject& object, Vec3d normal,
+                       Vec3d through, Vec3d anchor, btScalar rigid_share) {
+    if (node.m_im <= 0) return;
+    const btRigidBody* rigid = btRigidBody::upcast(&object);
+    const btScalar rigid_mass_inverse = rigid != nullptr ? rigid->getInvMass() * rigid_share : btScalar(0);
+    const btMatrix3x3 no_inertia(0, 0, 0, 0, 0, 0, 0, 0, 0);
+    const btScalar friction = soft.m_cfg.kDF * object.getFriction();
+    const btVector3 arm = to_bullet(anchor) - object.getWorldTransform().getOrigin();
+
+    btSoftBody::RContact contact{};
+    contact.t1.setZero();
+    contact.t2.setZero();
+    contact.m_cti.m_colObj = &object;
+    contact.m_cti.m_normal = to_bullet(normal);
+    contact.m_cti.m_offset = static_cast<btScalar>(-dot(normal, through));
+    contact.m_node = &node;
+    contact.m_c0 = ImpulseMatrix(soft.m_sst.sdt, node.m_im, rigid_mass_inverse,
+                                 rigid != nullptr ? rigid->getInvInertiaTensorWorld() : no_inertia, arm);
+    contact.m_c1 = arm;
+    contact.m_c2 = node.m_im * soft.m_sst.sdt;
+    contact.m_c3 = btScalar(1) - btMin(friction, btScalar(1));
+    contact.m_c4 = object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR;
+    soft.m_rcontacts.push_back(contact);
+}
+
+}  // namespace
+
+void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contact) {
+    btSoftBody::Node& node = source.m_nodes[static_cast<int>(contact.vertex)];
+    btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
+    const float* w = contact.barycentric;
+    const btScalar node_share = node.m_im;
+    const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] + face.m_n[2]->m_im * w[2];
+    const btScalar both = node_share + face_share;
+    if (both <= 0) return;
+    btSoftBody::SContact soft{};
+    soft.m_node = &node;
+    soft.m_face = &face;
+    soft.m_weights = btVector3(w[0], w[1], w[2]);
+    soft.m_normal = to_bullet(contact.face_normal);
+    soft.m_margin = 0;
+    soft.m_friction = btMax(source.m_cfg.kDF, target.m_cfg.kDF);
+    soft.m_cfm[0] = node_share / both * source.m_cfg.kSHR;
+    soft.m_cfm[1] = face_share / both * target.m_cfg.kSHR;
+    source.m_scontacts.push_back(soft);
+}
+
+void add_soft_rigid(btSoftBody& source, const btCollisionObject& target, const Contact& contact) {
+    const Vec3d hit = target_point(contact);
+    add_plane_contact(source, source.m_nodes[static_cast<int>(contact.vertex)], target, contact.face_normal, hit, hit, 1);
+}
+
+void add_rigid_soft(const btCollisionObject& source, btSoftBody& target, const Contact& contact) {
+    btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
+    const Vec3d way = source_point(contact) - target_point(contact);
+    for (int k = 0; k < 3; ++k) {
+        if (contact.barycentric[k] <= 0) continue;
+        const Vec3d goal = from_bullet(face.m_n[k]->m_x) + way;
+        add_plane_contact(target, *face.m_n[k], source, -contact.face_normal, goal, source_point(contact),
+                          contact.barycentric[k]);
+    }
+}
+
+}  // namespace pierce::bullet

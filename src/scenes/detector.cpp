@@ -1,0 +1,163 @@
+#include "pierce/scenes/detector.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "pierce/bullet/baseline_shapes.hpp"
+#include "pierce/bullet/bullet_convert.hpp"
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/scenes/bullet_result.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+std::vector<Vec3f> start_positions(const SceneBody& body, const MeshData& mesh) {
+    const Frame frame = frame_of(body.pose);
+    std::vector<Vec3f> positions;
+    for (Vec3f p : mesh.positions) positions.push_back(to_float(frame.to_parent(to_double(p))));
+    return positions;
+}
+
+/// Stages that keep boxes, pairs and trees up to date; all others are the narrow phase.
+bool is_update(const std::string& stage) { return stage == "bounds" || stage == "pairs" || stage == "update"; }
+
+class RayDetector : public Detector {
+public:
+    RayDetector(const SceneSetup& scene, const RaySettings& settings) : scene_(scene, settings) {}
+
+    void set_pose(std::uint32_t body, const Pose& pose) override { scene_.world.set_pose(scene_.bodies[body], pose); }
+    void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
+        scene_.world.set_positions(scene_.bodies[body], positions);
+    }
+    FrameResult detect() override {
+        scene_.world.detect();
+        return scene_.result();
+    }
+    World* world() override { return &scene_.world; }
+
+private:
+    SceneWorld scene_;
+};
+
+/// Bullet's collision world without dynamics.
+class BulletDetector : public Detector {
+public:
+    BulletDetector(const SceneSetup& scene, bullet::Baseline method)
+        : dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &configuration_) {
+        register_baseline(dispatcher_);
+        shapes_.reserve(scene.bodies.size());
+        for (const SceneBody& body : scene.bodies) {
+            const SceneMesh& mesh = scene.meshes[body.mesh];
+            const bool deforms = body.motion == Motion::deforming;
+            if (deforms && method != bullet::Baseline::gimpact)
+                throw InputError("only rays and gimpact can follow deforming bodies");
+            MeshData data = mesh.data;
+            if (deforms) data.positions = start_positions(body, mesh.data);
+            // Fixed bodies are obstacles for the baseline too, in the form it handles best.
+            const bool fixed_pieces = body.motion == Motion::fixed && !mesh.convex_pieces.empty();
+            shapes_.emplace_back(fixed_pieces ? bullet::Baseline::gjk_epa : method, mesh.name, data, mesh.convex_pieces);
+            auto object = std::make_unique<btCollisionObject>();
+            object->setCollisionShape(&shapes_.back().shape());
+            if (!deforms) object->setWorldTransform(bullet::to_bullet(body.pose));
+            object->setUserIndex(static_cast<int>(objects_.size()));
+            const bool fixed = body.motion == Motion::fixed;
+            if (fixed) object->setCollisionFlags(object->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT);
+            const int group = fixed ? btBroadphaseProxy::StaticFilter : btBroadphaseProxy::DefaultFilter;
+            const int mask = fixed ? btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter
+                                   : static_cast<int>(btBroadphaseProxy::AllFilter);
+            world_.addCollisionObject(object.get(), group, mask);
+            objects_.push_back(std::move(object));
+        }
+    }
+
+    ~BulletDetector() override {
+        for (const auto& object : objects_) world_.removeCollisionObject(object.get());
+    }
+
+    void set_pose(std::uint32_t body, const Pose& pose) override {
+        objects_[body]->setWorldTransform(bullet::to_bullet(pose));
+    }
+
+    void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
+        const auto begin = std::chrono::steady_clock::now();
+        shapes_[body].set_positions(positions);
+        refit_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    }
+
+    FrameResult detect() override {
+        configuration_.take_epa_milliseconds();
+        const auto begin = std::chrono::steady_clock::now();
+        world_.performDiscreteCollisionDetection();
+        const double all = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        return bullet_result(dispatcher_, all, std::exchange(refit_ms_, 0.0), configuration_.take_epa_milliseconds());
+    }
+
+private:
+    bullet::TimedConfiguration configuration_;
+    TimedDispatcher dispatcher_;
+    btDbvtBroadphase broadphase_;
+    btCollisionWorld world_;
+    std::vector<bullet::BaselineShape> shapes_;
+    std::vector<std::unique_ptr<btCollisionObject>> objects_;
+    double refit_ms_ = 0;
+};
+
+}  // namespace
+
+SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings) : world(make_backend(settings)) {
+    std::vector<MeshId> meshes;
+    for (const SceneMesh& mesh : scene.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+    for (const SceneBody& body : scene.bodies) {
+        const MeshId mesh = meshes[body.mesh];
+        switch (body.motion) {
+            case Motion::fixed: bodies.push_back(world.add_fixed_body(mesh, body.pose)); break;
+            case Motion::rigid: bodies.push_back(world.add_rigid_body(mesh, body.pose)); break;
+            case Motion::deforming:
+                bodies.push_back(world.add_deforming_body(mesh, start_positions(body, scene.meshes[body.mesh].data)));
+                break;
+        }
+    }
+}
+
+std::uint32_t SceneWorld::index_of(BodyId body) const {
+    return static_cast<std::uint32_t>(std::ranges::find(bodies, body) - bodies.begin());
+}
+
+FrameResult SceneWorld::result() const {
+    const StepStats& stats = world.stats();
+    FrameResult result;
+    result.stages = stats.stages;
+    for (const StepStats::Stage& stage : stats.stages)
+        (is_update(stage.name) ? result.update_ms : result.narrow_ms) += stage.milliseconds;
+    result.total_ms = stats.milliseconds;
+    result.pairs = stats.pairs;
+    result.rays = stats.rays;
+    result.hits = stats.hits;
+    result.contacts = stats.contacts;
+    result.status = stats.status;
+    result.penetration_mean = stats.penetration_mean;
+    result.penetration_max = stats.penetration_max;
+    result.hash = contact_hash(world.contacts());
+    BodyId last_a, last_b;
+    for (const Contact& c : world.contacts()) {
+        if (c.a == last_a && c.b == last_b) continue;
+        last_a = c.a;
+        last_b = c.b;
+        result.touching.emplace_back(index_of(c.a), index_of(c.b));
+    }
+    std::ranges::sort(result.touching);
+    return result;
+}
+
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays) {
+    switch (method) {
+        case Method::rays: return std::make_unique<RayDetector>(scene, rays);
+        case Method::gjk_epa: return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_epa);
+        case Method::gjk_hull: return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_hull);
+        case Method::gimpact: return std::make_unique<BulletDetector>(scene, bullet::Baseline::gimpact);
+    }
+    throw InputError("unknown method");
+}
+
+}  // namespace pierce::scenes

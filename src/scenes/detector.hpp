@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/method.hpp"
+#include "pierce/scenes/scene.hpp"
+
+namespace pierce::scenes {
+
+/// Contacts of a scene's bodies wherever they are put, by any method: the open loop, in which all see the same frames.
+class Detector {
+public:
+    virtual ~Detector() = default;
+
+    /// Bodies by their index in the scene.
+    virtual void set_pose(std::uint32_t body, const Pose& pose) = 0;
+    virtual void set_positions(std::uint32_t body, std::span<const Vec3f> positions) = 0;
+    virtual FrameResult detect() = 0;
+    /// The world behind it, if the method is rays; else null.
+    virtual World* world() { return nullptr; }
+};
+
+/// Throws InputError if the method cannot serve the scene.
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays = {});
+
+/// A World with a scene's meshes and bodies, in their order.
+struct SceneWorld {
+    World world;
+    std::vector<BodyId> bodies;
+
+    SceneWorld(const SceneSetup& scene, const RaySettings& settings);
+    /// Index into the scene's bodies.
+    std::uint32_t index_of(BodyId body) const;
+    /// The last step's results.
+    FrameResult result() const;
+};
+
+}  // namespace pierce::scenes

@@ -1,0 +1,98 @@
+#include "pierce/scenes/mesh_io.hpp"
+
+#include <fmt/os.h>
+
+#include <OpenMesh/Core/IO/MeshIO.hh>
+#include <OpenMesh/Core/IO/importer/ImporterT.hh>
+#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/Utils/color_cast.hh>
+#include <array>
+#include <fstream>
+#include <sstream>
+
+#include "pierce/core/error.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+using Kernel = OpenMesh::PolyMesh_ArrayKernelT<>;
+
+/// Collects what OpenMesh's readers read as it stands in the file. OpenMesh's own meshes would drop or split what is not
+/// manifold, and renumber; telling the user about that is our mesh check's task.
+class Collector : public OpenMesh::IO::ImporterT<Kernel> {
+public:
+    explicit Collector(Kernel& unused) : ImporterT(unused) {}
+
+    using ImporterT::add_face;
+    using ImporterT::add_vertex;
+
+    OpenMesh::VertexHandle add_vertex(const OpenMesh::Vec3f& p) override {
+        mesh.positions.push_back({p[0], p[1], p[2]});
+        return OpenMesh::VertexHandle(static_cast<int>(mesh.positions.size()) - 1);
+    }
+
+    OpenMesh::FaceHandle add_face(const VHandles& corners) override {
+        for (std::size_t k = 2; k < corners.size(); ++k)
+            mesh.triangles.push_back({{static_cast<std::uint32_t>(corners[0].idx()),
+                                       static_cast<std::uint32_t>(corners[k - 1].idx()),
+                                       static_cast<std::uint32_t>(corners[k].idx())}});
+        return OpenMesh::FaceHandle(faces++);
+    }
+
+    void reserve(unsigned int vertices, unsigned int, unsigned int face_count) override {
+        declared_vertices = vertices;
+        declared_faces = face_count;
+    }
+
+    std::size_t n_vertices() const override { return mesh.positions.size(); }
+    std::size_t n_faces() const override { return static_cast<std::size_t>(faces); }
+    void prepare() override {}
+    void finish() override {}
+
+    MeshData mesh;
+    int faces = 0;
+    std::size_t declared_vertices = 0, declared_faces = 0;  ///< by the file's header, zero if it has none
+};
+
+}  // namespace
+
+MeshData read_mesh(const std::filesystem::path& file) {
+    const std::string name = "'" + file.string() + "'";
+    if (!std::ifstream(file)) throw InputError("cannot open " + name);
+    std::ostringstream complaints;
+    omerr().connect(complaints);
+    omerr().disconnect(std::cerr);
+    Kernel unused;
+    Collector collector(unused);
+    OpenMesh::IO::Options options;
+    bool read = false;
+    try {
+        read = OpenMesh::IO::IOManager().read(file.string(), collector, options);
+    } catch (const std::exception& error) {
+        throw InputError("cannot read " + name + ": " + error.what());
+    }
+    omerr().disconnect(complaints);
+    omerr().connect(std::cerr);
+    if (!read) throw InputError("cannot read " + name + ": not an OBJ, PLY, STL or OFF file, or damaged");
+    const bool cut_short = collector.mesh.positions.size() < collector.declared_vertices ||
+                           static_cast<std::size_t>(collector.faces) < collector.declared_faces;
+    if (cut_short)
+        throw InputError(name + " is cut short: its header promises " + std::to_string(collector.declared_vertices) +
+                         " vertices and " + std::to_string(collector.declared_faces) + " faces, it holds " +
+                         std::to_string(collector.mesh.positions.size()) + " and " + std::to_string(collector.faces));
+    if (collector.mesh.triangles.empty()) throw InputError(name + " holds no triangles");
+    return std::move(collector.mesh);
+}
+
+void write_obj(const std::filesystem::path& file, const MeshData& mesh) {
+    try {
+        auto out = fmt::output_file(file.string());
+        for (Vec3f p : mesh.positions) out.print("v {} {} {}\n", p.x, p.y, p.z);
+        for (const Triangle& t : mesh.triangles)
+            out.print("f {} {} {}\n", t.vertex[0] + 1, t.vertex[1] + 1, t.vertex[2] + 1);
+    } catch (const std::system_error& error) {
+        throw InputError("cannot write '" + file.string() + "': " + error.what());
+    }
+}
+
+}  // namespace pierce::scenes

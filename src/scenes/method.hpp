@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pierce/core/backend.hpp"
+#include "pierce/core/step_stats.hpp"
+
+namespace pierce::scenes {
+
+/// Who finds the contacts.
+enum class Method : std::uint8_t { rays, gjk_epa, gjk_hull, gimpact };
+
+inline constexpr std::array<std::pair<const char*, Method>, 4> method_names = {{
+    {"rays", Method::rays}, {"gjk-epa", Method::gjk_epa}, {"gjk-hull", Method::gjk_hull}, {"gimpact", Method::gimpact}}};
+
+/// Throws InputError for an unknown name.
+Method method_named(const std::string& name);
+
+/// What runs the rays.
+struct RaySettings {
+    std::string backend = "embree";  ///< or "reference"
+    int threads = 0;                 ///< 0: all there are
+};
+
+/// Throws InputError for an unknown backend or negative threads.
+std::unique_ptr<Backend> make_backend(const RaySettings& settings);
+
+/// What one frame's detection took and found, in the same terms for every method.
+struct FrameResult {
+    std::vector<StepStats::Stage> stages;  ///< as the method names them
+    double update_ms = 0;    ///< boxes, pairs, acceleration structures
+    double narrow_ms = 0;    ///< which bodies touch, and where
+    double response_ms = 0;  ///< depth and normal, in the form a solver works on
+    double total_ms = 0;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;  ///< indices into the scene's bodies, sorted
+    std::uint32_t pairs = 0, rays = 0, hits = 0, contacts = 0;
+    std::uint32_t status = 0;
+    double penetration_mean = 0, penetration_max = 0;
+    std::uint64_t hash = 0;
+};
+
+}  // namespace pierce::scenes

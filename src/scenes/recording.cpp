@@ -1,0 +1,161 @@
+#include "pierce/scenes/recording.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "pierce/core/error.hpp"
+#include "pierce/scenes/mesh_io.hpp"
+#include "pierce/scenes/npy.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* format_name = "pierce-recording";
+constexpr int format_version = 1;
+constexpr std::size_t pose_size = 7;
+
+constexpr std::array motion_names = {"static", "rigid", "deforming"};
+
+std::size_t frame_size(const Recording& recording, const RecordedBody& body) {
+    if (body.motion != Motion::deforming) return pose_size;
+    return 3 * recording.meshes[body.mesh].data.positions.size();
+}
+
+/// A file name inside the folder: no way out of it.
+fs::path inside(const fs::path& folder, const std::string& name, const std::string& where) {
+    const fs::path file(name);
+    if (name.empty() || file.is_absolute() || std::ranges::find(file, fs::path("..")) != file.end())
+        throw InputError(where + ": '" + name + "' is not a file inside the folder");
+    return folder / file;
+}
+
+SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::string& where) {
+    return {entry.at("name").get<std::string>(), read_mesh(inside(folder, entry.at("file").get<std::string>(), where)), {}};
+}
+
+RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording, const std::string& where) {
+    RecordedBody body;
+    body.name = entry.at("name").get<std::string>();
+    const auto mesh_name = entry.at("mesh").get<std::string>();
+    const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
+    if (mesh == recording.meshes.end()) throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name + "'");
+    body.mesh = static_cast<std::uint32_t>(mesh - recording.meshes.begin());
+    const auto motion = entry.at("motion").get<std::string>();
+    const auto known = std::ranges::find(motion_names, motion);
+    if (known == motion_names.end())
+        throw InputError(where + ": body '" + body.name + "' has motion '" + motion + "'; there are static, rigid, deforming");
+    body.motion = static_cast<Motion>(known - motion_names.begin());
+
+    const bool deforms = body.motion == Motion::deforming;
+    const fs::path file = inside(folder, entry.at(deforms ? "positions" : "poses").get<std::string>(), where);
+    FloatArray array = read_npy(file);
+    const std::vector<std::size_t> tail =
+        deforms ? std::vector<std::size_t>{mesh->data.positions.size(), 3} : std::vector<std::size_t>{pose_size};
+    if (array.shape.size() != tail.size() + 1 || !std::equal(tail.begin(), tail.end(), array.shape.begin() + 1))
+        throw InputError("'" + file.string() + "' has the wrong shape: expected (frames, " +
+                         (deforms ? std::to_string(tail[0]) + ", 3)" : "7)"));
+    const std::size_t frames = array.shape[0];
+    if (body.motion != Motion::fixed || frames != 1) {
+        if (recording.frame_count == 0) recording.frame_count = static_cast<std::uint32_t>(frames);
+        if (frames != recording.frame_count)
+            throw InputError("'" + file.string() + "' has " + std::to_string(frames) + " frames, others have " +
+                             std::to_string(recording.frame_count));
+    }
+    body.values = std::move(array.values);
+    return body;
+}
+
+}  // namespace
+
+Pose Recording::pose(std::uint32_t body, std::uint32_t frame) const {
+    const std::vector<float>& v = bodies[body].values;
+    const float* p = v.data() + (v.size() == pose_size ? 0 : pose_size * frame);
+    return {{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
+}
+
+std::span<const Vec3f> Recording::positions(std::uint32_t body, std::uint32_t frame) const {
+    static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+    const std::size_t count = meshes[bodies[body].mesh].data.positions.size();
+    return {reinterpret_cast<const Vec3f*>(bodies[body].values.data()) + count * frame, count};
+}
+
+Recording start_recording(const SceneSetup& scene, double dt) {
+    Recording recording{dt, 0, scene.meshes, {}};
+    for (const SceneBody& b : scene.bodies) recording.bodies.push_back({b.name, b.mesh, b.motion, {}});
+    return recording;
+}
+
+void write_recording(const Recording& recording, const fs::path& folder) {
+    std::error_code failed;
+    fs::create_directories(folder, failed);
+    json scene{{"format", format_name}, {"version", format_version}, {"dt", recording.dt},
+               {"meshes", json::array()}, {"bodies", json::array()}};
+    for (std::size_t m = 0; m < recording.meshes.size(); ++m) {
+        const std::string file = "mesh_" + std::to_string(m) + ".obj";
+        write_obj(folder / file, recording.meshes[m].data);
+        scene["meshes"].push_back({{"name", recording.meshes[m].name}, {"file", file}});
+    }
+    for (std::size_t b = 0; b < recording.bodies.size(); ++b) {
+        const RecordedBody& body = recording.bodies[b];
+        const std::string file = "body_" + std::to_string(b) + ".npy";
+        const std::size_t frames = body.values.size() / frame_size(recording, body);
+        std::vector<std::size_t> shape{frames, pose_size};
+        if (body.motion == Motion::deforming) shape = {frames, recording.meshes[body.mesh].data.positions.size(), 3};
+        write_npy(folder / file, shape, body.values);
+        scene["bodies"].push_back({{"name", body.name},
+                                   {"mesh", recording.meshes[body.mesh].name},
+                                   {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
+                                   {body.motion == Motion::deforming ? "positions" : "poses", file}});
+    }
+    std::ofstream out(folder / "scene.json");
+    out << scene.dump(2) << '\n';
+    if (!out.flush()) throw InputError("cannot write '" + (folder / "scene.json").string() + "'");
+}
+
+Recording read_recording(const fs::path& folder) {
+    const fs::path file = folder / "scene.json";
+    const std::string where = "'" + file.string() + "'";
+    std::ifstream in(file);
+    if (!in) throw InputError("cannot open " + where);
+    Recording recording;
+    try {
+        const json scene = json::parse(in);
+        if (scene.at("format") != format_name) throw InputError(where + " is not a " + format_name);
+        if (scene.at("version") != format_version)
+            throw InputError(where + " has version " + scene.at("version").dump() + ", expected " + std::to_string(format_version));
+        recording.dt = scene.at("dt").get<double>();
+        if (!(recording.dt > 0)) throw InputError(where + ": dt must be positive");
+        for (const json& entry : scene.at("meshes")) recording.meshes.push_back(read_scene_mesh(entry, folder, where));
+        for (const json& entry : scene.at("bodies")) recording.bodies.push_back(read_body(entry, folder, recording, where));
+    } catch (const json::exception& error) {
+        throw InputError(where + ": " + error.what());
+    }
+    if (recording.bodies.empty()) throw InputError(where + " has no bodies");
+    if (recording.frame_count == 0) recording.frame_count = 1;
+    return recording;
+}
+
+Recording as_deforming(const Recording& recording) {
+    Recording result = recording;
+    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+        if (recording.bodies[b].motion != Motion::rigid) continue;
+        RecordedBody& body = result.bodies[b];
+        body.motion = Motion::deforming;
+        body.values.clear();
+        for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
+            const Frame frame = frame_of(recording.pose(b, f));
+            for (Vec3f rest : recording.meshes[body.mesh].data.positions) {
+                const Vec3f p = to_float(frame.to_parent(to_double(rest)));
+                body.values.insert(body.values.end(), {p.x, p.y, p.z});
+            }
+        }
+    }
+    return result;
+}
+
+}  // namespace pierce::scenes

@@ -1,0 +1,85 @@
+#include "pierce/scenes/scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "pierce/core/error.hpp"
+#include "pierce/scenes/bunny.hpp"
+#include "pierce/scenes/shapes.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+const std::array<SceneInfo, 2> scene_infos = {{
+    {"tori", "tori of 300 vertices and 600 triangles (radii 2 and 0.5) fall on a plane"},
+    {"bunnies", "Stanford bunnies of 453 vertices and 902 triangles fall on a plane"},
+}};
+
+constexpr double ground_half_width = 60;
+constexpr double ground_thickness = 10;
+
+SceneMesh ground_mesh() {
+    MeshData data = box({-ground_half_width, -ground_half_width, -ground_thickness},
+                        {ground_half_width, ground_half_width, 0});
+    std::vector<Vec3f> corners = data.positions;
+    return {"ground", std::move(data), {std::move(corners)}};
+}
+
+SceneMesh torus_mesh() {
+    constexpr std::uint32_t around = 30, across = 10;
+    SceneMesh mesh{"torus", torus(2, 0.5, around, across), {}};
+    for (std::uint32_t i = 0; i < around; ++i) {
+        std::vector<Vec3f> piece;
+        for (std::uint32_t ring : {i, (i + 1) % around})
+            for (std::uint32_t j = 0; j < across; ++j) piece.push_back(mesh.data.positions[ring * across + j]);
+        mesh.convex_pieces.push_back(std::move(piece));
+    }
+    return mesh;
+}
+
+/// Bounding sphere radius around the origin.
+double radius_of(const MeshData& mesh) {
+    double r = 0;
+    for (Vec3f p : mesh.positions) r = std::max(r, length(to_double(p)));
+    return r;
+}
+
+/// A scene of one mesh, `count` times, let go above the ground in loose layers with random rotations. The column is
+/// narrow, so that the bodies land on each other.
+SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& parameters) {
+    const double spacing = 2.1 * radius_of(mesh.data);
+    const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(parameters.count / 2.0)));
+    std::mt19937 random(parameters.seed);
+    // The engine's numbers are the same everywhere; the standard's distributions are not.
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
+
+    SceneSetup scene{std::move(name), {ground_mesh(), std::move(mesh)}, {{"ground", 0, Motion::fixed, {}}}};
+    for (std::uint32_t i = 0; i < parameters.count; ++i) {
+        SceneBody body{scene.meshes[1].name + " " + std::to_string(i), 1,
+                       parameters.soft ? Motion::deforming : Motion::rigid, {}};
+        const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
+                         static_cast<double>(i / (side * side))};
+        const double middle = 0.5 * (side - 1);
+        body.pose.position = {spacing * (cell.x - middle), spacing * (cell.y - middle), spacing * (cell.z + 0.6)};
+        body.pose.rotation = {uniform(), uniform(), uniform(), uniform()};
+        scene.bodies.push_back(std::move(body));
+    }
+    return scene;
+}
+
+}  // namespace
+
+std::span<const SceneInfo> scene_list() { return scene_infos; }
+
+SceneSetup make_scene(const std::string& name, const SceneParameters& parameters) {
+    if (parameters.count == 0) throw InputError("scene '" + name + "' needs at least one body");
+    if (name == "tori") return falling(name, torus_mesh(), parameters);
+    if (name == "bunnies") return falling(name, bunny_mesh(), parameters);
+    std::string known;
+    for (const SceneInfo& info : scene_list()) known += (known.empty() ? "" : ", ") + info.name;
+    throw InputError("unknown scene '" + name + "'; there are: " + known);
+}
+
+}  // namespace pierce::scenes

@@ -1,0 +1,255 @@
+#include "pierce/scenes/simulation.hpp"
+
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "pierce/bullet/baseline_shapes.hpp"
+#include "pierce/bullet/bullet_convert.hpp"
+#include "pierce/bullet/bullet_dispatcher.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/scenes/bullet_result.hpp"
+#include "pierce/scenes/detector.hpp"
+#include "pierce/scenes/mass_properties.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+constexpr double gravity = 9.81;  // [m/s^2] along -z
+
+/// How soft bodies keep their shape, in Bullet's terms.
+constexpr btScalar link_stiffness = btScalar(0.5);
+constexpr btScalar shape_matching = btScalar(0.05);
+constexpr btScalar soft_damping = btScalar(0.01);
+constexpr int soft_iterations = 4;
+constexpr int bending_distance = 2;
+
+constexpr btScalar friction = btScalar(0.5);
+constexpr btScalar rolling_friction = btScalar(0.02);
+constexpr btScalar angular_damping = btScalar(0.1);
+
+/// Bullet's world with a clock on collision detection.
+class ClockedWorld : public btSoftRigidDynamicsWorld {
+public:
+    using btSoftRigidDynamicsWorld::btSoftRigidDynamicsWorld;
+
+    void performDiscreteCollisionDetection() override {
+        const auto begin = std::chrono::steady_clock::now();
+        btSoftRigidDynamicsWorld::performDiscreteCollisionDetection();
+        detection_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    }
+
+    double detection_ms = 0;
+};
+
+double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>& position) {
+    double volume = 0;
+    const Vec3d base = position(0);
+    for (const Triangle& t : mesh.triangles)
+        volume += dot(position(t.vertex[0]) - base,
+                      cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) / 6;
+    return volume;
+}
+
+bullet::Baseline baseline_of(Method method) {
+    return method == Method::gjk_epa    ? bullet::Baseline::gjk_epa
+           : method == Method::gjk_hull ? bullet::Baseline::gjk_hull
+                                        : bullet::Baseline::gimpact;
+}
+
+}  // namespace
+
+struct Simulation::State {
+    SceneSetup scene;
+    Method method;
+    std::unique_ptr<SceneWorld> rays;  ///< null for Bullet's own methods
+    bullet::TimedConfiguration rigid_configuration;
+    btSoftBodyRigidBodyCollisionConfiguration soft_configuration;
+    std::unique_ptr<btCollisionDispatcher> dispatcher;
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    std::vector<bullet::BaselineShape> shapes;
+    std::vector<std::unique_ptr<btRigidBody>> rigid;    ///< by body, null if soft
+    std::vector<std::unique_ptr<btSoftBody>> soft;      ///< by body, null if rigid
+    std::vector<double> mass;                           ///< by body
+    std::unique_ptr<ClockedWorld> world;
+    FrameResult result;
+
+    State(const SceneSetup& s, Method m) : scene(s), method(m) {}
+
+    bullet::Dispatcher& ray_dispatcher() { return static_cast<bullet::Dispatcher&>(*dispatcher); }
+    void add_rigid(std::uint32_t index);
+    void add_soft(std::uint32_t index);
+};
+
+void Simulation::State::add_rigid(std::uint32_t index) {
+    const SceneBody& body = scene.bodies[index];
+    const SceneMesh& mesh = scene.meshes[body.mesh];
+    const bool fixed = body.motion == Motion::fixed;
+    // With rays the shape only gives Bullet's broad phase its box.
+    const bool pieces = method == Method::gjk_epa || (fixed && !mesh.convex_pieces.empty());
+    const bullet::Baseline shape = method == Method::rays ? bullet::Baseline::gjk_hull
+                                   : pieces               ? bullet::Baseline::gjk_epa
+                                                          : baseline_of(method);
+    shapes.emplace_back(shape, mesh.name, mesh.data, mesh.convex_pieces);
+
+    btVector3 inertia(0, 0, 0);
+    if (!fixed) {
+        const MassProperties properties = mass_properties(mesh.data);
+        mass[index] = properties.mass;
+        inertia = bullet::to_bullet(properties.inertia);
+    }
+    btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass[index]), nullptr, &shapes.back().shape(), inertia);
+    info.m_startWorldTransform = bullet::to_bullet(body.pose);
+    info.m_friction = friction;
+    info.m_rollingFriction = rolling_friction;
+    info.m_spinningFriction = rolling_friction;
+    info.m_angularDamping = fixed ? btScalar(0) : angular_damping;
+    rigid[index] = std::make_unique<btRigidBody>(info);
+    rigid[index]->setUserIndex(static_cast<int>(index));
+    world->addRigidBody(rigid[index].get());
+    if (rays != nullptr) ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
+}
+
+void Simulation::State::add_soft(std::uint32_t index) {
+    const SceneBody& body = scene.bodies[index];
+    const MeshData& mesh = scene.meshes[body.mesh].data;
+    const Frame start = frame_of(body.pose);
+    std::vector<btScalar> coordinates;
+    for (Vec3f p : mesh.positions) {
+        const btVector3 x = bullet::to_bullet(start.to_parent(to_double(p)));
+        coordinates.insert(coordinates.end(), {x.x(), x.y(), x.z()});
+    }
+    std::vector<int> indices;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
+    // Not randomised: node and face numbers are vertex and triangle numbers.
+    soft[index].reset(btSoftBodyHelpers::CreateFromTriMesh(world->getWorldInfo(), coordinates.data(), indices.data(),
+                                                           static_cast<int>(mesh.triangles.size()), false));
+    btSoftBody& made = *soft[index];
+    made.m_materials[0]->m_kLST = link_stiffness;
+    made.generateBendingConstraints(bending_distance);
+    made.m_cfg.piterations = soft_iterations;
+    made.m_cfg.kDP = soft_damping;
+    made.m_cfg.kDF = friction;
+    made.m_cfg.kMT = shape_matching;
+    made.m_cfg.collisions = 0;  // Bullet's own soft collisions stay off; the contacts are Pierce's
+    mass[index] = mass_properties(mesh).mass;
+    made.setTotalMass(static_cast<btScalar>(mass[index]));
+    made.setPose(false, true);
+    made.setUserIndex(static_cast<int>(index));
+    world->addSoftBody(&made);
+    ray_dispatcher().bind(made, rays->bodies[index]);
+}
+
+Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings& settings)
+    : state_(std::make_unique<State>(scene, method)) {
+    State& s = *state_;
+    bool any_soft = false;
+    for (const SceneBody& body : scene.bodies) any_soft |= body.motion == Motion::deforming;
+    if (any_soft && method != Method::rays) throw InputError("soft bodies are simulated with rays only");
+
+    btCollisionConfiguration* configuration = &s.rigid_configuration;
+    if (method == Method::rays) {
+        s.rays = std::make_unique<SceneWorld>(scene, settings);
+        configuration = &s.soft_configuration;
+        s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.rays->world);
+    } else {
+        s.dispatcher = std::make_unique<TimedDispatcher>(configuration);
+        register_baseline(*s.dispatcher);
+    }
+    s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver, configuration);
+    const btVector3 down(0, 0, static_cast<btScalar>(-gravity));
+    s.world->setGravity(down);
+    s.world->getWorldInfo().m_gravity = down;
+
+    const std::size_t count = scene.bodies.size();
+    s.rigid.resize(count);
+    s.soft.resize(count);
+    s.mass.resize(count, 0);
+    s.shapes.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (scene.bodies[i].motion == Motion::deforming)
+            s.add_soft(i);
+        else
+            s.add_rigid(i);
+    }
+}
+
+Simulation::~Simulation() {
+    for (const auto& body : state_->soft)
+        if (body) state_->world->removeSoftBody(body.get());
+    for (const auto& body : state_->rigid)
+        if (body) state_->world->removeRigidBody(body.get());
+}
+
+const FrameResult& Simulation::step(double dt) {
+    if (!(dt > 0) || !std::isfinite(dt)) throw InputError("time step must be positive");
+    State& s = *state_;
+    s.rigid_configuration.take_epa_milliseconds();
+    s.world->stepSimulation(static_cast<btScalar>(dt), 0);
+    if (s.rays != nullptr) {
+        s.result = s.rays->result();
+        s.result.response_ms = s.ray_dispatcher().response_milliseconds();
+        s.result.stages.push_back({"response", s.result.response_ms});
+        s.result.total_ms += s.result.response_ms;
+    } else {
+        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.world->detection_ms, 0,
+                                 s.rigid_configuration.take_epa_milliseconds());
+    }
+    return s.result;
+}
+
+void Simulation::record(Recording& recording) const {
+    const State& s = *state_;
+    for (std::uint32_t i = 0; i < recording.bodies.size(); ++i) {
+        std::vector<float>& values = recording.bodies[i].values;
+        if (s.soft[i]) {
+            for (int n = 0; n < s.soft[i]->m_nodes.size(); ++n) {
+                const Vec3f p = bullet::from_bullet_float(s.soft[i]->m_nodes[n].m_x);
+                values.insert(values.end(), {p.x, p.y, p.z});
+            }
+            continue;
+        }
+        const Pose pose = bullet::from_bullet(s.rigid[i]->getWorldTransform());
+        for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x, pose.rotation.y,
+                         pose.rotation.z, pose.rotation.w})
+            values.push_back(static_cast<float>(v));
+    }
+    ++recording.frame_count;
+}
+
+double Simulation::kinetic_energy_per_mass() const {
+    const State& s = *state_;
+    double energy = 0, mass = 0;
+    for (std::size_t i = 0; i < s.mass.size(); ++i) {
+        mass += s.mass[i];
+        if (s.rigid[i] && s.mass[i] > 0)
+            energy += 0.5 * s.mass[i] * s.rigid[i]->getLinearVelocity().length2();
+        if (s.soft[i])
+            for (int n = 0; n < s.soft[i]->m_nodes.size(); ++n)
+                energy += 0.5 * s.mass[i] / s.soft[i]->m_nodes.size() * s.soft[i]->m_nodes[n].m_v.length2();
+    }
+    return mass > 0 ? energy / mass : 0;
+}
+
+Vec3d Simulation::vertex_position(std::uint32_t body, std::uint32_t vertex) const {
+    const State& s = *state_;
+    if (s.soft[body]) return bullet::from_bullet(s.soft[body]->m_nodes[static_cast<int>(vertex)].m_x);
+    const Vec3f rest = s.scene.meshes[s.scene.bodies[body].mesh].data.positions[vertex];
+    return frame_of(bullet::from_bullet(s.rigid[body]->getWorldTransform())).to_parent(to_double(rest));
+}
+
+double Simulation::volume_ratio(std::uint32_t body) const {
+    const MeshData& mesh = state_->scene.meshes[state_->scene.bodies[body].mesh].data;
+    return volume_of(mesh, [&](std::uint32_t v) { return vertex_position(body, v); }) /
+           volume_of(mesh, [&](std::uint32_t v) { return to_double(mesh.positions[v]); });
+}
+
+World* Simulation::world() { return state_->rays ? &state_->rays->world : nullptr; }
+
+}  // namespace pierce::scenes

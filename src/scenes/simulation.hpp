@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/method.hpp"
+#include "pierce/scenes/recording.hpp"
+#include "pierce/scenes/scene.hpp"
+
+namespace pierce::scenes {
+
+/// A scene simulated by Bullet with contacts found by a method: the closed loop.
+class Simulation {
+public:
+    /// Throws InputError if the method cannot serve the scene: Bullet's own methods take rigid bodies only.
+    Simulation(const SceneSetup& scene, Method method, const RaySettings& rays = {});
+    ~Simulation();
+
+    /// One time step of `dt` seconds; throws InputError unless it is positive.
+    const FrameResult& step(double dt);
+
+    /// Adds the bodies as they stand to a recording of the same scene.
+    void record(Recording& recording) const;
+
+    /// Kinetic energy of the centres and nodes over the mass of all moving bodies [m^2/s^2].
+    double kinetic_energy_per_mass() const;
+    /// The world position of a vertex.
+    Vec3d vertex_position(std::uint32_t body, std::uint32_t vertex) const;
+    /// Volume of a body as it stands over that of its rest shape; 1 for rigid bodies.
+    double volume_ratio(std::uint32_t body) const;
+    /// The world behind it, if the method is rays; else null.
+    World* world();
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace pierce::scenes
