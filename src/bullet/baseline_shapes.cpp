@@ -63,6 +63,14 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
     }
 }
 
+BaselineShape BaselineShape::ground(const MeshData& mesh) {
+    BaselineShape made;
+    const auto top = std::ranges::max(mesh.positions, {}, &Vec3f::z).z;
+    made.shape_ = std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), top);
+    return made;
+}
+
+BaselineShape::BaselineShape() = default;
 BaselineShape::~BaselineShape() = default;
 BaselineShape::BaselineShape(BaselineShape&&) noexcept = default;
 

@@ -25,6 +25,8 @@ public:
     /// if there are none.
     BaselineShape(Baseline method, const std::string& name, const MeshData& mesh,
                   std::span<const std::vector<Vec3f>> convex_pieces);
+    /// The half space below the mesh's highest point along z.
+    static BaselineShape ground(const MeshData& mesh);
     ~BaselineShape();
     BaselineShape(BaselineShape&&) noexcept;
 
@@ -34,6 +36,8 @@ public:
     void set_positions(std::span<const Vec3f> positions);
 
 private:
+    BaselineShape();
+
     struct Triangles;
     std::unique_ptr<Triangles> triangles_;
     std::vector<std::unique_ptr<btCollisionShape>> parts_;

@@ -1,7 +1,9 @@
 #include "pierce/core/clearance_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "pierce/core/mesh.hpp"
 
@@ -14,8 +16,8 @@ struct Cells {
     ClearanceGridView layout;
     std::vector<Cell> state;
 
-    std::size_t at(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-        return (static_cast<std::size_t>(z) * layout.size[1] + y) * layout.size[0] + x;
+    std::size_t at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return static_cast<std::size_t>((z * layout.size[1] + y) * layout.size[0] + x);
     }
 };
 
@@ -26,14 +28,16 @@ Cells make_cells(const Box& solid) {
     // Two of the cells go to the border, so that the outside is connected all around.
     cells.layout.cell = longest / (constants::grid_resolution - 2);
     const double h = cells.layout.cell;
+    cells.layout.per_length = 1.0 / h;
+    cells.layout.step = h / constants::clearance_steps_per_cell;
     for (int i = 0; i < 3; ++i) {
-        const auto inner = static_cast<std::uint32_t>(std::ceil(size[i] / h));
-        cells.layout.size[i] = std::max(inner, 1u) + 2;
+        const auto inner = static_cast<std::int32_t>(std::ceil(size[i] / h));
+        cells.layout.size[i] = std::max(inner, 1) + 2;
         cells.layout.box.lower[i] = solid.center()[i] - 0.5 * h * cells.layout.size[i];
         cells.layout.box.upper[i] = solid.center()[i] + 0.5 * h * cells.layout.size[i];
     }
-    cells.state.assign(
-        static_cast<std::size_t>(cells.layout.size[0]) * cells.layout.size[1] * cells.layout.size[2], unknown);
+    const std::int32_t count = cells.layout.size[0] * cells.layout.size[1] * cells.layout.size[2];
+    cells.state.assign(static_cast<std::size_t>(count), unknown);
     return cells;
 }
 
@@ -43,19 +47,19 @@ void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
     const double margin = constants::touch_tolerance * grid.box.extent();
     Box box;
     for (Vec3d p : {a, b, c}) box.extend(p);
-    std::uint32_t first[3], last[3];
+    std::int32_t first[3], last[3];
     for (int i = 0; i < 3; ++i) {
         const double low = (box.lower[i] - margin - grid.box.lower[i]) / grid.cell;
         const double high = (box.upper[i] + margin - grid.box.lower[i]) / grid.cell;
-        first[i] = static_cast<std::uint32_t>(std::max(low, 0.0));
-        last[i] = std::min(static_cast<std::uint32_t>(std::max(high, 0.0)), grid.size[i] - 1);
+        first[i] = static_cast<std::int32_t>(std::max(low, 0.0));
+        last[i] = std::min(static_cast<std::int32_t>(std::max(high, 0.0)), grid.size[i] - 1);
     }
     const Vec3d n = cross(b - a, c - a);
     const double reach =
         0.5 * grid.cell * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) + margin * length(n);
-    for (std::uint32_t z = first[2]; z <= last[2]; ++z)
-        for (std::uint32_t y = first[1]; y <= last[1]; ++y)
-            for (std::uint32_t x = first[0]; x <= last[0]; ++x) {
+    for (std::int32_t z = first[2]; z <= last[2]; ++z)
+        for (std::int32_t y = first[1]; y <= last[1]; ++y)
+            for (std::int32_t x = first[0]; x <= last[0]; ++x) {
                 const Vec3d center = grid.box.lower + grid.cell * Vec3d{x + 0.5, y + 0.5, z + 0.5};
                 if (std::abs(dot(n, center - a)) <= reach) cells.state[cells.at(x, y, z)] = surface;
             }
@@ -64,7 +68,7 @@ void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
 /// Floods the outside from a corner through faces of unmarked cells.
 void flood_outside(Cells& cells) {
     const auto* size = cells.layout.size;
-    std::vector<std::array<std::uint32_t, 3>> open{{0, 0, 0}};
+    std::vector<std::array<std::int32_t, 3>> open{{0, 0, 0}};
     cells.state[0] = outside;
     while (!open.empty()) {
         const auto cell = open.back();
@@ -72,8 +76,8 @@ void flood_outside(Cells& cells) {
         for (int axis = 0; axis < 3; ++axis)
             for (int step : {-1, 1}) {
                 auto next = cell;
-                next[axis] += static_cast<std::uint32_t>(step);
-                if (next[axis] >= size[axis]) continue;
+                next[axis] += step;
+                if (next[axis] < 0 || next[axis] >= size[axis]) continue;
                 Cell& state = cells.state[cells.at(next[0], next[1], next[2])];
                 if (state != unknown) continue;
                 state = outside;
@@ -85,10 +89,10 @@ void flood_outside(Cells& cells) {
 /// One axis of the distance transform: out[i] = min over j of in[j] + gap(i, j)^2, gap in whole cells.
 void sweep(std::span<float> line, std::vector<float>& scratch) {
     scratch.assign(line.begin(), line.end());
-    const int n = static_cast<int>(line.size());
-    for (int i = 0; i < n; ++i) {
+    const std::size_t n = line.size();
+    for (std::size_t i = 0; i < n; ++i) {
         float best = scratch[i];
-        for (int d = 1; d < n; ++d) {
+        for (std::size_t d = 1; d < n; ++d) {
             const float gap = static_cast<float>(d - 1);
             if (gap * gap >= best) break;
             if (i >= d) best = std::min(best, scratch[i - d] + gap * gap);
@@ -106,19 +110,19 @@ std::vector<float> squared_gaps(const Cells& cells) {
     std::vector<float> line, scratch;
     for (int axis = 0; axis < 3; ++axis) {
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        line.resize(size[axis]);
-        for (std::uint32_t a = 0; a < size[u]; ++a)
-            for (std::uint32_t b = 0; b < size[v]; ++b) {
-                std::uint32_t index[3];
+        line.resize(static_cast<std::size_t>(size[axis]));
+        for (std::int32_t a = 0; a < size[u]; ++a)
+            for (std::int32_t b = 0; b < size[v]; ++b) {
+                std::int32_t index[3];
                 index[u] = a;
                 index[v] = b;
-                const auto at = [&](std::uint32_t i) {
+                const auto at = [&](std::int32_t i) {
                     index[axis] = i;
                     return cells.at(index[0], index[1], index[2]);
                 };
-                for (std::uint32_t i = 0; i < size[axis]; ++i) line[i] = gap[at(i)];
+                for (std::int32_t i = 0; i < size[axis]; ++i) line[static_cast<std::size_t>(i)] = gap[at(i)];
                 sweep(line, scratch);
-                for (std::uint32_t i = 0; i < size[axis]; ++i) gap[at(i)] = line[i];
+                for (std::int32_t i = 0; i < size[axis]; ++i) gap[at(i)] = line[static_cast<std::size_t>(i)];
             }
     }
     return gap;

@@ -16,22 +16,24 @@ struct Triangle;
 /// What it proves: a point with positive clearance lies in the unbounded outside of the surface, that far from it.
 struct ClearanceGridView {
     Box box;                ///< the cells' union; reaches at least one cell beyond the solid on every side
-    double cell = 0;        ///< edge length of a cell; zero: no grid, nothing is known
-    std::uint32_t size[3] = {0, 0, 0};
-    View<const std::uint8_t> steps;  ///< [cell / constants::clearance_steps_per_cell], x fastest
+    double cell = 0;        ///< edge length of a cell
+    double per_length = 0;  ///< cells per unit of length
+    double step = 0;        ///< [length] what one step of clearance is worth
+    std::int32_t size[3] = {0, 0, 0};
+    View<const std::uint8_t> steps;  ///< per cell, x fastest; empty: nothing is known
 
     /// Distance from `p` to the solid is at least this; zero inside, near it, or where no grid was made.
+    /// Outside the box the nearest cell counts: the solid lies in the box, and moving `p` into the box brings it closer.
     PIERCE_HD double operator()(Vec3d p) const {
-        if (!(cell > 0)) return 0.0;
-        const double beyond = box.distance(p);
-        if (beyond > 0) return beyond;
-        std::uint32_t index[3];
-        for (int i = 0; i < 3; ++i) {
-            const auto k = static_cast<std::uint32_t>((p[i] - box.lower[i]) / cell);
-            index[i] = k < size[i] ? k : size[i] - 1;
-        }
-        const std::uint8_t s = steps[(static_cast<std::size_t>(index[2]) * size[1] + index[1]) * size[0] + index[0]];
-        return s * (cell / constants::clearance_steps_per_cell);
+        if (steps.size == 0) return 0.0;
+        std::int32_t at[3];
+        for (int i = 0; i < 3; ++i)
+            at[i] = static_cast<std::int32_t>(clamp_to((p[i] - box.lower[i]) * per_length, 0.0, size[i] - 1.0));
+        return step * steps_at(at[0], at[1], at[2]);
+    }
+
+    PIERCE_HD std::uint8_t steps_at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return steps[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)];
     }
 };
 

@@ -117,14 +117,18 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     normals_.reserve(data_.positions.size());
     for (std::uint32_t v = 0; v < data_.positions.size(); ++v)
         normals_.push_back(to_float(vertex_normal(mesh, mesh.positions, v)));
-    for (std::uint32_t p = 0; p < patch_count(mesh); ++p) patches_.push_back(patch_sphere(mesh, mesh.positions, p));
+    patches_.resize(patch_count(mesh));
+    patch_offsets_.resize(patch_count(mesh));
+    for (std::uint32_t p = 0; p < patch_count(mesh); ++p)
+        measure_patch(mesh, mesh.positions, p, patches_[p], patch_offsets_[p]);
 }
 
 MeshView Mesh::view() const {
     return {view_of(data_.positions), view_of(normals_),  view_of(data_.triangles),
             view_of(ring_offsets_),   view_of(ring_),     view_of(patch_vertices_),
-            view_of(patches_),        clearance_.view(),  box_,
-            centroid_,                traits_.mean_edge_length, traits_.closed()};
+            view_of(patches_),        view_of(patch_offsets_), clearance_.view(),
+            box_,                     centroid_,          traits_.mean_edge_length,
+            traits_.closed()};
 }
 
 }  // namespace pierce

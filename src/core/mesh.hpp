@@ -7,6 +7,7 @@
 
 #include "pierce/core/box.hpp"
 #include "pierce/core/clearance_grid.hpp"
+#include "pierce/core/constants.hpp"
 #include "pierce/core/view.hpp"
 
 namespace pierce {
@@ -37,10 +38,15 @@ struct MeshTraits {
     bool closed() const { return inconsistent_edges == 0; }
 };
 
-/// A small group of neighbouring vertices and the sphere around them, in the space of the positions.
+/// A small group of neighbouring vertices: the sphere around them, in the space of the positions.
 struct PatchSphere {
     Vec3d center;
     double radius = 0;
+};
+
+/// The same vertices relative to that centre, side by side for vector arithmetic. float32 is exact enough: a patch is small.
+struct PatchOffsets {
+    float x[constants::patch_size], y[constants::patch_size], z[constants::patch_size];
 };
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.
@@ -52,6 +58,7 @@ struct MeshView {
     View<const std::uint32_t> ring;
     View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
     View<const PatchSphere> patches;           ///< of the rest shape
+    View<const PatchOffsets> patch_offsets;    ///< of the rest shape
     ClearanceGridView clearance;               ///< of the rest shape; empty for a mesh that is not closed
     Box box;                                   ///< of the rest shape
     Vec3d centroid;                            ///< mean of the rest positions
@@ -83,6 +90,7 @@ private:
     std::vector<std::uint32_t> ring_offsets_, ring_;
     std::vector<std::uint32_t> patch_vertices_;
     std::vector<PatchSphere> patches_;
+    std::vector<PatchOffsets> patch_offsets_;
     ClearanceGrid clearance_;
 };
 

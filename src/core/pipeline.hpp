@@ -72,7 +72,8 @@ private:
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
         executor_.for_each("measure_chunk", scene.chunks.size,
-                           stages::MeasureChunk{scene.bodies, scene.chunks, view_of(chunk_bounds_), scene.patches});
+                           stages::MeasureChunk{scene.bodies, scene.chunks, view_of(chunk_bounds_),
+                                                scene.patches, scene.patch_offsets});
         executor_.for_each("join_bounds", scene.ranges.size,
                            stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
     }

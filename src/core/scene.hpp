@@ -15,6 +15,7 @@ struct Scene {
     View<const stages::Chunk> chunks;          ///< of deforming bodies
     View<const stages::ChunkRange> ranges;     ///< per deforming body, its chunks
     View<const View<PatchSphere>> patches;     ///< per body, where a deforming body's spheres go
+    View<const View<PatchOffsets>> patch_offsets;
     const Plan* plan = nullptr;
 };
 

@@ -21,6 +21,7 @@ struct BodyEntry {
     Pose pose;
     std::vector<Vec3f> positions;      ///< of a deforming body
     std::vector<PatchSphere> patches;  ///< of a deforming body
+    std::vector<PatchOffsets> patch_offsets;
     std::uint64_t positions_version = 0;
     bool finite = true;
 };
@@ -79,6 +80,7 @@ struct World::State {
     std::vector<stages::Chunk> chunks;
     std::vector<stages::ChunkRange> ranges;
     std::vector<View<PatchSphere>> patches;
+    std::vector<View<PatchOffsets>> patch_offsets;
     StepStats stats;
 
     const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
@@ -147,20 +149,21 @@ void World::State::find_own_exits(MeshEntry& entry, const BodyView& body) {
 }
 
 void World::State::make_plan() {
-    const auto& slots = bodies.slots();
+    auto& slots = bodies.slots();
     plan = {};
     chunks.clear();
     ranges.clear();
     views.assign(slots.size(), {});
     ids.assign(slots.size(), {});
     patches.assign(slots.size(), {});
+    patch_offsets.assign(slots.size(), {});
     rotations.resize(slots.size());
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
         view.active = false;
         if (!slots[i].used) continue;
-        const BodyEntry& body = slots[i].thing;
+        BodyEntry& body = slots[i].thing;
         MeshEntry& entry = meshes.get(body.mesh, "mesh");
         ids[i] = {i, slots[i].generation};
         view.mesh = entry.mesh->view();
@@ -171,13 +174,16 @@ void World::State::make_plan() {
         view.touch = constants::touch_tolerance * view.fit_box.extent();
         describe(body, *entry.mesh);
         if (body.motion == Motion::deforming) {
-            view.positions = view_of(body.positions);
-            view.patches = view_of(body.patches);
-            patches[i] = view_of(bodies.slots()[i].thing.patches);
+            view.positions = view_of(std::as_const(body.positions));
+            body.patches.resize(patch_count(view.mesh));
+            body.patch_offsets.resize(patch_count(view.mesh));
+            view.patches = patches[i] = view_of(body.patches);
+            view.patch_offsets = patch_offsets[i] = view_of(body.patch_offsets);
             add_chunks(i);
         } else {
             view.positions = view.mesh.positions;
             view.patches = view.mesh.patches;
+            view.patch_offsets = view.mesh.patch_offsets;
             if (view.mesh.closed && entry.own_exit.empty()) find_own_exits(entry, view);
             view.own_exit = view_of(std::as_const(entry.own_exit));
         }
@@ -233,12 +239,12 @@ const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "m
 
 BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::fixed, pose, {}, {}, 0, true});
+    return state_->add({mesh, Motion::fixed, pose, {}, {}, {}, 0, true});
 }
 
 BodyId World::add_rigid_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::rigid, pose, {}, {}, 0, true});
+    return state_->add({mesh, Motion::rigid, pose, {}, {}, {}, 0, true});
 }
 
 BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) {
@@ -246,8 +252,8 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
     if (positions.empty()) positions = shape.positions();
     check_count(positions.size(), shape);
     check_finite("body of mesh '" + shape.name() + "'", positions);
-    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, state_->next_key++, true};
-    body.patches.resize(patch_count(shape.view()));
+    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {},
+                   state_->next_key++, true};
     const BodyId id = state_->add(std::move(body));
     state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
     state_->rotations[id.index] = {};
@@ -298,7 +304,6 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     check_count(positions.size(), shape);
     entry.mesh = mesh;
     entry.positions.assign(positions.begin(), positions.end());
-    entry.patches.resize(patch_count(shape.view()));
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
     state_->planned = false;
@@ -315,6 +320,7 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.chunks)),
                       view_of(std::as_const(s.ranges)),
                       view_of(std::as_const(s.patches)),
+                      view_of(std::as_const(s.patch_offsets)),
                       &s.plan};
     s.backend->step(scene, s.stats);
     s.stats.milliseconds =

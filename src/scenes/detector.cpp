@@ -54,9 +54,8 @@ public:
                 throw InputError("only rays and gimpact can follow deforming bodies");
             MeshData data = mesh.data;
             if (deforms) data.positions = start_positions(body, mesh.data);
-            // Fixed bodies are obstacles for the baseline too, in the form it handles best.
-            const bool fixed_pieces = body.motion == Motion::fixed && !mesh.convex_pieces.empty();
-            shapes_.emplace_back(fixed_pieces ? bullet::Baseline::gjk_epa : method, mesh.name, data, mesh.convex_pieces);
+            shapes_.push_back(body.ground ? bullet::BaselineShape::ground(data)
+                                          : bullet::BaselineShape(method, mesh.name, data, mesh.convex_pieces));
             auto object = std::make_unique<btCollisionObject>();
             object->setCollisionShape(&shapes_.back().shape());
             if (!deforms) object->setWorldTransform(bullet::to_bullet(body.pose));

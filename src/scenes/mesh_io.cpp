@@ -44,6 +44,11 @@ public:
         declared_faces = face_count;
     }
 
+    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
+                            const std::vector<OpenMesh::Vec2f>&) override {}
+    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
+                            const std::vector<OpenMesh::Vec3f>&) override {}
+
     std::size_t n_vertices() const override { return mesh.positions.size(); }
     std::size_t n_faces() const override { return static_cast<std::size_t>(faces); }
     void prepare() override {}

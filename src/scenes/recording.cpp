@@ -41,6 +41,7 @@ SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::
 RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording, const std::string& where) {
     RecordedBody body;
     body.name = entry.at("name").get<std::string>();
+    body.ground = entry.value("ground", false);
     const auto mesh_name = entry.at("mesh").get<std::string>();
     const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
     if (mesh == recording.meshes.end()) throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name + "'");
@@ -84,9 +85,19 @@ std::span<const Vec3f> Recording::positions(std::uint32_t body, std::uint32_t fr
     return {reinterpret_cast<const Vec3f*>(bodies[body].values.data()) + count * frame, count};
 }
 
+SceneSetup scene_of(const Recording& recording) {
+    SceneSetup scene{"recording", recording.meshes, {}};
+    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+        const RecordedBody& body = recording.bodies[b];
+        const Pose pose = body.motion == Motion::deforming ? Pose{} : recording.pose(b, 0);
+        scene.bodies.push_back({body.name, body.mesh, body.motion, pose, body.ground});
+    }
+    return scene;
+}
+
 Recording start_recording(const SceneSetup& scene, double dt) {
     Recording recording{dt, 0, scene.meshes, {}};
-    for (const SceneBody& b : scene.bodies) recording.bodies.push_back({b.name, b.mesh, b.motion, {}});
+    for (const SceneBody& b : scene.bodies) recording.bodies.push_back({b.name, b.mesh, b.motion, b.ground, {}});
     return recording;
 }
 
@@ -111,6 +122,7 @@ void write_recording(const Recording& recording, const fs::path& folder) {
                                    {"mesh", recording.meshes[body.mesh].name},
                                    {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
                                    {body.motion == Motion::deforming ? "positions" : "poses", file}});
+        if (body.ground) scene["bodies"].back()["ground"] = true;
     }
     std::ofstream out(folder / "scene.json");
     out << scene.dump(2) << '\n';

@@ -13,6 +13,7 @@ struct RecordedBody {
     std::string name;
     std::uint32_t mesh = 0;
     Motion motion = Motion::rigid;
+    bool ground = false;  ///< as in SceneBody
     std::vector<float> values;
 };
 
@@ -28,6 +29,9 @@ struct Recording {
     /// Where a deforming body's vertices are in a frame.
     std::span<const Vec3f> positions(std::uint32_t body, std::uint32_t frame) const;
 };
+
+/// The scene a recording starts with.
+SceneSetup scene_of(const Recording& recording);
 
 /// A recording without frames of a scene's meshes and bodies.
 Recording start_recording(const SceneSetup& scene, double dt);

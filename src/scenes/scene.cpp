@@ -55,10 +55,10 @@ SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& para
     // The engine's numbers are the same everywhere; the standard's distributions are not.
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
 
-    SceneSetup scene{std::move(name), {ground_mesh(), std::move(mesh)}, {{"ground", 0, Motion::fixed, {}}}};
+    SceneSetup scene{std::move(name), {ground_mesh(), std::move(mesh)}, {{"ground", 0, Motion::fixed, {}, true}}};
     for (std::uint32_t i = 0; i < parameters.count; ++i) {
         SceneBody body{scene.meshes[1].name + " " + std::to_string(i), 1,
-                       parameters.soft ? Motion::deforming : Motion::rigid, {}};
+                       parameters.soft ? Motion::deforming : Motion::rigid, {}, false};
         const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
                          static_cast<double>(i / (side * side))};
         const double middle = 0.5 * (side - 1);

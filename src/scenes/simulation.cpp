@@ -91,11 +91,9 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     const SceneMesh& mesh = scene.meshes[body.mesh];
     const bool fixed = body.motion == Motion::fixed;
     // With rays the shape only gives Bullet's broad phase its box.
-    const bool pieces = method == Method::gjk_epa || (fixed && !mesh.convex_pieces.empty());
-    const bullet::Baseline shape = method == Method::rays ? bullet::Baseline::gjk_hull
-                                   : pieces               ? bullet::Baseline::gjk_epa
-                                                          : baseline_of(method);
-    shapes.emplace_back(shape, mesh.name, mesh.data, mesh.convex_pieces);
+    const bullet::Baseline kind = method == Method::rays ? bullet::Baseline::gjk_hull : baseline_of(method);
+    shapes.push_back(body.ground ? bullet::BaselineShape::ground(mesh.data)
+                                 : bullet::BaselineShape(kind, mesh.name, mesh.data, mesh.convex_pieces));
 
     btVector3 inertia(0, 0, 0);
     if (!fixed) {

@@ -114,6 +114,7 @@ struct MeasureChunk {
     View<const Chunk> chunks;
     View<ChunkBounds> bounds;
     View<const View<PatchSphere>> patches;  ///< per body
+    View<const View<PatchOffsets>> patch_offsets;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Chunk chunk = chunks[i];
@@ -121,7 +122,7 @@ struct MeasureChunk {
         ChunkBounds b;
         if (body.active) {
             for (std::uint32_t p = chunk.first_patch; p < chunk.last_patch; ++p) {
-                patches[chunk.body][p] = patch_sphere(body.mesh, body.positions, p);
+                measure_patch(body.mesh, body.positions, p, patches[chunk.body][p], patch_offsets[chunk.body][p]);
                 for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
                     const std::uint32_t v = body.mesh.patch_vertices[p * constants::patch_size + k];
                     const Vec3d x = to_double(body.positions[v]);

@@ -29,7 +29,7 @@ struct DirectPair {
         const BodyView& target = bodies[d.target];
         directed[i] = {d.source, d.target, relative_frame(source.space, target.fit),
                        relative_frame(source.space, target.space)};
-        patch_counts[i] = target.mesh.closed ? patch_count(source.mesh) : 0;
+        patch_counts[i] = target.mesh.clearance.steps.size > 0 ? patch_count(source.mesh) : 0;
     }
 };
 
@@ -60,7 +60,7 @@ struct CullPatch {
         const DirectedPair& d = directed[items[i].directed];
         const BodyView& target = bodies[d.target];
         const PatchSphere sphere = bodies[d.source].patches[items[i].patch];
-        keep[i] = !(target.clearance(d.to_fit.to_parent(sphere.center)) > sphere.radius + target.touch);
+        keep[i] = !target.is_clear(d.to_fit.to_parent(sphere.center), sphere.radius + target.touch);
     }
 };
 
@@ -86,13 +86,40 @@ struct CullVertices {
         const DirectedPair& d = directed[patches[i].directed];
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
-        const std::uint32_t* vertex = source.mesh.patch_vertices.data + patches[i].patch * constants::patch_size;
+        const PatchOffsets& offsets = source.patch_offsets[patches[i].patch];
+        // float32 relative to the target's box: half an ulp of its extent, which the doubled touch tolerance covers.
+        const Vec3d corner = target.mesh.clearance.box.lower;
+        const Vec3f center = to_float(d.to_fit.to_parent(source.patches[patches[i].patch].center) - corner);
+        const Vec3f row[3] = {to_float(d.to_fit.rotation.row[0]), to_float(d.to_fit.rotation.row[1]),
+                              to_float(d.to_fit.rotation.row[2])};
+        float at[3][constants::patch_size];
+        for (int r = 0; r < 3; ++r)
+            PIERCE_VECTOR_LOOP
+            for (std::uint32_t k = 0; k < constants::patch_size; ++k)
+                at[r][k] = center[r] + (row[r].x * offsets.x[k] + row[r].y * offsets.y[k] + row[r].z * offsets.z[k]);
+
+        const double distance = 2 * target.touch;
+        const Vec3f low = to_float(target.fit_box.inflated(distance).lower - corner);
+        const Vec3f high = to_float(target.fit_box.inflated(distance).upper - corner);
+        const ClearanceGridView& grid = target.mesh.clearance;
+        const auto clear_steps = static_cast<float>((distance + target.deviation) / grid.step);
+        const auto per_length = static_cast<float>(grid.per_length);
+        std::int32_t cell[3][constants::patch_size];
+        std::int32_t beyond[constants::patch_size] = {};
+        for (int r = 0; r < 3; ++r) {
+            const float last = static_cast<float>(grid.size[r]) - 1.0f;
+            PIERCE_VECTOR_LOOP
+            for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+                cell[r][k] = static_cast<std::int32_t>(clamp_to(at[r][k] * per_length, 0.0f, last));
+                beyond[k] |= static_cast<std::int32_t>(at[r][k] < low[r]) | static_cast<std::int32_t>(at[r][k] > high[r]);
+            }
+        }
+
         std::uint32_t mask = 0, count = 0;
         for (std::uint32_t k = 0; k < patch_length(source.mesh, patches[i].patch); ++k) {
-            const Vec3d p = d.to_fit.to_parent(to_double(source.positions[vertex[k]]));
-            const bool keep = !(target.clearance(p) > target.touch);
-            mask |= static_cast<std::uint32_t>(keep) << k;
-            count += keep;
+            if (beyond[k] || grid.steps_at(cell[0][k], cell[1][k], cell[2][k]) > clear_steps) continue;
+            mask |= 1u << k;
+            ++count;
         }
         masks[i] = mask;
         counts[i] = count;
