@@ -161,9 +161,10 @@ private:
     void generate_own_rays(View<const BodyView> bodies) {
         own_rays_.resize(candidates_.size());
         own_hits_.resize(candidates_.size());
+        starts_inside_.resize(candidates_.size());
         executor_.for_each("generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_),
-                                                   view_of(candidates_), view_of(own_rays_)});
+                           stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
+                                                   view_of(candidates_), view_of(own_rays_), view_of(starts_inside_)});
     }
 
     // Stage 9, second half. R2 and R3: which of them are contacts.
@@ -171,7 +172,7 @@ private:
         counts_.resize(candidates_.size());
         executor_.for_each("test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
                            stages::TestOwnExit{bodies, view_of(rays_), view_of(hits_), view_of(candidates_),
-                                               view_of(own_rays_), view_of(own_hits_), view_of(counts_)});
+                                               view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(counts_)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order.
@@ -217,7 +218,7 @@ private:
     Buffer<stages::Moments> moments_;
     Buffer<stages::ChunkBounds> chunk_bounds_;
     Buffer<std::uint64_t> keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_;
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_, starts_inside_;
     Buffer<Pair> pairs_;
     Buffer<stages::DirectedPair> directed_;
     Buffer<stages::PatchItem> items_, patches_;

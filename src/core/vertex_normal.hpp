@@ -16,11 +16,23 @@ PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> pos
         const Vec3d a = to_double(positions[t.vertex[(k + 1) % 3]]) - apex;
         const Vec3d b = to_double(positions[t.vertex[(k + 2) % 3]]) - apex;
         const Vec3d n = cross(a, b);
-        const double lengths = std::sqrt(length_squared(a) * length_squared(b));
-        if (!(lengths > 0)) continue;
-        sum += arc_cosine(dot(a, b) / lengths) * normalized(n);
+        const double lengths = std::sqrt(length_squared(a) * length_squared(b)), area = length(n);
+        if (area > 0) sum += (arc_cosine(dot(a, b) / lengths) / area) * n;
     }
     return length(sum) > constants::vanishing_normal ? normalized(sum) : Vec3d{};
+}
+
+/// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then it leads into the inside of a
+/// closed surface: seen from `v` the inside is a spherical polygon, and were the direction outside of it, the polygon's
+/// point nearest to it would lie on an edge, or a corner, whose triangle has the direction in front.
+PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t v, Vec3d direction) {
+    for (std::uint32_t i = mesh.ring_offsets[v]; i < mesh.ring_offsets[v + 1]; ++i) {
+        const Triangle& t = mesh.triangles[mesh.ring[i]];
+        const Vec3d a = to_double(positions[t.vertex[0]]);
+        const Vec3d n = cross(to_double(positions[t.vertex[1]]) - a, to_double(positions[t.vertex[2]]) - a);
+        if (!(dot(n, direction) < 0)) return false;
+    }
+    return true;
 }
 
 }  // namespace pierce

@@ -63,27 +63,34 @@ struct ListInside {
     }
 };
 
-/// Per candidate: the ray into its own body, for the sources that have no own_exit table.
+/// Per candidate: the ray into its own body, for the sources that have no own_exit table. Where the vertex's triangles show
+/// that the ray starts inside (R2), it need not look further than the hit (R3); elsewhere it looks for its first crossing.
 struct GenerateOwnRays {
     View<const BodyView> bodies;
     View<const Pair> pairs;
     View<const Ray> rays;
     View<const RaySource> sources;
+    View<const Hit> hits;
     View<const std::uint32_t> candidates;
     View<Ray> own_rays;
+    View<std::uint32_t> starts_inside;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
+        const Ray& into_target = rays[candidates[i]];
         const RaySource source = sources[candidates[i]];
         const std::uint32_t body_index = pairs[source.pair].source(source.side);
         const BodyView& body = bodies[body_index];
+        const BodyView& target = bodies[into_target.target];
         Ray ray;
         ray.t_max = -1.0;
         if (body.motion == Motion::deforming && body.mesh.closed) {
             ray.origin = to_double(body.positions[source.vertex]);
-            ray.direction = inward_direction(body, source.vertex);
-            ray.t_max = body.fit_box.extent();
+            ray.direction = target.space.rotation * into_target.direction;
             ray.target = body_index;
             ray.excluded_vertex = source.vertex;
+            starts_inside[i] = leads_inside(body.mesh, body.positions, source.vertex, ray.direction);
+            ray.t_max = starts_inside[i] ? meet(into_target, target.surface(), hits[candidates[i]].triangle).t
+                                         : body.fit_box.extent();
         }
         own_rays[i] = ray;
     }
@@ -98,6 +105,7 @@ struct TestOwnExit {
     View<const std::uint32_t> candidates;
     View<const Ray> own_rays;  ///< empty if no source deforms
     View<const Hit> own_hits;
+    View<const std::uint32_t> starts_inside;
     View<std::uint32_t> keep;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -106,13 +114,12 @@ struct TestOwnExit {
         const double t = meet(rays[r], target.surface(), hits[r].triangle).t;
         keep[i] = t <= rays[r].t_max + target.touch;
         if (own_rays.size == 0 || own_rays[i].t_max < 0) return;
-        const std::uint32_t own = own_hits[i].triangle;
-        if (own == no_triangle) {
-            keep[i] = 0;
+        if (own_hits[i].triangle == no_triangle) {
+            keep[i] = keep[i] && starts_inside[i];
             return;
         }
-        const Meeting exit = meet(own_rays[i], bodies[own_rays[i].target].surface(), own);
-        keep[i] = keep[i] && exit.exit && t <= exit.t + target.touch;
+        const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(), own_hits[i].triangle);
+        keep[i] = keep[i] && own.exit && t <= own.t + target.touch;
     }
 };
 

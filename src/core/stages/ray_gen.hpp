@@ -13,11 +13,23 @@ PIERCE_HD inline Vec3d inward_direction(const BodyView& body, std::uint32_t vert
     return -n;
 }
 
+/// How far a ray of a body that deforms can get inside that body's box.
+PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin_in_space, Vec3d direction_in_space) {
+    const Frame to_fit = relative_frame(body.space, body.fit);
+    const Vec3d o = to_fit.to_parent(origin_in_space), d = to_fit.rotation * direction_in_space;
+    double range = body.fit_box.extent();
+    for (int i = 0; i < 3; ++i)
+        if (d[i] != 0) range = min_of(((d[i] > 0 ? body.fit_box.upper[i] : body.fit_box.lower[i]) - o[i]) / d[i], range);
+    return max_of(range, 0.0) + body.touch;
+}
+
 /// How far an inward ray from `vertex` may go before it leaves its own body for certain.
-PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex) {
+PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex,
+                                     Vec3d direction) {
     if (!source.mesh.closed) return source.range;
     if (source.motion != Motion::deforming) return source.own_exit[vertex];
-    return target.fit_box.extent();  // a chord of the target cannot be longer; its own exit is looked for later
+    // Its own exit is looked for later; until then both boxes limit the ray.
+    return min_of(target.fit_box.extent(), box_range(source, to_double(source.positions[vertex]), direction));
 }
 
 /// Per kept patch: writes its rays. Reads masks and offsets; writes rays and their sources.
@@ -42,7 +54,7 @@ struct GenerateRays {
             Ray ray;
             ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
             ray.direction = normalized(d.to_space.rotation * direction);
-            ray.t_max = length_squared(direction) > 0 ? inward_range(source, target, v) : -1.0;
+            ray.t_max = length_squared(direction) > 0 ? inward_range(source, target, v, direction) : -1.0;
             ray.target = d.target;
             rays[slot] = ray;
             sources[slot] = {item.directed / 2, item.directed % 2, v};
