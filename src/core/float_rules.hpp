@@ -36,22 +36,25 @@ PIERCE_HD inline float round_up(double value) {
     return static_cast<double>(f) < value ? std::nextafter(f, INFINITY) : f;
 }
 
-/// Arc cosine in radians with an error below 2.3e-8 (Abramowitz and Stegun 1964, 4.4.46).
-/// Built from operations that IEEE 754 rounds exactly; a library's acos differs between host and device.
-PIERCE_HD inline double arc_cosine(double cosine) {
+/// The angle of the vector (x, y) from the x axis for y >= 0, in [0, pi] radians, with an error below 2e-8 (Abramowitz and
+/// Stegun 1964, 4.4.49). Built from operations that IEEE 754 rounds exactly; a library's atan2 differs between host and device.
+PIERCE_HD inline double angle_of(double x, double y) {
     constexpr double pi = 3.14159265358979323846;
-    const double c = clamp_to(cosine, -1.0, 1.0);
-    const double x = c < 0 ? -c : c;
-    double p = -0.0012624911;
-    p = p * x + 0.0066700901;
-    p = p * x - 0.0170881256;
-    p = p * x + 0.0308918810;
-    p = p * x - 0.0501743046;
-    p = p * x + 0.0889789874;
-    p = p * x - 0.2145988016;
-    p = p * x + 1.5707963050;
-    const double angle = std::sqrt(1.0 - x) * p;
-    return c < 0 ? pi - angle : angle;
+    const double wide = x < 0 ? -x : x;
+    const double longer = max_of(wide, y);
+    if (!(longer > 0)) return 0.0;
+    const double r = min_of(wide, y) / longer, s = r * r;
+    double p = 0.0028662257;
+    p = p * s - 0.0161657367;
+    p = p * s + 0.0429096138;
+    p = p * s - 0.0752896400;
+    p = p * s + 0.1065626393;
+    p = p * s - 0.1420889944;
+    p = p * s + 0.1999355085;
+    p = p * s - 0.3333314528;
+    const double small = r * (1.0 + s * p);
+    const double acute = y > wide ? 0.5 * pi - small : small;
+    return x < 0 ? pi - acute : acute;
 }
 
 }  // namespace pierce

@@ -67,13 +67,12 @@ private:
         if (!scene.plan->measures_deformation) return;
         moments_.resize(scene.chunks.size);
         chunk_bounds_.resize(scene.chunks.size);
-        executor_.for_each("measure_moments", scene.chunks.size,
-                           stages::MeasureMoments{scene.bodies, scene.chunks, view_of(moments_)});
+        executor_.for_each("measure_patches", scene.chunks.size,
+                           stages::MeasurePatches{scene.bodies, scene.chunks, scene.patches, scene.patch_offsets, view_of(moments_)});
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
-        executor_.for_each("measure_chunk", scene.chunks.size,
-                           stages::MeasureChunk{scene.bodies, scene.chunks, view_of(chunk_bounds_),
-                                                scene.patches, scene.patch_offsets});
+        executor_.for_each("measure_bounds", scene.chunks.size,
+                           stages::MeasureBounds{scene.bodies, scene.chunks, view_of(chunk_bounds_)});
         executor_.for_each("join_bounds", scene.ranges.size,
                            stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
     }
@@ -148,8 +147,9 @@ private:
     void test_inside(View<const BodyView> bodies) {
         const auto ray_count = static_cast<std::uint32_t>(rays_.size());
         counts_.resize(ray_count);
+        depths_.resize(ray_count);
         executor_.for_each("test_inside", ray_count,
-                           stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(counts_)});
+                           stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(counts_), view_of(depths_)});
         const std::uint32_t total = place("inside_scan");
         candidates_.resize(total);
         own_rays_.clear();
@@ -163,7 +163,7 @@ private:
         own_hits_.resize(candidates_.size());
         starts_inside_.resize(candidates_.size());
         executor_.for_each("generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
+                           stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(depths_),
                                                    view_of(candidates_), view_of(own_rays_), view_of(starts_inside_)});
     }
 
@@ -171,7 +171,7 @@ private:
     void test_own_exit(View<const BodyView> bodies) {
         counts_.resize(candidates_.size());
         executor_.for_each("test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::TestOwnExit{bodies, view_of(rays_), view_of(hits_), view_of(candidates_),
+                           stages::TestOwnExit{bodies, view_of(rays_), view_of(depths_), view_of(candidates_),
                                                view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(counts_)});
     }
 
@@ -225,6 +225,7 @@ private:
     Buffer<Ray> rays_, own_rays_;
     Buffer<RaySource> sources_;
     Buffer<Hit> hits_, own_hits_;
+    Buffer<double> depths_;
     Buffer<Contact> contacts_, last_contacts_;
 };
 

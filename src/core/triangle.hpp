@@ -13,26 +13,35 @@ PIERCE_HD inline bool is_degenerate(Vec3d a, Vec3d b, Vec3d c) {
     return !(length(cross(ab, ca)) > constants::degenerate_area * longest);
 }
 
-/// A ray prepared for the triangle test: the axis it runs along most becomes z, and a shear makes it (0, 0, 1).
+/// A ray prepared for the triangle test: the axis it runs along most becomes the third, and a shear makes it run along that
+/// axis alone.
 struct ShearedRay {
     Vec3d origin;
     Vec3d direction;
-    int kx = 0, ky = 1, kz = 2;
-    double sx = 0, sy = 0;
+    int axis = 2;
+    double shear_x = 0, shear_y = 0;
+    double facing = 1;  ///< -1 if the ray runs against its axis
 
     ShearedRay() = default;
     PIERCE_HD ShearedRay(Vec3d ray_origin, Vec3d ray_direction) : origin(ray_origin), direction(ray_direction) {
         const double x = std::fabs(direction.x), y = std::fabs(direction.y), z = std::fabs(direction.z);
-        kz = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-        kx = (kz + 1) % 3;
-        ky = (kx + 1) % 3;
-        if (direction[kz] < 0) {
-            const int swap = kx;
-            kx = ky;
-            ky = swap;
-        }
-        sx = direction[kx] / direction[kz];
-        sy = direction[ky] / direction[kz];
+        axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+        const Vec3d d = turned(direction);
+        shear_x = d.x / d.z;
+        shear_y = d.y / d.z;
+        facing = d.z < 0 ? -1.0 : 1.0;
+    }
+
+    /// The coordinates in cyclic order with the ray's axis last.
+    PIERCE_HD Vec3d turned(Vec3d v) const {
+        if (axis == 2) return v;
+        return axis == 1 ? Vec3d{v.z, v.x, v.y} : Vec3d{v.y, v.z, v.x};
+    }
+
+    /// Where a point given relative to the origin lies, seen along the ray; the third coordinate stays.
+    PIERCE_HD Vec3d sheared(Vec3d relative) const {
+        const Vec3d v = turned(relative);
+        return {v.x - shear_x * v.z, v.y - shear_y * v.z, v.z};
     }
 };
 
@@ -56,12 +65,10 @@ struct Crossing {
 /// operands swapped, so it differs in sign only and no line passes between them.
 PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2) {
     const Vec3d a = v0 - ray.origin, b = v1 - ray.origin, c = v2 - ray.origin;
-    const double ax = a[ray.kx] - ray.sx * a[ray.kz], ay = a[ray.ky] - ray.sy * a[ray.kz];
-    const double bx = b[ray.kx] - ray.sx * b[ray.kz], by = b[ray.ky] - ray.sy * b[ray.kz];
-    const double cx = c[ray.kx] - ray.sx * c[ray.kz], cy = c[ray.ky] - ray.sy * c[ray.kz];
-    const double u = cx * by - cy * bx;
-    const double v = ax * cy - ay * cx;
-    const double w = bx * ay - by * ax;
+    const Vec3d p = ray.sheared(a), q = ray.sheared(b), r = ray.sheared(c);
+    const double u = r.x * q.y - r.y * q.x;
+    const double v = p.x * r.y - p.y * r.x;
+    const double w = q.x * p.y - q.y * p.x;
 
     Crossing crossing;
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return crossing;
@@ -73,7 +80,7 @@ PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d 
     const double det = u + v + w;
     if (is_degenerate(v0, v1, v2)) return crossing;
     crossing.kind = Crossing::transversal;
-    crossing.sign = det < 0 ? 1.0 : -1.0;
+    crossing.sign = det < 0 ? ray.facing : -ray.facing;
     crossing.weight[0] = u / det;
     crossing.weight[1] = v / det;
     crossing.weight[2] = w / det;
@@ -94,12 +101,11 @@ PIERCE_HD inline double crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1
     const int apex = !on[0] ? 0 : !on[1] ? 1 : 2;
     const Vec3d corner[3] = {v0, v1, v2};
     const auto flat = [&](Vec3d p) {
-        const Vec3d d = p - corner[apex];
-        return Vec3d{d[ray.kx] - ray.sx * d[ray.kz], d[ray.ky] - ray.sy * d[ray.kz], 0};
+        const Vec3d d = ray.sheared(p - corner[apex]);
+        return Vec3d{d.x, d.y, 0};
     };
     const Vec3d e = flat(corner[(apex + 1) % 3]), f = flat(corner[(apex + 2) % 3]);
-    const double lengths = std::sqrt(length_squared(e) * length_squared(f));
-    return lengths > 0 ? arc_cosine(dot(e, f) / lengths) / pi : 0.0;
+    return angle_of(dot(e, f), std::fabs(e.x * f.y - e.y * f.x)) / pi;
 }
 
 /// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer to it than `tolerance`.

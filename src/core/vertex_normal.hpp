@@ -16,8 +16,8 @@ PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> pos
         const Vec3d a = to_double(positions[t.vertex[(k + 1) % 3]]) - apex;
         const Vec3d b = to_double(positions[t.vertex[(k + 2) % 3]]) - apex;
         const Vec3d n = cross(a, b);
-        const double lengths = std::sqrt(length_squared(a) * length_squared(b)), area = length(n);
-        if (area > 0) sum += (arc_cosine(dot(a, b) / lengths) / area) * n;
+        const double sine = length(n);
+        if (sine > 0) sum += (angle_of(dot(a, b), sine) / sine) * n;
     }
     return length(sum) > constants::vanishing_normal ? normalized(sum) : Vec3d{};
 }

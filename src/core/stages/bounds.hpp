@@ -16,29 +16,33 @@ struct Chunk {
 
 /// Sums over a chunk from which the best-fitting rotation follows.
 struct Moments {
-    Vec3d sum;             ///< of positions, relative to the body's first vertex
-    Matrix3 correlation;   ///< of those positions with the rest positions relative to the rest centroid
+    Vec3d sum;             ///< of patch centres, relative to the body's first vertex
+    Vec3d rest_sum;        ///< of the rest shape's patch centres, relative to the rest centroid
+    Matrix3 correlation;   ///< sum of the products of the two
 };
 
-/// Per chunk: adds up moments. Reads positions; writes moments.
-struct MeasureMoments {
+/// Per chunk: measures patches and adds up the moments of their centres, the patches standing for their vertices.
+/// Reads positions; writes spheres, offsets and moments.
+struct MeasurePatches {
     View<const BodyView> bodies;
     View<const Chunk> chunks;
+    View<const View<PatchSphere>> patches;  ///< per body
+    View<const View<PatchOffsets>> patch_offsets;
     View<Moments> moments;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Chunk chunk = chunks[i];
         const BodyView& body = bodies[chunk.body];
-        Moments m{{}, {{{}, {}, {}}}};
+        Moments m{{}, {}, {{{}, {}, {}}}};
         if (body.active) {
             const Vec3d base = to_double(body.positions[0]);
-            const std::uint32_t begin = chunk.first_patch * constants::patch_size;
-            const std::uint32_t end = min_of(chunk.last_patch * constants::patch_size, body.positions.size);
-            for (std::uint32_t k = begin; k < end; ++k) {
-                const std::uint32_t v = body.mesh.patch_vertices[k];
-                const Vec3d x = to_double(body.positions[v]) - base;
-                const Vec3d rest = to_double(body.mesh.positions[v]) - body.mesh.centroid;
+            for (std::uint32_t p = chunk.first_patch; p < chunk.last_patch; ++p) {
+                PatchSphere& sphere = patches[chunk.body][p];
+                measure_patch(body.mesh, body.positions, p, sphere, patch_offsets[chunk.body][p]);
+                const Vec3d x = sphere.center - base;
+                const Vec3d rest = body.mesh.patches[p].center - body.mesh.centroid;
                 m.sum += x;
+                m.rest_sum += rest;
                 for (int r = 0; r < 3; ++r) m.correlation.row[r] += x[r] * rest;
             }
         }
@@ -89,16 +93,18 @@ struct FitFrame {
         const ChunkRange range = ranges[i];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
-        Moments m{{}, {{{}, {}, {}}}};
+        Moments m{{}, {}, {{{}, {}, {}}}};
         for (std::uint32_t c = range.first; c < range.last; ++c) {
             m.sum += moments[c].sum;
+            m.rest_sum += moments[c].rest_sum;
             for (int r = 0; r < 3; ++r) m.correlation.row[r] += moments[c].correlation.row[r];
         }
-        // The rest positions are relative to their centroid, so the mean of x drops out of the correlation.
+        const double per_patch = 1.0 / patch_count(body.mesh);
+        const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
+        for (int r = 0; r < 3; ++r) m.correlation.row[r] -= m.sum[r] * rest_mean;
         rotations[range.body] = closest_rotation(m.correlation, rotations[range.body]);
-        const Vec3d mean = to_double(body.positions[0]) + m.sum * (1.0 / body.positions.size);
         body.fit.rotation = rotation_matrix(rotations[range.body]);
-        body.fit.origin = mean - body.fit.rotation * body.mesh.centroid;
+        body.fit.origin = to_double(body.positions[0]) + mean - body.fit.rotation * (body.mesh.centroid + rest_mean);
     }
 };
 
@@ -108,33 +114,56 @@ struct ChunkBounds {
     double deviation = 0;
 };
 
-/// Per chunk: boxes, deviation and patch spheres. Reads positions and fit; writes chunk bounds and spheres.
-struct MeasureChunk {
+/// Per chunk: boxes and deviation, from the patches. Reads spheres, offsets and fit; writes chunk bounds. float32 relative to
+/// patch centres: JoinBounds adds what that may lose.
+struct MeasureBounds {
     View<const BodyView> bodies;
     View<const Chunk> chunks;
     View<ChunkBounds> bounds;
-    View<const View<PatchSphere>> patches;  ///< per body
-    View<const View<PatchOffsets>> patch_offsets;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Chunk chunk = chunks[i];
         const BodyView& body = bodies[chunk.body];
         ChunkBounds b;
         if (body.active) {
+            const Matrix3 to_fit = body.fit.rotation.transposed();
+            float furthest = 0;
             for (std::uint32_t p = chunk.first_patch; p < chunk.last_patch; ++p) {
-                measure_patch(body.mesh, body.positions, p, patches[chunk.body][p], patch_offsets[chunk.body][p]);
-                for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
-                    const std::uint32_t v = body.mesh.patch_vertices[p * constants::patch_size + k];
-                    const Vec3d x = to_double(body.positions[v]);
-                    const Vec3d local = body.fit.to_local(x);
-                    b.world_box.extend(x);
-                    b.fit_box.extend(local);
-                    b.deviation = max_of(length_squared(local - to_double(body.mesh.positions[v])), b.deviation);
+                const PatchOffsets& now = body.patch_offsets[p];
+                const PatchOffsets& rest = body.mesh.patch_offsets[p];
+                const Vec3d center = body.fit.to_local(body.patches[p].center);
+                const Vec3f moved = to_float(center - body.mesh.patches[p].center);
+                const TurnedOffsets turned(now, to_fit);
+                float away[constants::patch_size];
+                PIERCE_VECTOR_LOOP
+                for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+                    const float x = moved.x + (turned.at[0][k] - rest.x[k]);
+                    const float y = moved.y + (turned.at[1][k] - rest.y[k]);
+                    const float z = moved.z + (turned.at[2][k] - rest.z[k]);
+                    away[k] = x * x + y * y + z * z;
                 }
+                for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
+                const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
+                extend(b.fit_box, center, fit_axis);
+                const float* world_axis[3] = {now.x, now.y, now.z};
+                extend(b.world_box, body.patches[p].center, world_axis);
             }
-            b.deviation = std::sqrt(b.deviation);
+            b.deviation = std::sqrt(static_cast<double>(furthest));
         }
         bounds[i] = b;
+    }
+
+private:
+    PIERCE_HD static void extend(Box& box, Vec3d center, const float* const axis[3]) {
+        for (int r = 0; r < 3; ++r) {
+            float low = axis[r][0], high = low;
+            for (std::uint32_t k = 1; k < constants::patch_size; ++k) {
+                low = min_of(axis[r][k], low);
+                high = max_of(axis[r][k], high);
+            }
+            box.lower[r] = min_of(center[r] + low, box.lower[r]);
+            box.upper[r] = max_of(center[r] + high, box.upper[r]);
+        }
     }
 };
 
@@ -154,10 +183,10 @@ struct JoinBounds {
             all.fit_box.extend(bounds[c].fit_box);
             all.deviation = max_of(bounds[c].deviation, all.deviation);
         }
-        body.world_box = all.world_box;
-        body.fit_box = all.fit_box;
-        body.deviation = all.deviation;
         body.touch = constants::touch_tolerance * all.fit_box.extent();
+        body.world_box = all.world_box.inflated(body.touch);
+        body.fit_box = all.fit_box.inflated(body.touch);
+        body.deviation = all.deviation + body.touch;
     }
 };
 

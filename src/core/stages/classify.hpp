@@ -40,16 +40,20 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
     return m;
 }
 
-/// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere.
+/// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere, and the depth there.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
     View<const Hit> hits;
     View<std::uint32_t> inside;
+    View<double> depths;  ///< [length] written where inside
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t triangle = hits[i].triangle;
-        inside[i] = triangle != no_triangle && meet(rays[i], bodies[rays[i].target].surface(), triangle).exit;
+        inside[i] = 0;
+        if (hits[i].triangle == no_triangle) return;
+        const Meeting m = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
+        inside[i] = m.exit;
+        depths[i] = m.t;
     }
 };
 
@@ -70,7 +74,7 @@ struct GenerateOwnRays {
     View<const Pair> pairs;
     View<const Ray> rays;
     View<const RaySource> sources;
-    View<const Hit> hits;
+    View<const double> depths;
     View<const std::uint32_t> candidates;
     View<Ray> own_rays;
     View<std::uint32_t> starts_inside;
@@ -89,8 +93,7 @@ struct GenerateOwnRays {
             ray.target = body_index;
             ray.excluded_vertex = source.vertex;
             starts_inside[i] = leads_inside(body.mesh, body.positions, source.vertex, ray.direction);
-            ray.t_max = starts_inside[i] ? meet(into_target, target.surface(), hits[candidates[i]].triangle).t
-                                         : body.fit_box.extent();
+            ray.t_max = starts_inside[i] ? depths[candidates[i]] : body.fit_box.extent();
         }
         own_rays[i] = ray;
     }
@@ -101,7 +104,7 @@ struct GenerateOwnRays {
 struct TestOwnExit {
     View<const BodyView> bodies;
     View<const Ray> rays;
-    View<const Hit> hits;
+    View<const double> depths;
     View<const std::uint32_t> candidates;
     View<const Ray> own_rays;  ///< empty if no source deforms
     View<const Hit> own_hits;
@@ -111,7 +114,7 @@ struct TestOwnExit {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[i];
         const BodyView& target = bodies[rays[r].target];
-        const double t = meet(rays[r], target.surface(), hits[r].triangle).t;
+        const double t = depths[r];
         keep[i] = t <= rays[r].t_max + target.touch;
         if (own_rays.size == 0 || own_rays[i].t_max < 0) return;
         if (own_hits[i].triangle == no_triangle) {

@@ -13,10 +13,10 @@ PIERCE_HD inline Vec3d inward_direction(const BodyView& body, std::uint32_t vert
     return -n;
 }
 
-/// How far a ray of a body that deforms can get inside that body's box.
-PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin_in_space, Vec3d direction_in_space) {
-    const Frame to_fit = relative_frame(body.space, body.fit);
-    const Vec3d o = to_fit.to_parent(origin_in_space), d = to_fit.rotation * direction_in_space;
+/// How far a ray that starts at a vertex of a deforming body can get inside that body's box.
+PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d direction) {
+    const Matrix3 to_fit = body.fit.rotation.transposed();
+    const Vec3d o = to_fit * (origin - body.fit.origin), d = to_fit * direction;
     double range = body.fit_box.extent();
     for (int i = 0; i < 3; ++i)
         if (d[i] != 0) range = min_of(((d[i] > 0 ? body.fit_box.upper[i] : body.fit_box.lower[i]) - o[i]) / d[i], range);

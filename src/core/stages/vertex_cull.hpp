@@ -90,13 +90,7 @@ struct CullVertices {
         // float32 relative to the target's box: half an ulp of its extent, which the doubled touch tolerance covers.
         const Vec3d corner = target.mesh.clearance.box.lower;
         const Vec3f center = to_float(d.to_fit.to_parent(source.patches[patches[i].patch].center) - corner);
-        const Vec3f row[3] = {to_float(d.to_fit.rotation.row[0]), to_float(d.to_fit.rotation.row[1]),
-                              to_float(d.to_fit.rotation.row[2])};
-        float at[3][constants::patch_size];
-        for (int r = 0; r < 3; ++r)
-            PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < constants::patch_size; ++k)
-                at[r][k] = center[r] + (row[r].x * offsets.x[k] + row[r].y * offsets.y[k] + row[r].z * offsets.z[k]);
+        const TurnedOffsets turned(offsets, d.to_fit.rotation);
 
         const double distance = 2 * target.touch;
         const Vec3f low = to_float(target.fit_box.inflated(distance).lower - corner);
@@ -110,8 +104,9 @@ struct CullVertices {
             const float last = static_cast<float>(grid.size[r]) - 1.0f;
             PIERCE_VECTOR_LOOP
             for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
-                cell[r][k] = static_cast<std::int32_t>(clamp_to(at[r][k] * per_length, 0.0f, last));
-                beyond[k] |= static_cast<std::int32_t>(at[r][k] < low[r]) | static_cast<std::int32_t>(at[r][k] > high[r]);
+                const float x = center[r] + turned.at[r][k];
+                cell[r][k] = static_cast<std::int32_t>(clamp_to(x * per_length, 0.0f, last));
+                beyond[k] |= static_cast<std::int32_t>(x < low[r]) | static_cast<std::int32_t>(x > high[r]);
             }
         }
 
