@@ -342,6 +342,13 @@ const Plan& World::plan() {
 
 std::string World::backend() const { return state_->backend->description(); }
 
+std::vector<World::BodyBox> World::body_boxes() const {
+    std::vector<BodyBox> boxes;
+    for (std::size_t i = 0; i < state_->views.size(); ++i)
+        if (state_->views[i].active) boxes.push_back({state_->ids[i], state_->views[i].world_box});
+    return boxes;
+}
+
 std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
     if (!state_->planned) throw InputError("cast_rays needs a detect() after bodies were added, removed or changed");
     const auto& views = state_->views;

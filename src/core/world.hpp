@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "pierce/core/backend.hpp"
 #include "pierce/core/contact.hpp"
@@ -69,6 +70,14 @@ public:
     /// Which stages this world's steps run and which rules do not apply to some body.
     const Plan& plan();
     std::string backend() const;
+
+    /// A body and the world-space box it stands in.
+    struct BodyBox {
+        BodyId body;
+        Box box;
+    };
+    /// The boxes of all bodies that took part in the last detect().
+    std::vector<BodyBox> body_boxes() const;
 
     /// The first body along each line of sight from `origin`, bodies standing as in the last detect().
     /// Directions need not be unit; zero ones meet nothing.

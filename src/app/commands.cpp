@@ -1,0 +1,254 @@
+#include "commands.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "frame_log.hpp"
+#include "picture.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/detector.hpp"
+#include "pierce/scenes/mesh_io.hpp"
+#include "pierce/scenes/recording.hpp"
+#include "pierce/scenes/simulation.hpp"
+#include "progress.hpp"
+#include "report.hpp"
+
+namespace pierce::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using scenes::FrameResult;
+
+constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo short
+
+json detection_json(const DetectionOptions& options) {
+    return {{"method", options.method}, {"backend", options.rays.backend}, {"threads", options.rays.threads}};
+}
+
+/// A file that is to be written at the end is opened now, so that a long run does not end in an error.
+void check_writable(const fs::path& file) {
+    if (file.empty()) return;
+    const bool existed = fs::exists(file);
+    std::FILE* opened = std::fopen(file.c_str(), "ab");
+    if (opened == nullptr) throw InputError("cannot write '" + file.string() + "'");
+    std::fclose(opened);
+    if (!existed) fs::remove(file);
+}
+
+std::vector<BodyId> ground_of(const scenes::SceneSetup& scene) {
+    // A World gives out handles in order, and a scene never removes a body.
+    std::vector<BodyId> ground;
+    for (std::uint32_t b = 0; b < scene.bodies.size(); ++b)
+        if (scene.bodies[b].ground) ground.push_back({b, 1});
+    return ground;
+}
+
+void require_rays(World* world, const fs::path& png) {
+    if (world == nullptr && !png.empty()) throw InputError("--png needs --method rays: the picture is traced by them");
+}
+
+void put_frame(scenes::Detector& detector, const scenes::Recording& recording, std::uint32_t frame) {
+    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+        if (recording.bodies[b].motion == Motion::deforming)
+            detector.set_positions(b, recording.positions(b, frame));
+        else
+            detector.set_pose(b, recording.pose(b, frame));
+    }
+}
+
+scenes::SceneSetup scene_of(const RunOptions& options) {
+    return scenes::make_scene(options.scene, {options.count, options.soft, options.seed});
+}
+
+/// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and size.
+void add_convex_pieces(scenes::SceneSetup& scene) {
+    for (scenes::SceneMesh& mesh : scene.meshes)
+        for (const scenes::SceneInfo& info : scenes::scene_list()) {
+            if (!mesh.convex_pieces.empty() || (mesh.name != "torus" && mesh.name != "bunny")) continue;
+            if ((mesh.name == "torus") != (info.name == "tori")) continue;
+            for (scenes::SceneMesh& known : scenes::make_scene(info.name, {1, false, 1}).meshes)
+                if (known.name == mesh.name && known.data.positions == mesh.data.positions)
+                    mesh.convex_pieces = std::move(known.convex_pieces);
+        }
+}
+
+std::uint32_t step_count(double seconds, double dt) {
+    return std::max(1u, static_cast<std::uint32_t>(std::lround(seconds / dt)));
+}
+
+}  // namespace
+
+int list_scenes() {
+    for (const scenes::SceneInfo& info : scenes::scene_list()) fmt::print("{:<10} {}\n", info.name, info.description);
+    return 0;
+}
+
+int show_plan(const RunOptions& options) {
+    const scenes::SceneSetup setup = scene_of(options);
+    scenes::SceneWorld scene(setup, {"reference", 1});
+    const Plan& plan = scene.world.plan();
+    fmt::print("bodies    {} fixed, {} rigid, {} deforming; {} of them open\n", plan.fixed_bodies, plan.rigid_bodies,
+               plan.deforming_bodies, plan.open_bodies);
+    fmt::print("stages   ");
+    for (const std::string& stage : plan.stages) fmt::print(" {}", stage);
+    fmt::print("\nbounds    {}\n", plan.measures_deformation ? "poses of rigid bodies, vertices of deforming ones"
+                                                             : "poses only: no vertex is looked at");
+    fmt::print("update    {}\n", plan.measures_deformation ? "one static tree per mesh, one refitted tree per deforming body"
+                                                           : "one static tree per mesh, built once");
+    fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources"
+                                                       : "own exits looked up: they were traced once per mesh");
+    for (const std::string& note : plan.notes) fmt::print("note      {}\n", note);
+    return 0;
+}
+
+int run(const RunOptions& options) {
+    const scenes::SceneSetup scene = scene_of(options);
+    scenes::Simulation simulation(scene, scenes::method_named(options.detection.method), options.detection.rays);
+    require_rays(simulation.world(), options.png);
+    check_writable(options.png);
+    check_writable(options.detection.json);
+    scenes::Recording recording = scenes::start_recording(scene, options.dt);
+
+    FrameLog log;
+    const std::uint32_t steps = step_count(options.seconds, options.dt);
+    {
+        Progress progress("simulating", steps);
+        for (std::uint32_t i = 0; i < steps; ++i) {
+            log.add(simulation.step(options.dt));
+            if (!options.record.empty()) simulation.record(recording);
+            progress.show(i + 1);
+        }
+    }
+    fmt::print("{}: {} {}{} bodies, {} steps of {:.5g} s, method {}", options.scene, options.count,
+               options.soft ? "soft" : "rigid", "", steps, options.dt, options.detection.method);
+    fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
+    log.print();
+
+    if (!options.record.empty()) scenes::write_recording(recording, options.record);
+    if (!options.png.empty()) write_picture(*simulation.world(), ground_of(scene), options.png);
+    if (!options.detection.json.empty()) {
+        json settings = detection_json(options.detection);
+        settings.update({{"command", "run"}, {"scene", options.scene}, {"count", options.count}, {"soft", options.soft},
+                         {"seconds", options.seconds}, {"dt", options.dt}, {"seed", options.seed}});
+        log.write_json(options.detection.json, settings);
+    }
+    return 0;
+}
+
+int replay(const ReplayOptions& options) {
+    scenes::Recording recording = scenes::read_recording(options.folder);
+    if (options.deforming) recording = scenes::as_deforming(recording);
+    scenes::SceneSetup scene = scenes::scene_of(recording);
+    const scenes::Method method = scenes::method_named(options.detection.method);
+    if (method == scenes::Method::gjk_epa) add_convex_pieces(scene);
+    const auto detector = scenes::make_detector(scene, method, options.detection.rays);
+    require_rays(detector->world(), options.png);
+    check_writable(options.png);
+    check_writable(options.detection.json);
+
+    FrameLog log;
+    {
+        Progress progress("replaying", recording.frame_count);
+        for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
+            put_frame(*detector, recording, f);
+            log.add(detector->detect());
+            progress.show(f + 1);
+        }
+    }
+    fmt::print("{}: {} bodies, {} frames, method {}", options.folder.string(), recording.bodies.size(),
+               recording.frame_count, options.detection.method);
+    fmt::print("{}\n", detector->world() != nullptr ? ", " + detector->world()->backend() : "");
+    log.print();
+
+    if (!options.png.empty()) write_picture(*detector->world(), ground_of(scene), options.png);
+    if (!options.detection.json.empty()) {
+        json settings = detection_json(options.detection);
+        settings.update({{"command", "replay"}, {"folder", options.folder.filename().string()},
+                         {"deforming", options.deforming}, {"dt", recording.dt}});
+        log.write_json(options.detection.json, settings);
+    }
+    return 0;
+}
+
+int detect(const DetectOptions& options) {
+    World world(scenes::make_backend(options.detection.rays));
+    std::vector<std::string> names;
+    for (const fs::path& file : options.meshes) {
+        const MeshId mesh = world.add_mesh(file.string(), scenes::read_mesh(file));
+        world.add_rigid_body(mesh);
+        names.push_back(file.string());
+    }
+    check_writable(options.detection.json);
+    for (const std::string& note : world.plan().notes) fmt::print("note: {}\n", note);
+    const StepStats& stats = world.detect();
+
+    json list = json::array();
+    const auto contacts = world.contacts();
+    for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
+        double deepest = 0, sum = 0;
+        for (; end < contacts.size() && contacts[end].a == contacts[begin].a && contacts[end].b == contacts[begin].b; ++end) {
+            deepest = std::max(deepest, contacts[end].penetration_depth());
+            sum += contacts[end].penetration_depth();
+        }
+        fmt::print("{} and {}: {} contacts, depth mean {:.6g}, max {:.6g}\n", names[contacts[begin].a.index],
+                   names[contacts[begin].b.index], end - begin, sum / static_cast<double>(end - begin), deepest);
+    }
+    const auto xyz = [](Vec3d v) { return json{v.x, v.y, v.z}; };
+    for (const Contact& c : contacts)
+        list.push_back({{"a", c.a.index}, {"b", c.b.index}, {"source", c.source == Side::a ? "a" : "b"},
+                        {"vertex", c.vertex}, {"triangle", c.triangle}, {"barycentric", c.barycentric},
+                        {"point_a", xyz(c.point_a)}, {"point_b", xyz(c.point_b)}, {"normal", xyz(c.normal)},
+                        {"distance", c.distance}, {"grazing", c.grazing}});
+    fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n", stats.contacts, stats.touching_pairs,
+               stats.pairs, stats.rays, stats.milliseconds, world.backend());
+    if (!options.detection.json.empty())
+        write_json_file(options.detection.json, {{"machine", machine_json()}, {"versions", versions_json()},
+                                                 {"bodies", names}, {"contacts", list}});
+    return 0;
+}
+
+int demo(const fs::path& png) {
+    const RunOptions options{.scene = "tori", .count = 100, .soft = false, .seconds = 10, .dt = 1.0 / 60, .seed = 1,
+                             .record = {}, .png = png, .detection = {}};
+    check_writable(png);
+    const scenes::SceneSetup scene = scene_of(options);
+    scenes::Simulation simulation(scene, scenes::Method::rays, options.detection.rays);
+    scenes::Recording recording = scenes::start_recording(scene, options.dt);
+    const std::uint32_t steps = step_count(options.seconds, options.dt);
+    fmt::print("100 tori of 600 triangles fall on a plane: {} steps, contacts by rays, {}\n", steps,
+               simulation.world()->backend());
+    FrameLog all, rays, gjk;
+    {
+        Progress progress("rays", steps);
+        for (std::uint32_t i = 0; i < steps; ++i) {
+            // The motion is recorded as detection sees it: before the solver moves the bodies on.
+            simulation.record(recording);
+            const FrameResult& result = simulation.step(options.dt);
+            all.add(result);
+            if (i % demo_stride == 0) rays.add(result);
+            progress.show(i + 1);
+        }
+    }
+    all.print();
+
+    const auto detector = scenes::make_detector(scene, scenes::Method::gjk_epa);
+    {
+        Progress progress("GJK/EPA", steps);
+        for (std::uint32_t f = 0; f < steps; f += demo_stride) {
+            put_frame(*detector, recording, f);
+            gjk.add(detector->detect());
+            progress.show(f + 1);
+        }
+    }
+    fmt::print("\nTable 4 of the paper, 100 tori\n");
+    print_table_4(rays, gjk);
+    write_picture(*simulation.world(), ground_of(scene), png);
+    fmt::print("\npicture: {}\n", fs::absolute(png).string());
+    return 0;
+}
+
+}  // namespace pierce::app

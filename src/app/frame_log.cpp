@@ -1,0 +1,156 @@
+#include "frame_log.hpp"
+
+#include <LinearMath/btScalar.h>
+#include <fmt/core.h>
+#include <sys/utsname.h>
+#include <tbb/version.h>
+
+#include <algorithm>
+#include <fstream>
+#include <thread>
+
+#include "pierce/core/error.hpp"
+#include "pierce/cpu_embree/embree_backend.hpp"
+
+namespace pierce::app {
+
+using scenes::FrameResult;
+using nlohmann::json;
+
+Spread spread_of(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::ranges::sort(values);
+    const auto at = [&](double part) { return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))]; };
+    return {at(0.5), at(0.95), values.back()};
+}
+
+void FrameLog::add(const FrameResult& frame) { frames_.push_back(frame); }
+
+std::vector<double> FrameLog::column(double FrameResult::* member) const {
+    std::vector<double> values;
+    for (const FrameResult& f : frames_) values.push_back(f.*member);
+    return values;
+}
+
+std::vector<double> FrameLog::column(std::uint32_t FrameResult::* member) const {
+    std::vector<double> values;
+    for (const FrameResult& f : frames_) values.push_back(f.*member);
+    return values;
+}
+
+std::vector<double> FrameLog::touching_pairs() const {
+    std::vector<double> values;
+    for (const FrameResult& f : frames_) values.push_back(static_cast<double>(f.touching.size()));
+    return values;
+}
+
+std::vector<double> FrameLog::stage(const std::string& name) const {
+    std::vector<double> values;
+    for (const FrameResult& f : frames_)
+        for (const StepStats::Stage& s : f.stages)
+            if (s.name == name) values.push_back(s.milliseconds);
+    return values;
+}
+
+std::vector<std::string> FrameLog::stage_names() const {
+    std::vector<std::string> names;
+    for (const FrameResult& f : frames_)
+        for (const StepStats::Stage& s : f.stages)
+            if (std::ranges::find(names, s.name) == names.end()) names.push_back(s.name);
+    return names;
+}
+
+void FrameLog::print() const {
+    const auto row = [](const std::string& name, Spread s) {
+        fmt::print("  {:<20} {:>10.3f} {:>10.3f} {:>10.3f}\n", name, s.median, s.p95, s.max);
+    };
+    const auto count = [](const std::string& name, Spread s) {
+        fmt::print("  {:<20} {:>10.0f} {:>10.0f} {:>10.0f}\n", name, s.median, s.p95, s.max);
+    };
+    fmt::print("  {:<20} {:>10} {:>10} {:>10}\n", fmt::format("{} frames", size()), "median", "p95", "max");
+    for (const std::string& name : stage_names()) row(name + " [ms]", spread_of(stage(name)));
+    row("total [ms]", spread_of(column(&FrameResult::total_ms)));
+    count("pairs", spread_of(column(&FrameResult::pairs)));
+    count("rays", spread_of(column(&FrameResult::rays)));
+    count("hits", spread_of(column(&FrameResult::hits)));
+    count("contacts", spread_of(column(&FrameResult::contacts)));
+    count("colliding pairs", spread_of(touching_pairs()));
+    row("penetration mean", spread_of(column(&FrameResult::penetration_mean)));
+    row("penetration max", spread_of(column(&FrameResult::penetration_max)));
+    const auto excluded = std::ranges::count_if(frames_, [](const FrameResult& f) { return f.status != 0; });
+    if (excluded > 0) fmt::print("  warning: in {} frames bodies were left out because their motion is not finite\n", excluded);
+}
+
+namespace {
+
+json spread_json(Spread s) { return {{"median", s.median}, {"p95", s.p95}, {"max", s.max}}; }
+
+std::string processor_name() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+    return "unknown";
+}
+
+}  // namespace
+
+json machine_json() {
+    utsname names{};
+    uname(&names);
+    return {{"processor", processor_name()},
+            {"threads", std::thread::hardware_concurrency()},
+            {"system", fmt::format("{} {}", names.sysname, names.release)}};
+}
+
+json versions_json() {
+    return {{"pierce", PIERCE_VERSION},
+            {"build", PIERCE_BUILD_TYPE},
+            {"compiler", __VERSION__},
+            {"embree", embree_version()},
+            {"onetbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
+            {"bullet", fmt::format("{}.{}", btGetVersion() / 100, btGetVersion() % 100)}};
+}
+
+void write_json_file(const std::filesystem::path& file, const json& content) {
+    std::ofstream out(file);
+    out << content.dump(1) << '\n';
+    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+}
+
+void FrameLog::write_json(const std::filesystem::path& file, const json& settings) const {
+    json summary;
+    for (const std::string& name : stage_names()) summary["ms"][name] = spread_json(spread_of(stage(name)));
+    summary["ms"]["total"] = spread_json(spread_of(column(&FrameResult::total_ms)));
+    summary["pairs"] = spread_json(spread_of(column(&FrameResult::pairs)));
+    summary["rays"] = spread_json(spread_of(column(&FrameResult::rays)));
+    summary["hits"] = spread_json(spread_of(column(&FrameResult::hits)));
+    summary["contacts"] = spread_json(spread_of(column(&FrameResult::contacts)));
+    summary["colliding_pairs"] = spread_json(spread_of(touching_pairs()));
+    summary["penetration_mean"] = spread_json(spread_of(column(&FrameResult::penetration_mean)));
+    summary["penetration_max"] = spread_json(spread_of(column(&FrameResult::penetration_max)));
+
+    json frames = json::array();
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+        const FrameResult& f = frames_[i];
+        json ms;
+        for (const StepStats::Stage& s : f.stages) ms[s.name] = s.milliseconds;
+        ms["total"] = f.total_ms;
+        frames.push_back({{"index", i},
+                          {"ms", ms},
+                          {"pairs", f.touching},
+                          {"rays", f.rays},
+                          {"hits", f.hits},
+                          {"contacts", f.contacts},
+                          {"penetration_mean", f.penetration_mean},
+                          {"penetration_max", f.penetration_max},
+                          {"status", f.status},
+                          {"hash", fmt::format("{:016x}", f.hash)}});
+    }
+    write_json_file(file, {{"machine", machine_json()},
+                           {"versions", versions_json()},
+                           {"settings", settings},
+                           {"summary", summary},
+                           {"frames", frames}});
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,99 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "commands.hpp"
+#include "pierce/core/error.hpp"
+
+namespace {
+
+using namespace pierce::app;
+
+constexpr int exit_bad_input = 2;
+constexpr int exit_failure = 1;
+
+const CLI::Validator positive_number(
+    [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
+        return good ? std::string() : "must be a positive number, got " + text;
+    },
+    "POSITIVE");
+
+void add_detection(CLI::App& command, DetectionOptions& options) {
+    command.add_option("--method", options.method, "rays, gjk-epa, gjk-hull or gimpact")->capture_default_str();
+    command.add_option("--backend", options.rays.backend, "embree or reference, for rays")->capture_default_str();
+    command.add_option("--threads", options.rays.threads, "threads for rays; all there are if not given")
+        ->check(CLI::Range(1, 1024));
+    command.add_option("--json", options.json, "write settings, summary and every frame to FILE")->type_name("FILE");
+}
+
+void add_scene(CLI::App& command, RunOptions& options) {
+    command.add_option("scene", options.scene, "name of a scene, see 'pierce scenes'")->required();
+    command.add_option("--count", options.count, "falling bodies")->capture_default_str()->check(CLI::Range(1u, 1000000u));
+    command.add_flag("--soft", options.soft, "falling bodies deform");
+    command.add_option("--seed", options.seed, "of the bodies' rotations")->capture_default_str();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{"Contacts between triangle meshes by ray tracing"};
+    app.set_version_flag("--version", "pierce " PIERCE_VERSION);
+    app.require_subcommand(1);
+
+    int code = 0;
+    app.add_subcommand("scenes", "list the scenes")->callback([&] { code = list_scenes(); });
+
+    RunOptions plan_options;
+    CLI::App* plan_command = app.add_subcommand("plan", "print which stages a scene's steps run");
+    add_scene(*plan_command, plan_options);
+    plan_command->callback([&] { code = show_plan(plan_options); });
+
+    RunOptions run_options;
+    CLI::App* run_command = app.add_subcommand("run", "simulate a scene with Bullet and contacts from a method");
+    add_scene(*run_command, run_options);
+    run_command->add_option("--seconds", run_options.seconds, "simulated time")->capture_default_str()->check(positive_number);
+    run_command->add_option("--dt", run_options.dt, "time step in seconds")->capture_default_str()->check(positive_number);
+    run_command->add_option("--record", run_options.record, "write the motion to DIR, for 'pierce replay'")->type_name("DIR");
+    run_command->add_option("--png", run_options.png, "write a picture of the last frame to FILE")->type_name("FILE");
+    add_detection(*run_command, run_options.detection);
+    run_command->callback([&] { code = run(run_options); });
+
+    ReplayOptions replay_options;
+    CLI::App* replay_command = app.add_subcommand("replay", "detect contacts along recorded motion");
+    replay_command->add_option("folder", replay_options.folder, "folder with scene.json")->required();
+    replay_command->add_flag("--deforming", replay_options.deforming, "give rigid motion vertex by vertex");
+    replay_command->add_option("--png", replay_options.png, "write a picture of the last frame to FILE")->type_name("FILE");
+    add_detection(*replay_command, replay_options.detection);
+    replay_command->callback([&] { code = replay(replay_options); });
+
+    DetectOptions detect_options;
+    CLI::App* detect_command = app.add_subcommand("detect", "contacts of meshes as they stand in their files");
+    detect_command->add_option("meshes", detect_options.meshes, "OBJ, PLY, STL or OFF files")->required()->expected(2, -1);
+    detect_command->add_option("--backend", detect_options.detection.rays.backend, "embree or reference")->capture_default_str();
+    detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
+        ->check(CLI::Range(1, 1024));
+    detect_command->add_option("--json", detect_options.detection.json, "write the contacts to FILE")->type_name("FILE");
+    detect_command->callback([&] { code = detect(detect_options); });
+
+    std::filesystem::path demo_png = "demo.png";
+    CLI::App* demo_command = app.add_subcommand("demo", "100 tori by rays and by GJK/EPA, with a picture");
+    demo_command->add_option("--png", demo_png, "picture of the last frame")->capture_default_str();
+    demo_command->callback([&] { code = demo(demo_png); });
+
+    try {
+        app.parse(argc, argv);
+        return code;
+    } catch (const CLI::ParseError& error) {
+        const int shown = app.exit(error);
+        return shown == 0 ? 0 : exit_bad_input;
+    } catch (const pierce::InputError& error) {
+        fmt::print(stderr, "pierce: {}\n", error.what());
+        return exit_bad_input;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "pierce: {}\n", error.what());
+        return exit_failure;
+    }
+}

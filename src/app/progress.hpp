@@ -1,0 +1,27 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace pierce::app {
+
+/// A bar with the time left on the terminal's last line; silent if standard error is no terminal.
+class Progress {
+public:
+    Progress(std::string what, std::uint32_t total);
+    ~Progress();
+
+    /// `done` of the total are done. Redraws a few times a second at most.
+    void show(std::uint32_t done);
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    std::string what_;
+    std::uint32_t total_;
+    bool visible_;
+    Clock::time_point begin_, drawn_;
+};
+
+}  // namespace pierce::app
