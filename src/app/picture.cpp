@@ -27,7 +27,7 @@ struct Camera {
         forward = normalized(Vec3d{-0.35, 0.9, -0.35});
         right = normalized(cross(forward, Vec3d{0, 0, 1}));
         up = cross(right, forward);
-        eye = box.center() - (0.62 * box.extent() / std::tan(field_of_view / 2)) * forward;
+        eye = box.center() - (0.42 * box.extent() / std::tan(field_of_view / 2)) * forward;
     }
 
     Vec3d direction(int x, int y) const {

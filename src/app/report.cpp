@@ -12,7 +12,7 @@ double mean(const std::vector<double>& values) {
 }
 
 void row(const char* name, double rays, double gjk, const char* paper_rays, const char* paper_gjk) {
-    fmt::print("  {:<28} {:>10.2f} {:>10.2f}    {:>10} {:>10}\n", name, rays, gjk, paper_rays, paper_gjk);
+    fmt::print("  {:<28} {:>10.3f} {:>10.3f}    {:>10} {:>10}\n", name, rays, gjk, paper_rays, paper_gjk);
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ void print_table_4(const FrameLog& rays, const FrameLog& gjk_epa) {
     row("penetration, mean", mean(rays.column(&FrameResult::penetration_mean)),
         mean(gjk_epa.column(&FrameResult::penetration_mean)), "", "");
     fmt::print(
-        "  GJK/EPA sees each torus as 30 convex pieces, and the same motion as rays. Its update holds Bullet's boxes and broad\n"
+        "  GJK/EPA sees each torus as 30 convex pieces, and the same motion as rays; its pairs and depths are of the pieces\n  without Bullet's margin. Its update holds Bullet's boxes and broad\n"
         "  phase. Rays from vertices miss pairs whose edges alone cross; the pairs found stand beside each time for that.\n");
 }
 

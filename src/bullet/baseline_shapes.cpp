@@ -14,6 +14,9 @@
 namespace pierce::bullet {
 namespace {
 
+// GImpact needs one; this is the default of its parts.
+constexpr btScalar gimpact_margin = btScalar(0.01);
+
 std::unique_ptr<btCollisionShape> hull_of(std::span<const Vec3f> points) {
     auto hull = std::make_unique<btConvexHullShape>();
     for (Vec3f p : points) hull->addPoint(to_bullet(p), false);
@@ -35,6 +38,7 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
     switch (method) {
         case Baseline::gjk_hull:
             shape_ = hull_of(mesh.positions);
+            margin_ = shape_->getMargin();
             break;
         case Baseline::gjk_epa: {
             if (convex_pieces.empty()) throw InputError("mesh '" + name + "' has no convex pieces for gjk-epa");
@@ -43,6 +47,7 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
                 parts_.push_back(hull_of(piece));
                 compound->addChildShape(btTransform::getIdentity(), parts_.back().get());
             }
+            margin_ = parts_.front()->getMargin();
             shape_ = std::move(compound);
             break;
         }
@@ -56,7 +61,9 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
                 static_cast<int>(mesh.positions.size()), &triangles_->positions[0][0],
                 static_cast<int>(sizeof(btVector3)));
             auto gimpact = std::make_unique<btGImpactMeshShape>(triangles_->array.get());
+            gimpact->setMargin(gimpact_margin);
             gimpact->updateBound();
+            margin_ = gimpact_margin;
             shape_ = std::move(gimpact);
             break;
         }

@@ -31,6 +31,8 @@ public:
     BaselineShape(BaselineShape&&) noexcept;
 
     btCollisionShape& shape() const { return *shape_; }
+    /// How far Bullet's surface stands outside the mesh: its contacts' distances are smaller by both shapes' margins.
+    double margin() const { return margin_; }
 
     /// Gives a gimpact shape other vertex positions and refits its tree. Throws InputError for other methods.
     void set_positions(std::span<const Vec3f> positions);
@@ -42,6 +44,7 @@ private:
     std::unique_ptr<Triangles> triangles_;
     std::vector<std::unique_ptr<btCollisionShape>> parts_;
     std::unique_ptr<btCollisionShape> shape_;
+    double margin_ = 0;
 };
 
 /// Bullet's configuration with a clock on EPA, so that finding pairs (GJK) and finding depth (EPA) are told apart.

@@ -18,7 +18,7 @@ struct TracerCounts {
 };
 
 /// Finds the triangle each ray crosses first (the meaning is CrossingSearch's). Must give the same answer as
-/// BruteForceTracer for every ray whose origin lies within the target's box, grown by the touch tolerance.
+/// BruteForceTracer for every ray whose origin lies within the target's box, grown by a few touch tolerances.
 template <class T, class E>
 concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies, View<const std::uint32_t> wanted,
                           View<const Ray> rays, View<Hit> hits) {

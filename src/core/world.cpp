@@ -364,9 +364,10 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<cons
             if (!enter) continue;
             const Frame to_space = relative_frame({}, views[b].space);
             Ray ray;
-            ray.origin = to_space.to_parent(origin + *enter * direction);
+            // From just outside the box: a surface in the box's face must still lie ahead.
+            ray.origin = to_space.to_parent(origin + std::max(*enter - 2 * views[b].touch, 0.0) * direction);
             ray.direction = to_space.rotation * direction;
-            ray.t_max = views[b].fit_box.extent();
+            ray.t_max = views[b].fit_box.extent() + 2 * views[b].touch;
             ray.target = b;
             rays.push_back(ray);
             line.push_back(i);

@@ -17,7 +17,8 @@ void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapp
 
 void register_baseline(btCollisionDispatcher& dispatcher) { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
 
-FrameResult bullet_result(TimedDispatcher& dispatcher, double detection_ms, double refit_ms, double epa_ms) {
+FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes,
+                          double detection_ms, double refit_ms, double epa_ms) {
     FrameResult result;
     result.update_ms = refit_ms + detection_ms - dispatcher.milliseconds;
     result.narrow_ms = dispatcher.milliseconds - epa_ms;
@@ -28,9 +29,12 @@ FrameResult bullet_result(TimedDispatcher& dispatcher, double detection_ms, doub
     double sum = 0;
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
         const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+        const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
+        const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
+        const double margin = shapes[a].margin() + shapes[b].margin();
         bool touches = false;
         for (int i = 0; i < manifold.getNumContacts(); ++i) {
-            const double distance = manifold.getContactPoint(i).getDistance();
+            const double distance = manifold.getContactPoint(i).getDistance() + margin;
             if (distance > 0) continue;
             touches = true;
             ++result.contacts;
@@ -38,8 +42,6 @@ FrameResult bullet_result(TimedDispatcher& dispatcher, double detection_ms, doub
             result.penetration_max = std::max(result.penetration_max, -distance);
         }
         if (!touches) continue;
-        const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
-        const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
         result.touching.emplace_back(std::min(a, b), std::max(a, b));
     }
     if (result.contacts > 0) result.penetration_mean = sum / result.contacts;

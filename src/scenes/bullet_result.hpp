@@ -2,6 +2,7 @@
 
 #include <btBulletCollisionCommon.h>
 
+#include "pierce/bullet/baseline_shapes.hpp"
 #include "pierce/scenes/method.hpp"
 
 namespace pierce::scenes {
@@ -21,8 +22,9 @@ public:
 /// Makes GImpact shapes known to a dispatcher.
 void register_baseline(btCollisionDispatcher& dispatcher);
 
-/// What a step of Bullet's own detection took and found. Objects are told by their user index; a point counts as a contact if
-/// its distance is not positive.
-FrameResult bullet_result(TimedDispatcher& dispatcher, double detection_ms, double refit_ms, double epa_ms);
+/// What a step of Bullet's own detection took and found. Objects are told by their user index, into `shapes`; a point counts
+/// as a contact if the meshes themselves, without Bullet's margins, overlap there.
+FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes,
+                          double detection_ms, double refit_ms, double epa_ms);
 
 }  // namespace pierce::scenes

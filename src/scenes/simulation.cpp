@@ -196,7 +196,7 @@ const FrameResult& Simulation::step(double dt) {
         s.result.stages.push_back({"response", s.result.response_ms});
         s.result.total_ms += s.result.response_ms;
     } else {
-        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.world->detection_ms, 0,
+        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes, s.world->detection_ms, 0,
                                  s.rigid_configuration.take_epa_milliseconds());
     }
     return s.result;
