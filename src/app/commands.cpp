@@ -132,8 +132,13 @@ int run(const RunOptions& options) {
     if (!options.png.empty()) write_picture(*simulation.world(), ground_of(scene), options.png);
     if (!options.detection.json.empty()) {
         json settings = detection_json(options.detection);
-        settings.update({{"command", "run"}, {"scene", options.scene}, {"count", options.count}, {"soft", options.soft},
-                         {"seconds", options.seconds}, {"dt", options.dt}, {"seed", options.seed}});
+        settings.update({{"command", "run"},
+                         {"scene", options.scene},
+                         {"count", options.count},
+                         {"soft", options.soft},
+                         {"seconds", options.seconds},
+                         {"dt", options.dt},
+                         {"seed", options.seed}});
         log.write_json(options.detection.json, settings);
     }
     return 0;
@@ -167,8 +172,10 @@ int replay(const ReplayOptions& options) {
     if (!options.png.empty()) write_picture(*detector->world(), ground_of(scene), options.png);
     if (!options.detection.json.empty()) {
         json settings = detection_json(options.detection);
-        settings.update({{"command", "replay"}, {"folder", options.folder.filename().string()},
-                         {"deforming", options.deforming}, {"dt", recording.dt}});
+        settings.update({{"command", "replay"},
+                         {"folder", options.folder.filename().string()},
+                         {"deforming", options.deforming},
+                         {"dt", recording.dt}});
         log.write_json(options.detection.json, settings);
     }
     return 0;
@@ -190,7 +197,8 @@ int detect(const DetectOptions& options) {
     const auto contacts = world.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
         double deepest = 0, sum = 0;
-        for (; end < contacts.size() && contacts[end].a == contacts[begin].a && contacts[end].b == contacts[begin].b; ++end) {
+        for (; end < contacts.size() && contacts[end].a == contacts[begin].a && contacts[end].b == contacts[begin].b;
+             ++end) {
             deepest = std::max(deepest, contacts[end].penetration_depth());
             sum += contacts[end].penetration_depth();
         }
@@ -199,21 +207,35 @@ int detect(const DetectOptions& options) {
     }
     const auto xyz = [](Vec3d v) { return json{v.x, v.y, v.z}; };
     for (const Contact& c : contacts)
-        list.push_back({{"a", c.a.index}, {"b", c.b.index}, {"source", c.source == Side::a ? "a" : "b"},
-                        {"vertex", c.vertex}, {"triangle", c.triangle}, {"barycentric", c.barycentric},
-                        {"point_a", xyz(c.point_a)}, {"point_b", xyz(c.point_b)}, {"normal", xyz(c.normal)},
-                        {"distance", c.distance}, {"grazing", c.grazing}});
+        list.push_back({{"a", c.a.index},
+                        {"b", c.b.index},
+                        {"source", c.source == Side::a ? "a" : "b"},
+                        {"vertex", c.vertex},
+                        {"triangle", c.triangle},
+                        {"barycentric", c.barycentric},
+                        {"point_a", xyz(c.point_a)},
+                        {"point_b", xyz(c.point_b)},
+                        {"normal", xyz(c.normal)},
+                        {"distance", c.distance},
+                        {"grazing", c.grazing}});
     fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n", stats.contacts, stats.touching_pairs,
                stats.pairs, stats.rays, stats.milliseconds, world.backend());
     if (!options.detection.json.empty())
-        write_json_file(options.detection.json, {{"machine", machine_json()}, {"versions", versions_json()},
-                                                 {"bodies", names}, {"contacts", list}});
+        write_json_file(options.detection.json,
+                        {{"machine", machine_json()}, {"versions", versions_json()}, {"bodies", names}, {"contacts", list}});
     return 0;
 }
 
 int demo(const fs::path& png) {
-    const RunOptions options{.scene = "tori", .count = 100, .soft = false, .seconds = 10, .dt = 1.0 / 60, .seed = 1,
-                             .record = {}, .png = png, .detection = {}};
+    const RunOptions options{.scene = "tori",
+                             .count = 100,
+                             .soft = false,
+                             .seconds = 10,
+                             .dt = 1.0 / 60,
+                             .seed = 1,
+                             .record = {},
+                             .png = png,
+                             .detection = {}};
     check_writable(png);
     const scenes::SceneSetup scene = scene_of(options);
     scenes::Simulation simulation(scene, scenes::Method::rays, options.detection.rays);

@@ -14,25 +14,27 @@
 
 namespace pierce::app {
 
-using scenes::FrameResult;
 using nlohmann::json;
+using scenes::FrameResult;
 
 Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::ranges::sort(values);
-    const auto at = [&](double part) { return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))]; };
+    const auto at = [&](double part) {
+        return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+    };
     return {at(0.5), at(0.95), values.back()};
 }
 
 void FrameLog::add(const FrameResult& frame) { frames_.push_back(frame); }
 
-std::vector<double> FrameLog::column(double FrameResult::* member) const {
+std::vector<double> FrameLog::column(double FrameResult::*member) const {
     std::vector<double> values;
     for (const FrameResult& f : frames_) values.push_back(f.*member);
     return values;
 }
 
-std::vector<double> FrameLog::column(std::uint32_t FrameResult::* member) const {
+std::vector<double> FrameLog::column(std::uint32_t FrameResult::*member) const {
     std::vector<double> values;
     for (const FrameResult& f : frames_) values.push_back(f.*member);
     return values;
@@ -78,7 +80,8 @@ void FrameLog::print() const {
     row("penetration mean", spread_of(column(&FrameResult::penetration_mean)));
     row("penetration max", spread_of(column(&FrameResult::penetration_max)));
     const auto excluded = std::ranges::count_if(frames_, [](const FrameResult& f) { return f.status != 0; });
-    if (excluded > 0) fmt::print("  warning: in {} frames bodies were left out because their motion is not finite\n", excluded);
+    if (excluded > 0)
+        fmt::print("  warning: in {} frames bodies were left out because their motion is not finite\n", excluded);
 }
 
 namespace {

@@ -24,8 +24,8 @@ public:
     std::size_t size() const { return frames_.size(); }
     const std::vector<scenes::FrameResult>& frames() const { return frames_; }
     /// A number of every frame.
-    std::vector<double> column(double scenes::FrameResult::* member) const;
-    std::vector<double> column(std::uint32_t scenes::FrameResult::* member) const;
+    std::vector<double> column(double scenes::FrameResult::*member) const;
+    std::vector<double> column(std::uint32_t scenes::FrameResult::*member) const;
     std::vector<double> touching_pairs() const;
     /// Milliseconds of a stage in every frame.
     std::vector<double> stage(const std::string& name) const;

@@ -54,9 +54,12 @@ int main(int argc, char** argv) {
     RunOptions run_options;
     CLI::App* run_command = app.add_subcommand("run", "simulate a scene with Bullet and contacts from a method");
     add_scene(*run_command, run_options);
-    run_command->add_option("--seconds", run_options.seconds, "simulated time")->capture_default_str()->check(positive_number);
+    run_command->add_option("--seconds", run_options.seconds, "simulated time")
+        ->capture_default_str()
+        ->check(positive_number);
     run_command->add_option("--dt", run_options.dt, "time step in seconds")->capture_default_str()->check(positive_number);
-    run_command->add_option("--record", run_options.record, "write the motion to DIR, for 'pierce replay'")->type_name("DIR");
+    run_command->add_option("--record", run_options.record, "write the motion to DIR, for 'pierce replay'")
+        ->type_name("DIR");
     run_command->add_option("--png", run_options.png, "write a picture of the last frame to FILE")->type_name("FILE");
     add_detection(*run_command, run_options.detection);
     run_command->callback([&] { code = run(run_options); });
@@ -72,7 +75,8 @@ int main(int argc, char** argv) {
     DetectOptions detect_options;
     CLI::App* detect_command = app.add_subcommand("detect", "contacts of meshes as they stand in their files");
     detect_command->add_option("meshes", detect_options.meshes, "OBJ, PLY, STL or OFF files")->required()->expected(2, -1);
-    detect_command->add_option("--backend", detect_options.detection.rays.backend, "embree or reference")->capture_default_str();
+    detect_command->add_option("--backend", detect_options.detection.rays.backend, "embree or reference")
+        ->capture_default_str();
     detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
         ->check(CLI::Range(1, 1024));
     detect_command->add_option("--json", detect_options.detection.json, "write the contacts to FILE")->type_name("FILE");

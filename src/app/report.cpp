@@ -19,7 +19,7 @@ void row(const char* name, double rays, double gjk, const char* paper_rays, cons
 
 void print_table_4(const FrameLog& rays, const FrameLog& gjk_epa) {
     using scenes::FrameResult;
-    const auto ms = [&](const char* name, double FrameResult::* member, const char* paper_rays, const char* paper_gjk) {
+    const auto ms = [&](const char* name, double FrameResult::*member, const char* paper_rays, const char* paper_gjk) {
         row(name, mean(rays.column(member)), mean(gjk_epa.column(member)), paper_rays, paper_gjk);
     };
     fmt::print("  {:<28} {:^21}    {:^21}\n", "", "measured now", "paper (2013 laptop)");
@@ -32,8 +32,10 @@ void print_table_4(const FrameLog& rays, const FrameLog& gjk_epa) {
     row("penetration, mean", mean(rays.column(&FrameResult::penetration_mean)),
         mean(gjk_epa.column(&FrameResult::penetration_mean)), "", "");
     fmt::print(
-        "  GJK/EPA sees each torus as 30 convex pieces, and the same motion as rays; its pairs and depths are of the pieces\n  without Bullet's margin. Its update holds Bullet's boxes and broad\n"
-        "  phase. Rays from vertices miss pairs whose edges alone cross; the pairs found stand beside each time for that.\n");
+        "  GJK/EPA sees each torus as 30 convex pieces, and the same motion as rays; its pairs and depths are of the "
+        "pieces\n  without Bullet's margin. Its update holds Bullet's boxes and broad\n"
+        "  phase. Rays from vertices miss pairs whose edges alone cross; the pairs found stand beside each time for "
+        "that.\n");
 }
 
 }  // namespace pierce::app

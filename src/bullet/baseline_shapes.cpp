@@ -58,8 +58,7 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
                 for (std::uint32_t v : t.vertex) triangles_->indices.push_back(static_cast<int>(v));
             triangles_->array = std::make_unique<btTriangleIndexVertexArray>(
                 static_cast<int>(mesh.triangles.size()), triangles_->indices.data(), static_cast<int>(3 * sizeof(int)),
-                static_cast<int>(mesh.positions.size()), &triangles_->positions[0][0],
-                static_cast<int>(sizeof(btVector3)));
+                static_cast<int>(mesh.positions.size()), &triangles_->positions[0][0], static_cast<int>(sizeof(btVector3)));
             auto gimpact = std::make_unique<btGImpactMeshShape>(triangles_->array.get());
             gimpact->setMargin(gimpact_margin);
             gimpact->updateBound();

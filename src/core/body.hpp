@@ -23,18 +23,18 @@ struct BodyView {
     View<const Vec3f> positions;      ///< in the body's space
     View<const PatchSphere> patches;  ///< in the body's space
     View<const PatchOffsets> patch_offsets;
-    View<const double> own_exit;      ///< per vertex, length of the inward ray inside the rest shape; not for deforming
-    Frame space;                      ///< body's space to world
-    Frame fit;                        ///< rest shape to world
-    Box fit_box;                      ///< around the vertices, in `fit`
+    View<const double> own_exit;  ///< per vertex, length of the inward ray inside the rest shape; not for deforming
+    Frame space;                  ///< body's space to world
+    Frame fit;                    ///< rest shape to world
+    Box fit_box;                  ///< around the vertices, in `fit`
     Box world_box;
-    double deviation = 0;             ///< no vertex is further than this from its place in the rest shape under `fit`
-    double touch = 0;                 ///< [length] touch tolerance of this body as a target
-    double range = 0;                 ///< [length] longest ray of an open body
-    std::uint64_t mesh_key = 0;          ///< the mesh's identity, never used twice
-    std::uint64_t positions_version = 0; ///< changes whenever a deforming body's positions do
+    double deviation = 0;                 ///< no vertex is further than this from its place in the rest shape under `fit`
+    double touch = 0;                     ///< [length] touch tolerance of this body as a target
+    double range = 0;                     ///< [length] longest ray of an open body
+    std::uint64_t mesh_key = 0;           ///< the mesh's identity, never used twice
+    std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
     Motion motion = Motion::fixed;
-    bool active = true;               ///< false: left out of this step (not finite)
+    bool active = true;  ///< false: left out of this step (not finite)
 
     PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
 

@@ -11,8 +11,7 @@ public:
     void update(E&, View<const BodyView>, View<const std::uint32_t>) {}
 
     template <class E>
-    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
-                      View<Hit> hits) {
+    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) {
         executor.for_each(name, rays.size, Trace{bodies, rays, hits});
     }
 

@@ -55,8 +55,7 @@ void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
         last[i] = std::min(static_cast<std::int32_t>(std::max(high, 0.0)), grid.size[i] - 1);
     }
     const Vec3d n = cross(b - a, c - a);
-    const double reach =
-        0.5 * grid.cell * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) + margin * length(n);
+    const double reach = 0.5 * grid.cell * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) + margin * length(n);
     for (std::int32_t z = first[2]; z <= last[2]; ++z)
         for (std::int32_t y = first[1]; y <= last[1]; ++y)
             for (std::int32_t x = first[0]; x <= last[0]; ++x) {

@@ -43,7 +43,8 @@ public:
         const Crossing crossing = cross_triangle(ray_, a, b, c);
         if (crossing.kind == Crossing::none) return;
         if (crossing.kind == Crossing::coplanar) {
-            if (first_pass_ && touches_triangle(ray_.origin, a, b, c, surface_.touch)) coplanar_ = min_of(triangle, coplanar_);
+            if (first_pass_ && touches_triangle(ray_.origin, a, b, c, surface_.touch))
+                coplanar_ = min_of(triangle, coplanar_);
             return;
         }
         if (crossing.t <= after_) {

@@ -37,7 +37,8 @@ PIERCE_HD inline float round_up(double value) {
 }
 
 /// The angle of the vector (x, y) from the x axis for y >= 0, in [0, pi] radians, with an error below 2e-8 (Abramowitz and
-/// Stegun 1964, 4.4.49). Built from operations that IEEE 754 rounds exactly; a library's atan2 differs between host and device.
+/// Stegun 1964, 4.4.49). Built from operations that IEEE 754 rounds exactly; a library's atan2 differs between host and
+/// device.
 PIERCE_HD inline double angle_of(double x, double y) {
     constexpr double pi = 3.14159265358979323846;
     const double wide = x < 0 ? -x : x;

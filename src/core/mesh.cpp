@@ -93,8 +93,7 @@ std::vector<std::uint32_t> spatial_order(const MeshData& data, const Box& box) {
 
 void check_finite(const std::string& name, std::span<const Vec3f> positions) {
     for (std::size_t v = 0; v < positions.size(); ++v)
-        if (!is_finite(positions[v]))
-            throw InputError("'" + name + "': vertex " + std::to_string(v) + " is not finite");
+        if (!is_finite(positions[v])) throw InputError("'" + name + "': vertex " + std::to_string(v) + " is not finite");
 }
 
 Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std::move(data)) {
@@ -124,10 +123,18 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
 }
 
 MeshView Mesh::view() const {
-    return {view_of(data_.positions), view_of(normals_),  view_of(data_.triangles),
-            view_of(ring_offsets_),   view_of(ring_),     view_of(patch_vertices_),
-            view_of(patches_),        view_of(patch_offsets_), clearance_.view(),
-            box_,                     centroid_,          traits_.mean_edge_length,
+    return {view_of(data_.positions),
+            view_of(normals_),
+            view_of(data_.triangles),
+            view_of(ring_offsets_),
+            view_of(ring_),
+            view_of(patch_vertices_),
+            view_of(patches_),
+            view_of(patch_offsets_),
+            clearance_.view(),
+            box_,
+            centroid_,
+            traits_.mean_edge_length,
             traits_.closed()};
 }
 

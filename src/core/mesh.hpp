@@ -27,11 +27,11 @@ struct MeshData {
 
 /// What was found out about a mesh's topology; decides which contact rules apply to it.
 struct MeshTraits {
-    std::uint32_t boundary_edges = 0;       ///< edges with one triangle
-    std::uint32_t non_manifold_edges = 0;   ///< edges with more than two triangles
-    std::uint32_t inconsistent_edges = 0;   ///< edges whose triangles do not run through it equally often both ways
-    std::uint32_t degenerate_triangles = 0; ///< triangles without area; they are never hit
-    double volume = 0;                      ///< signed; negative: the mesh is inside out
+    std::uint32_t boundary_edges = 0;        ///< edges with one triangle
+    std::uint32_t non_manifold_edges = 0;    ///< edges with more than two triangles
+    std::uint32_t inconsistent_edges = 0;    ///< edges whose triangles do not run through it equally often both ways
+    std::uint32_t degenerate_triangles = 0;  ///< triangles without area; they are never hit
+    double volume = 0;                       ///< signed; negative: the mesh is inside out
     double mean_edge_length = 0;
 
     /// True if the surface has no border and one orientation, so that it has an inside.
@@ -51,10 +51,11 @@ struct PatchOffsets {
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.
 struct MeshView {
-    View<const Vec3f> positions;             ///< rest shape
-    View<const Vec3f> normals;               ///< unit, outward, of the rest shape; zero where undefined
+    View<const Vec3f> positions;  ///< rest shape
+    View<const Vec3f> normals;    ///< unit, outward, of the rest shape; zero where undefined
     View<const Triangle> triangles;
-    View<const std::uint32_t> ring_offsets;  ///< vertex_count + 1; triangles around vertex v are ring[offsets[v]..offsets[v+1])
+    View<const std::uint32_t>
+        ring_offsets;  ///< vertex_count + 1; triangles around vertex v are ring[offsets[v]..offsets[v+1])
     View<const std::uint32_t> ring;
     View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
     View<const PatchSphere> patches;           ///< of the rest shape

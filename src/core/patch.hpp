@@ -18,8 +18,8 @@ PIERCE_HD inline std::uint32_t patch_length(const MeshView& mesh, std::uint32_t 
 
 /// Measures patch `p` at `positions`: its mean, the vertices relative to that, and how far they reach. Places past the last
 /// vertex repeat the mean. The mean, unlike the middle of a box, turns with the patch.
-PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t p,
-                                    PatchSphere& sphere, PatchOffsets& offsets) {
+PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t p, PatchSphere& sphere,
+                                    PatchOffsets& offsets) {
     const std::uint32_t* vertex = mesh.patch_vertices.data + p * constants::patch_size;
     const std::uint32_t count = patch_length(mesh, p);
     Vec3d sum;

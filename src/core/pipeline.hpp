@@ -67,8 +67,9 @@ private:
         if (!scene.plan->measures_deformation) return;
         moments_.resize(scene.chunks.size);
         chunk_bounds_.resize(scene.chunks.size);
-        executor_.for_each("measure_patches", scene.chunks.size,
-                           stages::MeasurePatches{scene.bodies, scene.chunks, scene.patches, scene.patch_offsets, view_of(moments_)});
+        executor_.for_each(
+            "measure_patches", scene.chunks.size,
+            stages::MeasurePatches{scene.bodies, scene.chunks, scene.patches, scene.patch_offsets, view_of(moments_)});
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
         executor_.for_each("measure_bounds", scene.chunks.size,
@@ -121,8 +122,9 @@ private:
 
         masks_.resize(kept);
         counts_.resize(kept);
-        executor_.for_each("cull_vertices", kept,
-                           stages::CullVertices{bodies, view_of(directed_), view_of(patches_), view_of(masks_), view_of(counts_)});
+        executor_.for_each(
+            "cull_vertices", kept,
+            stages::CullVertices{bodies, view_of(directed_), view_of(patches_), view_of(masks_), view_of(counts_)});
     }
 
     // Stage 5. A ray per vertex left.
@@ -162,17 +164,19 @@ private:
         own_rays_.resize(candidates_.size());
         own_hits_.resize(candidates_.size());
         starts_inside_.resize(candidates_.size());
-        executor_.for_each("generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(depths_),
-                                                   view_of(candidates_), view_of(own_rays_), view_of(starts_inside_)});
+        executor_.for_each(
+            "generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
+            stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(depths_),
+                                    view_of(candidates_), view_of(own_rays_), view_of(starts_inside_)});
     }
 
     // Stage 9, second half. R2 and R3: which of them are contacts.
     void test_own_exit(View<const BodyView> bodies) {
         counts_.resize(candidates_.size());
-        executor_.for_each("test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::TestOwnExit{bodies, view_of(rays_), view_of(depths_), view_of(candidates_),
-                                               view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(counts_)});
+        executor_.for_each(
+            "test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
+            stages::TestOwnExit{bodies, view_of(rays_), view_of(depths_), view_of(candidates_), view_of(own_rays_),
+                                view_of(own_hits_), view_of(starts_inside_), view_of(counts_)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order.
@@ -182,13 +186,13 @@ private:
         order_.resize(total);
         contacts_.resize(total);
         executor_.for_each("key_contacts", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::KeyContacts{view_of(sources_), view_of(candidates_), view_of(counts_),
-                                               view_of(offsets_), view_of(keys_), view_of(order_)});
+                           stages::KeyContacts{view_of(sources_), view_of(candidates_), view_of(counts_), view_of(offsets_),
+                                               view_of(keys_), view_of(order_)});
         executor_.sort("contact_sort", view_of(keys_), view_of(order_));
-        executor_.for_each("fill_contact", total,
-                           stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_),
-                                               view_of(hits_), view_of(candidates_), view_of(order_),
-                                               view_of(last_contacts_), view_of(contacts_)});
+        executor_.for_each(
+            "fill_contact", total,
+            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
+                                view_of(candidates_), view_of(order_), view_of(last_contacts_), view_of(contacts_)});
     }
 
     // Stage 12. What the step did; sums in contact order.

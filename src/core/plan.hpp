@@ -9,12 +9,12 @@ namespace pierce {
 /// What a world's bodies ask of a step, decided when bodies are added, removed or change kind.
 struct Plan {
     std::uint32_t fixed_bodies = 0, rigid_bodies = 0, deforming_bodies = 0;
-    std::uint32_t open_bodies = 0;       ///< bodies without an inside: sources only
-    bool moving = false;                 ///< anything can touch at all
-    bool measures_deformation = false;   ///< bounds measures vertices, and trees are refitted
-    bool traces_own_exits = false;       ///< contacts of deforming sources need a second ray
-    std::vector<std::string> stages;     ///< names, in the order they run
-    std::vector<std::string> notes;      ///< rules that do not apply to some body, and why
+    std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
+    bool moving = false;                ///< anything can touch at all
+    bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
+    bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
+    std::vector<std::string> stages;    ///< names, in the order they run
+    std::vector<std::string> notes;     ///< rules that do not apply to some body, and why
 };
 
 }  // namespace pierce

@@ -12,9 +12,9 @@ inline constexpr std::uint32_t no_vertex = 0xffffffffu;
 /// A ray in the space of its target's positions: a rigid body's own space, the world for a deforming body.
 struct Ray {
     Vec3d origin;
-    Vec3d direction;                          ///< unit
-    double t_max = 0;                         ///< [length]; negative: the ray hits nothing
-    std::uint32_t target = 0;                 ///< body
+    Vec3d direction;                            ///< unit
+    double t_max = 0;                           ///< [length]; negative: the ray hits nothing
+    std::uint32_t target = 0;                   ///< body
     std::uint32_t excluded_vertex = no_vertex;  ///< triangles around this vertex are not hit
 };
 

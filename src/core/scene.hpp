@@ -11,10 +11,10 @@ namespace pierce {
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
-    View<Quaternion> rotations;                ///< per body, last fitted rotation
-    View<const stages::Chunk> chunks;          ///< of deforming bodies
-    View<const stages::ChunkRange> ranges;     ///< per deforming body, its chunks
-    View<const View<PatchSphere>> patches;     ///< per body, where a deforming body's spheres go
+    View<Quaternion> rotations;             ///< per body, last fitted rotation
+    View<const stages::Chunk> chunks;       ///< of deforming bodies
+    View<const stages::ChunkRange> ranges;  ///< per deforming body, its chunks
+    View<const View<PatchSphere>> patches;  ///< per body, where a deforming body's spheres go
     View<const View<PatchOffsets>> patch_offsets;
     const Plan* plan = nullptr;
 };

@@ -19,14 +19,14 @@ struct StepStats {
         const char* name;
         double milliseconds;
     };
-    std::vector<Stage> stages;   ///< in the order they ran
-    double milliseconds = 0;     ///< the whole step
+    std::vector<Stage> stages;  ///< in the order they ran
+    double milliseconds = 0;    ///< the whole step
     std::uint32_t status = step_ok;
     std::uint32_t excluded_bodies = 0;
-    std::uint32_t pairs = 0;           ///< bodies whose boxes overlap
-    std::uint32_t rays = 0;            ///< vertices not culled
-    std::uint32_t hits = 0;            ///< rays that meet the other body at all
-    std::uint32_t own_rays = 0;        ///< rays that looked for their own body's far side
+    std::uint32_t pairs = 0;     ///< bodies whose boxes overlap
+    std::uint32_t rays = 0;      ///< vertices not culled
+    std::uint32_t hits = 0;      ///< rays that meet the other body at all
+    std::uint32_t own_rays = 0;  ///< rays that looked for their own body's far side
     std::uint32_t contacts = 0;
     std::uint32_t touching_pairs = 0;  ///< pairs with a contact
     std::uint32_t refits = 0, rebuilds = 0;

@@ -13,7 +13,7 @@ namespace pierce {
 struct TracerCounts {
     std::uint64_t builds = 0;
     std::uint64_t refits = 0;
-    std::uint64_t rebuilds = 0;        ///< of trees whose refit had decayed
+    std::uint64_t rebuilds = 0;  ///< of trees whose refit had decayed
     std::uint64_t triangle_tests = 0;
 };
 

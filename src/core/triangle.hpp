@@ -84,8 +84,7 @@ PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d 
     crossing.weight[0] = u / det;
     crossing.weight[1] = v / det;
     crossing.weight[2] = w / det;
-    crossing.t =
-        dot(crossing.weight[0] * a + crossing.weight[1] * b + crossing.weight[2] * c, ray.direction);
+    crossing.t = dot(crossing.weight[0] * a + crossing.weight[1] * b + crossing.weight[2] * c, ray.direction);
     return crossing;
 }
 

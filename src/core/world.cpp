@@ -230,8 +230,7 @@ MeshId World::add_mesh(std::string name, MeshData data) {
 void World::remove_mesh(MeshId mesh) {
     const Mesh& named = this->mesh(mesh);
     for (const auto& slot : state_->bodies.slots())
-        if (slot.used && slot.thing.mesh == mesh)
-            throw InputError("mesh '" + named.name() + "' is still used by a body");
+        if (slot.used && slot.thing.mesh == mesh) throw InputError("mesh '" + named.name() + "' is still used by a body");
     state_->meshes.remove(mesh, "mesh");
 }
 
@@ -252,8 +251,7 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
     if (positions.empty()) positions = shape.positions();
     check_count(positions.size(), shape);
     check_finite("body of mesh '" + shape.name() + "'", positions);
-    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {},
-                   state_->next_key++, true};
+    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {}, state_->next_key++, true};
     const BodyId id = state_->add(std::move(body));
     state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
     state_->rotations[id.index] = {};
@@ -323,8 +321,7 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.patch_offsets)),
                       &s.plan};
     s.backend->step(scene, s.stats);
-    s.stats.milliseconds =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     return s.stats;
 }
 

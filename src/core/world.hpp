@@ -20,8 +20,8 @@ namespace pierce {
 struct RayHit {
     BodyId body;
     std::uint32_t triangle = no_triangle;
-    double t = 0;   ///< [length] along the direction
-    Vec3d normal;   ///< of the triangle, unit, world space
+    double t = 0;  ///< [length] along the direction
+    Vec3d normal;  ///< of the triangle, unit, world space
 };
 
 /// Bodies and their contacts. Not thread-safe; one step uses as many threads as its backend has.

@@ -54,7 +54,8 @@ EmbreeTracer::EmbreeTracer() : state_(std::make_unique<State>()) {
     // No thread count here: Embree would limit all of the process's oneTBB to it.
     state_->device = rtcNewDevice(nullptr);
     if (state_->device == nullptr)
-        throw std::runtime_error("Embree cannot start: error " + std::to_string(static_cast<int>(rtcGetDeviceError(nullptr))));
+        throw std::runtime_error("Embree cannot start: error " +
+                                 std::to_string(static_cast<int>(rtcGetDeviceError(nullptr))));
 }
 
 EmbreeTracer::~EmbreeTracer() = default;
@@ -112,16 +113,15 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
         }
         std::unique_ptr<Tree>& tree = s.still[bodies[b].mesh_key];
         if (tree == nullptr) {
-            tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(),
-                                          bodies[b].fit_box.max_coordinate());
+            tree =
+                std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(), bodies[b].fit_box.max_coordinate());
             ++s.counts.builds;
         }
         s.trees[b] = tree.get();
     }
     std::vector<TracerCounts> done(deforming.size());
-    executor.for_each_task(static_cast<std::uint32_t>(deforming.size()), [&](std::uint32_t i) {
-        s.update_moving(bodies[deforming[i]], s.moving[deforming[i]], done[i]);
-    });
+    executor.for_each_task(static_cast<std::uint32_t>(deforming.size()),
+                           [&](std::uint32_t i) { s.update_moving(bodies[deforming[i]], s.moving[deforming[i]], done[i]); });
     for (std::size_t i = 0; i < deforming.size(); ++i) {
         s.trees[deforming[i]] = s.moving[deforming[i]].tree.get();
         s.counts.builds += done[i].builds;
@@ -131,8 +131,8 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
     s.check();
 }
 
-void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
-                                View<const Ray> rays, View<Hit> hits) {
+void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
+                                View<Hit> hits) {
     State& s = *state_;
     s.sort_by_target(bodies.size, rays);
     s.tests.assign(rays.size, 0);

@@ -62,8 +62,8 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
         const Vec3f origin = to_float(ray.origin + query.start * ray.direction);
         const Vec3f direction = to_float(ray.direction);
         RTCRayHit embree_ray;
-        embree_ray.ray = {origin.x,    origin.y,    origin.z, 0.0f, direction.x, direction.y,
-                          direction.z, 0.0f, query.far_end(), 0xffffffffu, 0, 0};
+        embree_ray.ray = {origin.x,    origin.y, origin.z,        0.0f,        direction.x, direction.y,
+                          direction.z, 0.0f,     query.far_end(), 0xffffffffu, 0,           0};
         embree_ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         embree_ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         embree::intersect(scene_, query.context, embree_ray);

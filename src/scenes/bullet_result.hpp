@@ -24,7 +24,7 @@ void register_baseline(btCollisionDispatcher& dispatcher);
 
 /// What a step of Bullet's own detection took and found. Objects are told by their user index, into `shapes`; a point counts
 /// as a contact if the meshes themselves, without Bullet's margins, overlap there.
-FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes,
-                          double detection_ms, double refit_ms, double epa_ms);
+FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, double detection_ms,
+                          double refit_ms, double epa_ms);
 
 }  // namespace pierce::scenes

@@ -89,7 +89,8 @@ public:
         const auto begin = std::chrono::steady_clock::now();
         world_.performDiscreteCollisionDetection();
         const double all = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-        return bullet_result(dispatcher_, shapes_, all, std::exchange(refit_ms_, 0.0), configuration_.take_epa_milliseconds());
+        return bullet_result(dispatcher_, shapes_, all, std::exchange(refit_ms_, 0.0),
+                             configuration_.take_epa_milliseconds());
     }
 
 private:
@@ -110,8 +111,12 @@ SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings) : w
     for (const SceneBody& body : scene.bodies) {
         const MeshId mesh = meshes[body.mesh];
         switch (body.motion) {
-            case Motion::fixed: bodies.push_back(world.add_fixed_body(mesh, body.pose)); break;
-            case Motion::rigid: bodies.push_back(world.add_rigid_body(mesh, body.pose)); break;
+            case Motion::fixed:
+                bodies.push_back(world.add_fixed_body(mesh, body.pose));
+                break;
+            case Motion::rigid:
+                bodies.push_back(world.add_rigid_body(mesh, body.pose));
+                break;
             case Motion::deforming:
                 bodies.push_back(world.add_deforming_body(mesh, start_positions(body, scene.meshes[body.mesh].data)));
                 break;
@@ -151,10 +156,14 @@ FrameResult SceneWorld::result() const {
 
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays) {
     switch (method) {
-        case Method::rays: return std::make_unique<RayDetector>(scene, rays);
-        case Method::gjk_epa: return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_epa);
-        case Method::gjk_hull: return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_hull);
-        case Method::gimpact: return std::make_unique<BulletDetector>(scene, bullet::Baseline::gimpact);
+        case Method::rays:
+            return std::make_unique<RayDetector>(scene, rays);
+        case Method::gjk_epa:
+            return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_epa);
+        case Method::gjk_hull:
+            return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_hull);
+        case Method::gimpact:
+            return std::make_unique<BulletDetector>(scene, bullet::Baseline::gimpact);
     }
     throw InputError("unknown method");
 }

@@ -7,13 +7,14 @@ namespace pierce::scenes {
 
 /// Of a solid of density 1 bounded by a closed mesh.
 struct MassProperties {
-    double mass = 0;        ///< the volume
+    double mass = 0;  ///< the volume
     Vec3d center;
-    Vec3d inertia;          ///< principal moments about the centre
-    Matrix3 principal_axes; ///< rows are the axes, right-handed
+    Vec3d inertia;           ///< principal moments about the centre
+    Matrix3 principal_axes;  ///< rows are the axes, right-handed
 };
 
-/// Integrates over the tetrahedra that the triangles span with the centroid. Throws InputError if the volume is not positive.
+/// Integrates over the tetrahedra that the triangles span with the centroid. Throws InputError if the volume is not
+/// positive.
 MassProperties mass_properties(const MeshData& mesh);
 
 /// Moves the centre of mass to the origin and the principal axes to x, y, z; returns how points of the mesh moved.

@@ -33,9 +33,9 @@ public:
 
     OpenMesh::FaceHandle add_face(const VHandles& corners) override {
         for (std::size_t k = 2; k < corners.size(); ++k)
-            mesh.triangles.push_back({{static_cast<std::uint32_t>(corners[0].idx()),
-                                       static_cast<std::uint32_t>(corners[k - 1].idx()),
-                                       static_cast<std::uint32_t>(corners[k].idx())}});
+            mesh.triangles.push_back(
+                {{static_cast<std::uint32_t>(corners[0].idx()), static_cast<std::uint32_t>(corners[k - 1].idx()),
+                  static_cast<std::uint32_t>(corners[k].idx())}});
         return OpenMesh::FaceHandle(faces++);
     }
 
@@ -44,10 +44,8 @@ public:
         declared_faces = face_count;
     }
 
-    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
-                            const std::vector<OpenMesh::Vec2f>&) override {}
-    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
-                            const std::vector<OpenMesh::Vec3f>&) override {}
+    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle, const std::vector<OpenMesh::Vec2f>&) override {}
+    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle, const std::vector<OpenMesh::Vec3f>&) override {}
 
     std::size_t n_vertices() const override { return mesh.positions.size(); }
     std::size_t n_faces() const override { return static_cast<std::size_t>(faces); }

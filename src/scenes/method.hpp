@@ -15,8 +15,8 @@ namespace pierce::scenes {
 /// Who finds the contacts.
 enum class Method : std::uint8_t { rays, gjk_epa, gjk_hull, gimpact };
 
-inline constexpr std::array<std::pair<const char*, Method>, 4> method_names = {{
-    {"rays", Method::rays}, {"gjk-epa", Method::gjk_epa}, {"gjk-hull", Method::gjk_hull}, {"gimpact", Method::gimpact}}};
+inline constexpr std::array<std::pair<const char*, Method>, 4> method_names = {
+    {{"rays", Method::rays}, {"gjk-epa", Method::gjk_epa}, {"gjk-hull", Method::gjk_hull}, {"gimpact", Method::gimpact}}};
 
 /// Throws InputError for an unknown name.
 Method method_named(const std::string& name);
@@ -33,9 +33,9 @@ std::unique_ptr<Backend> make_backend(const RaySettings& settings);
 /// What one frame's detection took and found, in the same terms for every method.
 struct FrameResult {
     std::vector<StepStats::Stage> stages;  ///< as the method names them
-    double update_ms = 0;    ///< boxes, pairs, acceleration structures
-    double narrow_ms = 0;    ///< which bodies touch, and where
-    double response_ms = 0;  ///< depth and normal, in the form a solver works on
+    double update_ms = 0;                  ///< boxes, pairs, acceleration structures
+    double narrow_ms = 0;                  ///< which bodies touch, and where
+    double response_ms = 0;                ///< depth and normal, in the form a solver works on
     double total_ms = 0;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;  ///< indices into the scene's bodies, sorted
     std::uint32_t pairs = 0, rays = 0, hits = 0, contacts = 0;

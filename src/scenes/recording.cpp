@@ -44,12 +44,14 @@ RecordedBody read_body(const json& entry, const fs::path& folder, Recording& rec
     body.ground = entry.value("ground", false);
     const auto mesh_name = entry.at("mesh").get<std::string>();
     const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
-    if (mesh == recording.meshes.end()) throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name + "'");
+    if (mesh == recording.meshes.end())
+        throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name + "'");
     body.mesh = static_cast<std::uint32_t>(mesh - recording.meshes.begin());
     const auto motion = entry.at("motion").get<std::string>();
     const auto known = std::ranges::find(motion_names, motion);
     if (known == motion_names.end())
-        throw InputError(where + ": body '" + body.name + "' has motion '" + motion + "'; there are static, rigid, deforming");
+        throw InputError(where + ": body '" + body.name + "' has motion '" + motion +
+                         "'; there are static, rigid, deforming");
     body.motion = static_cast<Motion>(known - motion_names.begin());
 
     const bool deforms = body.motion == Motion::deforming;
@@ -104,8 +106,11 @@ Recording start_recording(const SceneSetup& scene, double dt) {
 void write_recording(const Recording& recording, const fs::path& folder) {
     std::error_code failed;
     fs::create_directories(folder, failed);
-    json scene{{"format", format_name}, {"version", format_version}, {"dt", recording.dt},
-               {"meshes", json::array()}, {"bodies", json::array()}};
+    json scene{{"format", format_name},
+               {"version", format_version},
+               {"dt", recording.dt},
+               {"meshes", json::array()},
+               {"bodies", json::array()}};
     for (std::size_t m = 0; m < recording.meshes.size(); ++m) {
         const std::string file = "mesh_" + std::to_string(m) + ".obj";
         write_obj(folder / file, recording.meshes[m].data);
@@ -139,7 +144,8 @@ Recording read_recording(const fs::path& folder) {
         const json scene = json::parse(in);
         if (scene.at("format") != format_name) throw InputError(where + " is not a " + format_name);
         if (scene.at("version") != format_version)
-            throw InputError(where + " has version " + scene.at("version").dump() + ", expected " + std::to_string(format_version));
+            throw InputError(where + " has version " + scene.at("version").dump() + ", expected " +
+                             std::to_string(format_version));
         recording.dt = scene.at("dt").get<double>();
         if (!(recording.dt > 0)) throw InputError(where + ": dt must be positive");
         for (const json& entry : scene.at("meshes")) recording.meshes.push_back(read_scene_mesh(entry, folder, where));

@@ -21,8 +21,8 @@ constexpr double ground_half_width = 60;
 constexpr double ground_thickness = 10;
 
 SceneMesh ground_mesh() {
-    MeshData data = box({-ground_half_width, -ground_half_width, -ground_thickness},
-                        {ground_half_width, ground_half_width, 0});
+    MeshData data =
+        box({-ground_half_width, -ground_half_width, -ground_thickness}, {ground_half_width, ground_half_width, 0});
     std::vector<Vec3f> corners = data.positions;
     return {"ground", std::move(data), {std::move(corners)}};
 }
@@ -57,8 +57,11 @@ SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& para
 
     SceneSetup scene{std::move(name), {ground_mesh(), std::move(mesh)}, {{"ground", 0, Motion::fixed, {}, true}}};
     for (std::uint32_t i = 0; i < parameters.count; ++i) {
-        SceneBody body{scene.meshes[1].name + " " + std::to_string(i), 1,
-                       parameters.soft ? Motion::deforming : Motion::rigid, {}, false};
+        SceneBody body{scene.meshes[1].name + " " + std::to_string(i),
+                       1,
+                       parameters.soft ? Motion::deforming : Motion::rigid,
+                       {},
+                       false};
         const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
                          static_cast<double>(i / (side * side))};
         const double middle = 0.5 * (side - 1);

@@ -22,8 +22,8 @@ struct SceneBody {
     std::string name;
     std::uint32_t mesh = 0;  ///< index into Scene::meshes
     Motion motion = Motion::rigid;
-    Pose pose;               ///< of a deforming body: where its rest shape is placed at the start
-    bool ground = false;     ///< nothing gets below or beside it: Bullet's own methods may take the plane through its top
+    Pose pose;            ///< of a deforming body: where its rest shape is placed at the start
+    bool ground = false;  ///< nothing gets below or beside it: Bullet's own methods may take the plane through its top
 };
 
 /// What is simulated: meshes and bodies at their start. Lengths in metres, density 1.

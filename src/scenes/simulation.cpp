@@ -50,8 +50,7 @@ double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>
     double volume = 0;
     const Vec3d base = position(0);
     for (const Triangle& t : mesh.triangles)
-        volume += dot(position(t.vertex[0]) - base,
-                      cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) / 6;
+        volume += dot(position(t.vertex[0]) - base, cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) / 6;
     return volume;
 }
 
@@ -73,9 +72,9 @@ struct Simulation::State {
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     std::vector<bullet::BaselineShape> shapes;
-    std::vector<std::unique_ptr<btRigidBody>> rigid;    ///< by body, null if soft
-    std::vector<std::unique_ptr<btSoftBody>> soft;      ///< by body, null if rigid
-    std::vector<double> mass;                           ///< by body
+    std::vector<std::unique_ptr<btRigidBody>> rigid;  ///< by body, null if soft
+    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null if rigid
+    std::vector<double> mass;                         ///< by body
     std::unique_ptr<ClockedWorld> world;
     FrameResult result;
 
@@ -101,7 +100,8 @@ void Simulation::State::add_rigid(std::uint32_t index) {
         mass[index] = properties.mass;
         inertia = bullet::to_bullet(properties.inertia);
     }
-    btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass[index]), nullptr, &shapes.back().shape(), inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass[index]), nullptr, &shapes.back().shape(),
+                                                  inertia);
     info.m_startWorldTransform = bullet::to_bullet(body.pose);
     info.m_friction = friction;
     info.m_rollingFriction = rolling_friction;
@@ -226,8 +226,7 @@ double Simulation::kinetic_energy_per_mass() const {
     double energy = 0, mass = 0;
     for (std::size_t i = 0; i < s.mass.size(); ++i) {
         mass += s.mass[i];
-        if (s.rigid[i] && s.mass[i] > 0)
-            energy += 0.5 * s.mass[i] * s.rigid[i]->getLinearVelocity().length2();
+        if (s.rigid[i] && s.mass[i] > 0) energy += 0.5 * s.mass[i] * s.rigid[i]->getLinearVelocity().length2();
         if (s.soft[i])
             for (int n = 0; n < s.soft[i]->m_nodes.size(); ++n)
                 energy += 0.5 * s.mass[i] / s.soft[i]->m_nodes.size() * s.soft[i]->m_nodes[n].m_v.length2();

@@ -52,13 +52,14 @@ void expect_defined_contacts(World& world, BodyId a, BodyId b, const std::array<
         for (const Contact& c : found) {
             EXPECT_EQ(c.a, a);
             EXPECT_EQ(c.b, b);
-            EXPECT_TRUE(unclear(c.vertex) || std::ranges::any_of(expected.contacts, [&](const auto& e) {
-                            return e.vertex == c.vertex;
-                        })) << "false: side " << side << " vertex " << c.vertex;
+            EXPECT_TRUE(unclear(c.vertex) ||
+                        std::ranges::any_of(expected.contacts, [&](const auto& e) { return e.vertex == c.vertex; }))
+                << "false: side " << side << " vertex " << c.vertex;
             // The segment lies in both bodies and ends on the target.
             if (unclear(c.vertex)) continue;
             const SolidVec p = exact(side == 0 ? c.point_a : c.point_b), q = exact(side == 0 ? c.point_b : c.point_a);
-            const long double margin = std::min(0.4L, 1e-4L / std::max(static_cast<long double>(c.penetration_depth()), 1e-9L));
+            const long double margin =
+                std::min(0.4L, 1e-4L / std::max(static_cast<long double>(c.penetration_depth()), 1e-9L));
             EXPECT_EQ(test::crossings_between(p, q, solid[1 - side], ~0u, margin), 0);
             EXPECT_EQ(test::crossings_between(p, q, solid[side], c.vertex, margin), 0);
             if (c.penetration_depth() > 1e-3) {

@@ -80,7 +80,8 @@ Expected expected_contacts(const Solid& source, const std::vector<SolidVec>& inw
             expected.unclear.push_back(v);
             continue;
         }
-        if (r1 && r2 && into_target->t <= into_own->t) expected.contacts.push_back({v, into_target->triangle, into_target->t});
+        if (r1 && r2 && into_target->t <= into_own->t)
+            expected.contacts.push_back({v, into_target->triangle, into_target->t});
     }
     return expected;
 }

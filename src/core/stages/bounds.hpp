@@ -16,9 +16,9 @@ struct Chunk {
 
 /// Sums over a chunk from which the best-fitting rotation follows.
 struct Moments {
-    Vec3d sum;             ///< of patch centres, relative to the body's first vertex
-    Vec3d rest_sum;        ///< of the rest shape's patch centres, relative to the rest centroid
-    Matrix3 correlation;   ///< sum of the products of the two
+    Vec3d sum;            ///< of patch centres, relative to the body's first vertex
+    Vec3d rest_sum;       ///< of the rest shape's patch centres, relative to the rest centroid
+    Matrix3 correlation;  ///< sum of the products of the two
 };
 
 /// Per chunk: measures patches and adds up the moments of their centres, the patches standing for their vertices.
@@ -114,8 +114,8 @@ struct ChunkBounds {
     double deviation = 0;
 };
 
-/// Per chunk: boxes and deviation, from the patches. Reads spheres, offsets and fit; writes chunk bounds. float32 relative to
-/// patch centres: JoinBounds adds what that may lose.
+/// Per chunk: boxes and deviation, from the patches. Reads spheres, offsets and fit; writes chunk bounds. float32 relative
+/// to patch centres: JoinBounds adds what that may lose.
 struct MeasureBounds {
     View<const BodyView> bodies;
     View<const Chunk> chunks;

@@ -11,9 +11,9 @@ namespace pierce::stages {
 
 /// How a ray meets the triangle its tracer found.
 struct Meeting {
-    double t = 0;                 ///< [length] not below zero
+    double t = 0;  ///< [length] not below zero
     double barycentric[3] = {};
-    bool exit = false;            ///< leaves the target, or touches its surface
+    bool exit = false;  ///< leaves the target, or touches its surface
 };
 
 /// Recomputes the meeting from the triangle itself, so that no tracer's arithmetic reaches a result.

@@ -89,9 +89,8 @@ private:
         }
         if (low == last_contacts.size) return 0;
         const Contact& last = last_contacts[low];
-        const bool same = last.a.index == c.a.index && last.a.generation == c.a.generation &&
-                          last.b.index == c.b.index && last.b.generation == c.b.generation &&
-                          last.source == c.source && last.vertex == c.vertex;
+        const bool same = last.a.index == c.a.index && last.a.generation == c.a.generation && last.b.index == c.b.index &&
+                          last.b.generation == c.b.generation && last.source == c.source && last.vertex == c.vertex;
         return same ? last.age + 1 : 0;
     }
 };

@@ -38,9 +38,9 @@ PIERCE_HD inline bool is_pair(const BodyView& a, const BodyView& b) {
 struct SweepPairs {
     View<const BodyView> bodies;
     View<const std::uint32_t> order;
-    View<std::uint32_t> counts;           ///< written if `keys` is empty
+    View<std::uint32_t> counts;  ///< written if `keys` is empty
     View<const std::uint32_t> offsets;
-    View<std::uint64_t> keys;             ///< a << 32 | b
+    View<std::uint64_t> keys;  ///< a << 32 | b
     View<std::uint32_t> values;
 
     PIERCE_HD void operator()(std::uint32_t i) const {

@@ -24,8 +24,7 @@ PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d dire
 }
 
 /// How far an inward ray from `vertex` may go before it leaves its own body for certain.
-PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex,
-                                     Vec3d direction) {
+PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex, Vec3d direction) {
     if (!source.mesh.closed) return source.range;
     if (source.motion != Motion::deforming) return source.own_exit[vertex];
     // Its own exit is looked for later; until then both boxes limit the ray.

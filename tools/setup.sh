@@ -1,0 +1,31 @@
+# Shared by run-demo and run-tests: packages of Debian 12 and Ubuntu 24.04, and building with a preset.
+
+build_packages=(g++ cmake ninja-build pkg-config
+                libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev
+                libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libcgal-demo
+                libgtest-dev libgmock-dev libbenchmark-dev)
+test_packages=(git)
+
+# Installs the packages that are not installed yet, with sudo if need be; says nothing if there are none.
+install_packages() {
+    local missing=()
+    for package in "$@"; do
+        dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+    done
+    ((${#missing[@]})) || return 0
+    echo "installing ${missing[*]}"
+    local as_root=()
+    ((EUID == 0)) || as_root=(sudo)
+    "${as_root[@]}" apt-get update -q >/dev/null
+    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -yq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# build PRESET [cmake --build arguments]: configures when there is no build yet, then builds what changed.
+build() {
+    local preset=$1
+    shift
+    [[ -f build/$preset/build.ninja ]] || cmake --preset "$preset" >"/tmp/pierce-configure-$preset.$$" 2>&1 ||
+        { cat "/tmp/pierce-configure-$preset.$$"; return 1; }
+    rm -f "/tmp/pierce-configure-$preset.$$"
+    cmake --build --preset "$preset" "$@" >"build/$preset/build.log" 2>&1 || { cat "build/$preset/build.log"; return 1; }
+}
