@@ -6,7 +6,8 @@
 #include <OpenMesh/Core/IO/importer/ImporterT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/Utils/color_cast.hh>
-#include <array>
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <sstream>
 
@@ -29,6 +30,13 @@ public:
     OpenMesh::VertexHandle add_vertex(const OpenMesh::Vec3f& p) override {
         mesh.positions.push_back({p[0], p[1], p[2]});
         return OpenMesh::VertexHandle(static_cast<int>(mesh.positions.size()) - 1);
+    }
+
+    OpenMesh::VertexHandle add_vertex(const OpenMesh::Vec3d& p) override { return add_vertex(OpenMesh::Vec3f(p)); }
+
+    OpenMesh::VertexHandle add_vertex() override { return add_vertex(OpenMesh::Vec3f(0, 0, 0)); }
+    void set_point(OpenMesh::VertexHandle v, const OpenMesh::Vec3f& p) override {
+        mesh.positions[static_cast<std::size_t>(v.idx())] = {p[0], p[1], p[2]};
     }
 
     OpenMesh::FaceHandle add_face(const VHandles& corners) override {
@@ -68,16 +76,25 @@ MeshData read_mesh(const std::filesystem::path& file) {
     Kernel unused;
     Collector collector(unused);
     OpenMesh::IO::Options options;
-    bool read = false;
+    bool read = false, ran_out = false;
     try {
-        read = OpenMesh::IO::IOManager().read(file.string(), collector, options);
+        std::string kind = file.extension().string();
+        std::ranges::transform(kind, kind.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        if (kind == ".off" || kind == ".ply") {
+            // These readers know how much there should be, but do not notice its end. The stream does.
+            std::ifstream in(file, std::ios::binary);
+            read = OpenMesh::IO::IOManager().read(in, kind.substr(1), collector, options);
+            ran_out = in.fail();
+        } else {
+            read = OpenMesh::IO::IOManager().read(file.string(), collector, options);
+        }
     } catch (const std::exception& error) {
         throw InputError("cannot read " + name + ": " + error.what());
     }
     omerr().disconnect(complaints);
     omerr().connect(std::cerr);
     if (!read) throw InputError("cannot read " + name + ": not an OBJ, PLY, STL or OFF file, or damaged");
-    const bool cut_short = collector.mesh.positions.size() < collector.declared_vertices ||
+    const bool cut_short = ran_out || collector.mesh.positions.size() < collector.declared_vertices ||
                            static_cast<std::size_t>(collector.faces) < collector.declared_faces;
     if (cut_short)
         throw InputError(name + " is cut short: its header promises " + std::to_string(collector.declared_vertices) +

@@ -22,10 +22,11 @@ namespace {
 constexpr double gravity = 9.81;  // [m/s^2] along -z
 
 /// How soft bodies keep their shape, in Bullet's terms.
-constexpr btScalar link_stiffness = btScalar(0.5);
-constexpr btScalar shape_matching = btScalar(0.05);
-constexpr btScalar soft_damping = btScalar(0.01);
-constexpr int soft_iterations = 4;
+constexpr btScalar link_stiffness = btScalar(1.0);
+constexpr btScalar shape_matching = btScalar(0.3);
+constexpr btScalar soft_damping = btScalar(0.05);
+constexpr btScalar contact_hardness = btScalar(1.0);
+constexpr int soft_iterations = 8;
 constexpr int bending_distance = 2;
 
 constexpr btScalar friction = btScalar(0.5);
@@ -135,6 +136,7 @@ void Simulation::State::add_soft(std::uint32_t index) {
     made.m_cfg.kDP = soft_damping;
     made.m_cfg.kDF = friction;
     made.m_cfg.kMT = shape_matching;
+    made.m_cfg.kKHR = made.m_cfg.kCHR = made.m_cfg.kSHR = contact_hardness;
     made.m_cfg.collisions = 0;  // Bullet's own soft collisions stay off; the contacts are Pierce's
     mass[index] = mass_properties(mesh).mass;
     made.setTotalMass(static_cast<btScalar>(mass[index]));

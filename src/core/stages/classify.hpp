@@ -34,7 +34,7 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
         m.exit = true;
         return m;
     }
-    m.t = max_of(crossing.t, 0.0);
+    m.t = crossing.t > surface.touch ? crossing.t : 0.0;
     for (int k = 0; k < 3; ++k) m.barycentric[k] = crossing.weight[k];
     m.exit = crossing.sign > 0;
     return m;

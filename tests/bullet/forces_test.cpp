@@ -1,0 +1,238 @@
+// Contacts in Bullet: momentum, manifolds, and bodies that come to rest.
+#include <gtest/gtest.h>
+
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletCollisionCommon.h>
+
+#include <algorithm>
+
+#include "pierce/bullet/bullet_dispatcher.hpp"
+#include "pierce/bullet/contact_frame.hpp"
+#include "pierce/bullet/contact_reduction.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/core/penalty_force.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "pierce/scenes/simulation.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using namespace scenes;
+
+constexpr double dt = 1.0 / 60;
+
+/// Two random deforming bodies and their contacts.
+struct Overlap {
+    World world;
+    std::vector<MeshData> shape;
+    std::vector<BodyId> body;
+
+    explicit Overlap(test::Random& random) {
+        for (int k = 0; k < 2; ++k) {
+            shape.push_back(test::random_closed_mesh(random));
+            const MeshId mesh = world.add_mesh("shape", shape.back());
+            shape.back().positions = test::placed(shape.back(), {random.in_box(0.5), random.rotation()});
+            body.push_back(world.add_deforming_body(mesh, shape.back().positions));
+        }
+        world.detect();
+    }
+};
+
+TEST(PenaltyForceTest, ConservesMomentumToRounding) {
+    test::Random random(8);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::size_t contacts = 0;
+    for (int i = 0; i < 30; ++i) {
+        const Overlap overlap(random);
+        for (const Contact& c : overlap.world.contacts()) {
+            ++contacts;
+            const int source = static_cast<int>(c.source), target = 1 - source;
+            const Triangle& t = overlap.shape[static_cast<std::size_t>(target)].triangles[c.triangle];
+            const Vec3f* corner[3];
+            for (int k = 0; k < 3; ++k) corner[k] = &overlap.shape[static_cast<std::size_t>(target)].positions[t.vertex[k]];
+            const Vec3d vertex = to_double(overlap.shape[static_cast<std::size_t>(source)].positions[c.vertex]);
+            const PenaltyForce force = penalty_force(c, {.stiffness = 1000, .damping = 3}, random.in_box(1),
+                                                     {random.in_box(1), random.in_box(1), random.in_box(1)});
+            Vec3d sum = force.on_vertex, torque = cross(vertex, force.on_vertex);
+            double size = length(force.on_vertex);
+            for (int k = 0; k < 3; ++k) {
+                sum += force.on_corner[k];
+                torque += cross(to_double(*corner[k]), force.on_corner[k]);
+                size += length(force.on_corner[k]);
+            }
+            EXPECT_LE(length(sum), 1e-6 * size);
+            EXPECT_LE(length(torque), 1e-5 * size);
+            EXPECT_GE(dot(force.on_vertex, force.direction), -1e-9 * size) << "pushes out, never pulls";
+        }
+    }
+    EXPECT_GT(contacts, 500u);
+}
+
+TEST(ContactFrameTest, PointsLieOneDepthApartAlongTheNormal) {
+    test::Random random(4);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 10; ++i) {
+        const Overlap overlap(random);
+        for (const Contact& c : overlap.world.contacts()) {
+            const bullet::FramedContact f = bullet::face_frame(c);
+            const Vec3d apart = f.point_a - f.point_b;
+            EXPECT_NEAR(length(apart - f.distance * f.normal_on_b), 0, 1e-9) << "Bullet: (A - B) . normal = distance";
+            EXPECT_LE(f.distance, 0);
+            EXPECT_LE(-f.distance, c.penetration_depth() + 1e-9) << "a face's depth is never more than the ray's";
+        }
+    }
+}
+
+TEST(ReductionTest, KeepsTheDeepestAndFewOthers) {
+    std::vector<bullet::FramedContact> contacts;
+    for (int x = 0; x < 10; ++x)
+        for (int y = 0; y < 10; ++y)
+            contacts.push_back({{x * 1.0, y * 1.0, 0}, {x * 1.0, y * 1.0, 0.1}, {0, 0, 1}, x == 4 && y == 5 ? -0.2 : -0.1,
+                                static_cast<std::uint64_t>(10 * x + y), 0});
+    contacts.push_back({{0, 0, 0}, {0.1, 0, 0}, {1, 0, 0}, -0.05, 1000, 0});
+    const auto reduced = bullet::reduce(contacts);
+    ASSERT_EQ(reduced.size(), 5u);
+    EXPECT_TRUE(std::ranges::any_of(reduced, [](const auto& c) { return c.distance == -0.2; }));
+    EXPECT_EQ(reduced.back().feature, 1000u) << "another direction, another cluster";
+    double spread = 0;
+    for (const auto& c : reduced) spread = std::max(spread, c.point_a.x);
+    EXPECT_EQ(spread, 9) << "points at the rim, not around the deepest";
+    EXPECT_EQ(bullet::reduce({}).size(), 0u);
+}
+
+TEST(SimulationTest, ATorusComesToRestOnThePlane) {
+    const SceneSetup scene = make_scene("tori", {1, false, 4});
+    Simulation simulation(scene, Method::rays, {"embree", 1});
+    for (int i = 0; i < 600; ++i) simulation.step(dt);
+    EXPECT_LT(simulation.kinetic_energy_per_mass(), 1e-3);
+    double lowest = 1e9, highest = -1e9;
+    for (std::uint32_t v = 0; v < 300; ++v) {
+        lowest = std::min(lowest, simulation.vertex_position(1, v).z);
+        highest = std::max(highest, simulation.vertex_position(1, v).z);
+    }
+    EXPECT_NEAR(lowest, 0, 0.02);
+    EXPECT_LT(highest, 1.1) << "it lies flat";
+}
+
+TEST(SimulationTest, ImpulsesStayWithTheirVertices) {
+    const SceneSetup scene = make_scene("tori", {1, false, 4});
+    Simulation simulation(scene, Method::rays, {"embree", 1});
+    for (int i = 0; i < 600; ++i) simulation.step(dt);
+    std::uint32_t youngest = ~0u;
+    for (const Contact& c : simulation.world()->contacts()) youngest = std::min(youngest, c.age);
+    EXPECT_GT(youngest, 10u) << "at rest the same vertices stay in contact";
+}
+
+void expect_pile(const SceneSetup& scene, int steps, double lowest_allowed) {
+    Simulation simulation(scene, Method::rays);
+    const auto centers = [&] {
+        std::vector<Vec3d> result;
+        for (std::uint32_t b = 1; b < scene.bodies.size(); ++b) {
+            Vec3d sum;
+            for (std::uint32_t v = 0; v < 300; ++v) sum += simulation.vertex_position(b, v);
+            result.push_back(sum * (1.0 / 300));
+        }
+        return result;
+    };
+    for (int i = 0; i < steps - 60; ++i) simulation.step(dt);
+    const std::vector<Vec3d> before = centers();
+    double deepest = 0;
+    for (int i = 0; i < 60; ++i) deepest = std::max(deepest, simulation.step(dt).penetration_max);
+    const std::vector<Vec3d> after = centers();
+    std::vector<double> moved;
+    for (std::size_t b = 0; b < before.size(); ++b) moved.push_back(length(after[b] - before[b]));
+    std::ranges::sort(moved);
+    EXPECT_LT(moved[moved.size() / 2], 0.02) << "in the last second; a torus is 5 wide";
+    EXPECT_LT(moved.back(), 0.5);
+    EXPECT_LT(deepest, 0.5) << "a tube is 1 thick";
+    for (std::uint32_t b = 1; b < scene.bodies.size(); ++b) {
+        for (std::uint32_t v = 0; v < 300; ++v) ASSERT_GT(simulation.vertex_position(b, v).z, lowest_allowed);
+        EXPECT_NEAR(simulation.volume_ratio(b), 1, 0.1);
+    }
+}
+
+TEST(SimulationTest, AHundredToriStayAboveThePlaneAndComeToRest) { expect_pile(make_scene("tori"), 720, -0.1); }
+
+TEST(SimulationTest, AHundredSoftToriKeepTheirVolumeAndComeToRest) {
+    expect_pile(make_scene("tori", {100, true, 1}), 720, -0.15);
+}
+
+TEST(SimulationTest, RefusesWhatItCannotDo) {
+    const SceneSetup soft = make_scene("tori", {1, true, 1});
+    EXPECT_THROW(Simulation(soft, Method::gimpact), InputError);
+    EXPECT_THROW(Simulation(make_scene("tori", {1, false, 1}), Method::rays, {"cuda", 1}), InputError);
+    Simulation simulation(make_scene("tori", {1, false, 1}), Method::rays, {"embree", 1});
+    EXPECT_THROW(simulation.step(0), InputError);
+    EXPECT_THROW(simulation.step(-dt), InputError);
+}
+
+TEST(SimulationTest, BaselinesHoldToriUpToo) {
+    for (Method method : {Method::gjk_epa, Method::gjk_hull, Method::gimpact}) {
+        const SceneSetup scene = make_scene("tori", {4, false, 4});
+        Simulation simulation(scene, method);
+        std::size_t touching = 0;
+        for (int i = 0; i < 240; ++i) touching += simulation.step(dt).touching.size();
+        EXPECT_GT(touching, 0u);
+        for (std::uint32_t b = 1; b < scene.bodies.size(); ++b) EXPECT_GT(simulation.vertex_position(b, 0).z, -0.3);
+    }
+}
+
+/// A rigid and a soft body meet in mid-air, without gravity.
+TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
+    World world;
+    const MeshData ball = scenes::sphere(1, 2);
+    const MeshId mesh = world.add_mesh("ball", ball);
+    bullet::Dispatcher* dispatcher = nullptr;
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    auto owned = std::make_unique<bullet::Dispatcher>(&configuration, world);
+    dispatcher = owned.get();
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btSoftRigidDynamicsWorld bullet_world(dispatcher, &broadphase, &solver, &configuration);
+    bullet_world.setGravity({0, 0, 0});
+    bullet_world.getWorldInfo().m_gravity.setZero();
+
+    btSphereShape shape(1);
+    btVector3 inertia;
+    shape.calculateLocalInertia(1, inertia);
+    btRigidBody rigid(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape, inertia));
+    rigid.setLinearVelocity({2, 0, 0});
+    bullet_world.addRigidBody(&rigid);
+    std::vector<btScalar> coordinates;
+    for (Vec3f p : ball.positions) coordinates.insert(coordinates.end(), {p.x + btScalar(2.5), p.y, p.z});
+    std::vector<int> indices;
+    for (const Triangle& t : ball.triangles)
+        for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
+    std::unique_ptr<btSoftBody> soft(btSoftBodyHelpers::CreateFromTriMesh(
+        bullet_world.getWorldInfo(), coordinates.data(), indices.data(), static_cast<int>(ball.triangles.size()), false));
+    soft->setTotalMass(1);
+    soft->m_cfg.kMT = btScalar(0.3);
+    soft->setPose(false, true);
+    soft->m_cfg.collisions = 0;
+    bullet_world.addSoftBody(soft.get());
+    dispatcher->bind(rigid, world.add_rigid_body(mesh));
+    dispatcher->bind(*soft, world.add_deforming_body(mesh));
+    const MeshId other = world.add_mesh("other", scenes::sphere(1, 1));
+    EXPECT_THROW(dispatcher->bind(*soft, world.add_deforming_body(other)), InputError);
+
+    std::uint32_t most = 0;
+    for (int i = 0; i < 120; ++i) {
+        bullet_world.stepSimulation(btScalar(dt), 0);
+        most = std::max(most, dispatcher->reduced_contacts());
+    }
+    btVector3 velocity(0, 0, 0);
+    for (int i = 0; i < soft->m_nodes.size(); ++i) velocity += soft->m_nodes[i].m_v / static_cast<btScalar>(soft->m_nodes.size());
+    EXPECT_GT(most, 0u);
+    EXPECT_GT(velocity.x(), 0.3) << "the soft ball was pushed on";
+    EXPECT_LT(rigid.getLinearVelocity().x(), 1.7) << "and the rigid one was slowed down";
+    bullet_world.removeSoftBody(soft.get());
+    bullet_world.removeRigidBody(&rigid);
+}
+
+}  // namespace
+}  // namespace pierce

@@ -1,0 +1,100 @@
+// Every backend gives the reference's contact list, bit for bit, on every frame of the scenes.
+#include <gtest/gtest.h>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/scenes/detector.hpp"
+#include "pierce/scenes/recording.hpp"
+#include "pierce/scenes/simulation.hpp"
+#include "support/backends.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using namespace scenes;
+
+constexpr double dt = 1.0 / 60;
+
+struct Case {
+    const char* scene;
+    bool soft;
+    bool as_vertices;  ///< rigid motion given vertex by vertex
+};
+
+class EquivalenceTest : public testing::TestWithParam<Case> {};
+
+Recording record(const Case& wanted) {
+    const SceneSetup scene = make_scene(wanted.scene, {12, wanted.soft, 3});
+    Simulation simulation(scene, Method::rays, {"embree", 1});
+    Recording recording = start_recording(scene, dt);
+    for (int i = 0; i < 150; ++i) {
+        simulation.step(dt);
+        if (i % 10 == 9) simulation.record(recording);
+    }
+    return wanted.as_vertices ? as_deforming(recording) : recording;
+}
+
+std::vector<std::uint64_t> hashes(const Recording& recording, const RaySettings& settings, std::uint32_t& contacts) {
+    const auto detector = make_detector(scene_of(recording), Method::rays, settings);
+    std::vector<std::uint64_t> result;
+    contacts = 0;
+    for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
+        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+            if (recording.bodies[b].motion == Motion::deforming)
+                detector->set_positions(b, recording.positions(b, f));
+            else
+                detector->set_pose(b, recording.pose(b, f));
+        }
+        const FrameResult frame = detector->detect();
+        contacts += frame.contacts;
+        result.push_back(frame.hash);
+    }
+    return result;
+}
+
+TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
+    const Recording recording = record(GetParam());
+    std::uint32_t expected_contacts = 0, contacts = 0;
+    const auto expected = hashes(recording, {"reference", 1}, expected_contacts);
+    EXPECT_GT(expected_contacts, 100u);
+    for (int threads : {1, 2, 5}) {
+        EXPECT_EQ(hashes(recording, {"embree", threads}, contacts), expected) << threads << " threads";
+        EXPECT_EQ(contacts, expected_contacts);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EquivalenceTest,
+                         testing::Values(Case{"tori", false, false}, Case{"tori", false, true}, Case{"tori", true, false},
+                                         Case{"bunnies", false, false}, Case{"bunnies", true, false}),
+                         [](const testing::TestParamInfo<Case>& tested) {
+                             return std::string(tested.param.scene) + (tested.param.soft ? "_soft" : "_rigid") +
+                                    (tested.param.as_vertices ? "_as_vertices" : "");
+                         });
+
+/// Meshes that coincide: every ray meets vertices and edges, and every hit is a tie.
+TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 40; ++i) {
+        const MeshData mesh = test::random_closed_mesh(random);
+        // Shifts by sums of vertex differences put vertices on vertices and edges on edges.
+        const auto vertex = [&] {
+            return to_double(mesh.positions[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
+        };
+        const Vec3d shift = i % 3 == 0 ? Vec3d{} : vertex() - vertex();
+        std::vector<std::uint64_t> found;
+        for (const test::NamedBackend& backend : test::backends()) {
+            World world(backend.make());
+            const MeshId id = world.add_mesh("mesh", mesh);
+            world.add_rigid_body(id);
+            world.add_rigid_body(id, {shift, {}});
+            world.add_deforming_body(id, test::placed(mesh, {shift, {}}));
+            world.detect();
+            found.push_back(contact_hash(world.contacts()));
+        }
+        for (std::uint64_t hash : found) EXPECT_EQ(hash, found[0]) << "mesh " << i;
+    }
+}
+
+}  // namespace
+}  // namespace pierce

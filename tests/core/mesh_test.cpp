@@ -1,0 +1,143 @@
+// What a mesh knows about itself: traits, normals, patches and its clearance grid.
+#include "pierce/core/mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include "pierce/core/patch.hpp"
+#include "pierce/core/vertex_normal.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "support/brute_force.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+TEST(MeshTest, TraitsTellOpenFlippedAndDegenerate) {
+    const MeshData box = scenes::box({0, 0, 0}, {1, 2, 3});
+    const Mesh sound("box", box);
+    EXPECT_TRUE(sound.traits().closed());
+    EXPECT_NEAR(sound.traits().volume, 6, 1e-12);
+
+    MeshData open = box;
+    open.triangles.pop_back();
+    EXPECT_FALSE(Mesh("open", open).traits().closed());
+    EXPECT_EQ(Mesh("open", open).traits().boundary_edges, 3u);
+
+    MeshData flipped = box;
+    std::swap(flipped.triangles[0].vertex[0], flipped.triangles[0].vertex[1]);
+    EXPECT_FALSE(Mesh("flipped", flipped).traits().closed());
+
+    MeshData inside_out = box;
+    for (Triangle& t : inside_out.triangles) std::swap(t.vertex[0], t.vertex[1]);
+    EXPECT_TRUE(Mesh("inside out", inside_out).traits().closed());
+    EXPECT_NEAR(Mesh("inside out", inside_out).traits().volume, -6, 1e-12);
+
+    MeshData thin = box;
+    thin.triangles.push_back({{0, 1, 1}});
+    EXPECT_EQ(Mesh("thin", thin).traits().degenerate_triangles, 1u);
+}
+
+TEST(MeshTest, NormalsPointOutward) {
+    const Mesh ball("ball", scenes::sphere(2, 3));
+    for (std::size_t v = 0; v < ball.positions().size(); ++v)
+        EXPECT_NEAR(dot(to_double(ball.normals()[v]), normalized(to_double(ball.positions()[v]))), 1, 1e-3);
+    const Mesh box("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    for (std::size_t v = 0; v < 8; ++v)
+        for (int k = 0; k < 3; ++k)
+            EXPECT_NEAR(std::abs(box.normals()[v][k]), 1 / std::sqrt(3.0), 1e-6) << "weighted by angle, not by triangle";
+}
+
+TEST(MeshTest, ATipBetweenTwoSolidsHasNoNormal) {
+    MeshData bowtie{{{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
+    bowtie.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};  // the second is the first reflected in the tip
+    const Mesh mesh("bowtie", bowtie);
+    EXPECT_EQ(mesh.normals()[0], Vec3f{});
+    EXPECT_GT(length(mesh.normals()[1]), 0.9f);
+}
+
+TEST(MeshTest, PatchesHoldEveryVertexOnce) {
+    const Mesh mesh("torus", scenes::torus(2, 0.5, 30, 10));
+    const MeshView view = mesh.view();
+    std::set<std::uint32_t> seen(view.patch_vertices.begin(), view.patch_vertices.end());
+    EXPECT_EQ(seen.size(), mesh.positions().size());
+    for (std::uint32_t p = 0; p < patch_count(view); ++p)
+        for (std::uint32_t k = 0; k < patch_length(view, p); ++k) {
+            const Vec3d x = to_double(mesh.positions()[view.patch_vertices[p * constants::patch_size + k]]);
+            EXPECT_LE(length(x - view.patches[p].center), view.patches[p].radius);
+        }
+}
+
+/// Distance from a point to a triangle, by minimising over its corners, edges and face.
+double distance_to_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
+    const auto to_edge = [&](Vec3d u, Vec3d v) {
+        const double s = std::clamp(dot(p - u, v - u) / length_squared(v - u), 0.0, 1.0);
+        return length(p - (u + s * (v - u)));
+    };
+    double best = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+    const Vec3d n = cross(b - a, c - a);
+    const bool over = dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0;
+    if (over) best = std::min(best, std::abs(dot(p - a, normalized(n))));
+    return best;
+}
+
+TEST(ClearanceGridTest, NeverPromisesMoreThanTheTruth) {
+    test::Random random(9);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int useful = 0;
+    for (int m = 0; m < 20; ++m) {
+        const MeshData data = test::random_closed_mesh(random);
+        const Mesh mesh("random", data);
+        test::Solid solid{{}, data.triangles};
+        for (Vec3f p : data.positions) solid.positions.push_back({p.x, p.y, p.z});
+        for (int i = 0; i < 200; ++i) {
+            const Vec3d p = random.in_box(1.3);
+            const double promised = mesh.view().clearance(p);
+            if (promised == 0) continue;
+            ++useful;
+            EXPECT_FALSE(test::is_inside({p.x, p.y, p.z}, solid));
+            double truth = std::numeric_limits<double>::infinity();
+            for (const Triangle& t : data.triangles)
+                truth = std::min(truth, distance_to_triangle(p, to_double(data.positions[t.vertex[0]]),
+                                                             to_double(data.positions[t.vertex[1]]),
+                                                             to_double(data.positions[t.vertex[2]])));
+            EXPECT_LE(promised, truth + 1e-6);
+        }
+    }
+    EXPECT_GT(useful, 1000);
+}
+
+TEST(AngleTest, MatchesTheStandardLibrary) {
+    for (int i = 0; i <= 1000; ++i) {
+        const double angle = std::numbers::pi * i / 1000;
+        EXPECT_NEAR(angle_of(3 * std::cos(angle), 3 * std::sin(angle)), angle, 3e-8);
+    }
+    EXPECT_EQ(angle_of(0, 0), 0);
+}
+
+TEST(LeadsInsideTest, AgreesWithTheInsideTest) {
+    test::Random random(12);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int inside = 0;
+    for (int m = 0; m < 20; ++m) {
+        const MeshData data = test::random_closed_mesh(random);
+        const Mesh mesh("random", data);
+        test::Solid solid{{}, data.triangles};
+        for (Vec3f p : data.positions) solid.positions.push_back({p.x, p.y, p.z});
+        for (int i = 0; i < 50; ++i) {
+            const auto v = static_cast<std::uint32_t>(random.integer(0, static_cast<int>(data.positions.size()) - 1));
+            const Vec3d direction = random.unit_vector();
+            if (!leads_inside(mesh.view(), view_of(data.positions), v, direction)) continue;
+            ++inside;
+            const Vec3d p = to_double(data.positions[v]) + 1e-4 * direction;
+            EXPECT_TRUE(test::is_inside({p.x, p.y, p.z}, solid)) << "vertex " << v;
+        }
+    }
+    EXPECT_GT(inside, 50);
+}
+
+}  // namespace
+}  // namespace pierce

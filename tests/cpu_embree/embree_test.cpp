@@ -1,0 +1,108 @@
+// What the Embree backend does with its trees, and that no answer depends on it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/refit_policy.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/cpu_embree/tbb_executor.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+TEST(EmbreeBackendTest, RefusesNegativeThreads) { EXPECT_THROW(embree_backend(-1), InputError); }
+
+TEST(EmbreeBackendTest, RefitsOnlyDeformingBodiesThatAreHit) {
+    World world(embree_backend(1));
+    const MeshId ball = world.add_mesh("ball", scenes::sphere(1, 2));
+    std::vector<BodyId> bodies;
+    const auto at = [](double x) { return test::placed(scenes::sphere(1, 2), {{x, 0, 0}, {}}); };
+    for (double x : {0.0, 1.5, 10.0}) bodies.push_back(world.add_deforming_body(ball, at(x)));
+    world.detect();
+    for (int i = 0; i < 3; ++i) world.set_positions(bodies[static_cast<std::size_t>(i)], at(i == 2 ? 10.1 : 1.4 * i));
+    world.detect();
+    EXPECT_EQ(world.stats().refits, 2u) << "the third ball is far away from both";
+    world.detect();
+    EXPECT_EQ(world.stats().refits, 0u) << "nothing moved";
+}
+
+/// A body scrambled until its first tree is useless: it is rebuilt, and the contacts are the reference's all along.
+TEST(EmbreeBackendTest, RebuildsADecayedTreeAndStaysRight) {
+    test::Random random(3);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    World embree(embree_backend(1)), reference;
+    // A band of small boxes as one mesh: they can change places without any of them changing shape.
+    MeshData boxes;
+    constexpr int count = 60;
+    for (int i = 0; i < count; ++i) {
+        const MeshData one = scenes::box({0, 0, 0}, {0.9, 0.9, 0.9});
+        for (Triangle t : one.triangles) {
+            const auto base = static_cast<std::uint32_t>(boxes.positions.size());
+            boxes.triangles.push_back({{t.vertex[0] + base, t.vertex[1] + base, t.vertex[2] + base}});
+        }
+        for (Vec3f p : one.positions) boxes.positions.push_back(p + Vec3f{static_cast<float>(i), 0, 0});
+    }
+    const MeshData rod = scenes::box({-1, 0.2, 0.2}, {count + 1, 0.5, 0.5});
+    MeshData fine_rod = scenes::torus(8, 0.2, 200, 8);
+    for (World* world : {&embree, &reference}) {
+        world->add_deforming_body(world->add_mesh("boxes", boxes));
+        world->add_rigid_body(world->add_mesh("ring", fine_rod), {{8, 0.4, 0.4}, {}});
+        world->add_rigid_body(world->add_mesh("rod", rod));
+    }
+    std::uint64_t rebuilds = 0;
+    std::vector<int> order(count);
+    for (int i = 0; i < count; ++i) order[static_cast<std::size_t>(i)] = i;
+    for (int step = 0; step < 60; ++step) {
+        if (step >= 5)
+            for (int k = 0; k < 10; ++k)
+                std::swap(order[static_cast<std::size_t>(random.integer(0, count - 1))],
+                          order[static_cast<std::size_t>(random.integer(0, count - 1))]);
+        std::vector<Vec3f> positions = boxes.positions;
+        for (std::size_t i = 0; i < positions.size(); ++i)
+            positions[i].x += static_cast<float>(order[i / 8]) - static_cast<float>(i / 8);
+        for (World* world : {&embree, &reference}) world->set_positions({0, 1}, positions);
+        embree.detect();
+        reference.detect();
+        ASSERT_EQ(contact_hash(embree.contacts()), contact_hash(reference.contacts())) << "step " << step;
+        rebuilds += embree.stats().rebuilds;
+    }
+    EXPECT_GT(rebuilds, 0u);
+    EXPECT_LT(rebuilds, 30u) << "and not in every step";
+}
+
+TEST(RefitPolicyTest, RebuildsWhenTheExcessHasPaidForIt) {
+    RefitPolicy policy;
+    policy.record(constants::rebuild_baseline_rays, 2 * constants::rebuild_baseline_rays);
+    policy.record(1000, 2000);
+    EXPECT_FALSE(policy.should_rebuild(100)) << "no worse than fresh";
+    policy.record(1000, 3500);
+    EXPECT_FALSE(policy.should_rebuild(100));
+    policy.record(1000, 3500);
+    EXPECT_TRUE(policy.should_rebuild(100)) << "3000 tests in excess, a rebuild costs 2000";
+    policy.restart();
+    EXPECT_FALSE(policy.should_rebuild(100));
+}
+
+TEST(TbbExecutorTest, RunsEveryItemOnceAndMatchesTheSerialOne) {
+    SerialExecutor serial;
+    for (int threads : {1, 2, 3}) {
+        TbbExecutor parallel(threads);
+        for (std::uint32_t n : {0u, 1u, 15u, 1234u}) {
+            std::vector<std::uint32_t> visits(n, 0), in(n), expected(n), out(n);
+            parallel.for_each("visit", n, [&](std::uint32_t i) { ++visits[i]; });
+            EXPECT_EQ(visits, std::vector<std::uint32_t>(n, 1));
+            for (std::uint32_t i = 0; i < n; ++i) in[i] = i * 7 % 5;
+            const std::uint32_t total = serial.exclusive_scan("scan", view_of(std::as_const(in)), view_of(expected));
+            EXPECT_EQ(parallel.exclusive_scan("scan", view_of(std::as_const(in)), view_of(out)), total);
+            EXPECT_EQ(out, expected);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace pierce
