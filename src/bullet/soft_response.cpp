@@ -41,7 +41,7 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
 void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contact) {
     btSoftBody::Node& node = source.m_nodes[static_cast<int>(contact.vertex)];
     btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
-    const float* w = contact.barycentric;
+    const btVector3 w = to_bullet(Vec3d{contact.barycentric[0], contact.barycentric[1], contact.barycentric[2]});
     const btScalar node_share = node.m_im;
     const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] + face.m_n[2]->m_im * w[2];
     const btScalar both = node_share + face_share;
@@ -49,7 +49,7 @@ void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contac
     btSoftBody::SContact soft{};
     soft.m_node = &node;
     soft.m_face = &face;
-    soft.m_weights = btVector3(w[0], w[1], w[2]);
+    soft.m_weights = w;
     soft.m_normal = to_bullet(contact.face_normal);
     soft.m_margin = 0;
     soft.m_friction = btMax(source.m_cfg.kDF, target.m_cfg.kDF);
@@ -70,7 +70,7 @@ void add_rigid_soft(const btCollisionObject& source, btSoftBody& target, const C
         if (contact.barycentric[k] <= 0) continue;
         const Vec3d goal = from_bullet(face.m_n[k]->m_x) + way;
         add_plane_contact(target, *face.m_n[k], source, -contact.face_normal, goal, source_point(contact),
-                          contact.barycentric[k]);
+                          static_cast<btScalar>(contact.barycentric[k]));
     }
 }
 

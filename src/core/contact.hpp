@@ -20,7 +20,7 @@ struct Contact {
     std::uint32_t vertex = 0;    ///< of the source
     std::uint32_t triangle = 0;  ///< of the target
     std::uint32_t age = 0;       ///< steps in a row this vertex has been in contact with this body; 0: new
-    float barycentric[3] = {};   ///< of the target point in the triangle; sums to 1
+    double barycentric[3] = {};  ///< of the target point in the triangle; sums to 1
     Vec3d point_a, point_b;      ///< on body a and on body b: the vertex and the target point
     Vec3d normal;                ///< unit, from a to b: the line of the ray, so (point_b - point_a) . normal = distance
     Vec3d face_normal;           ///< unit, outward, of the target triangle

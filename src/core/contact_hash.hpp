@@ -21,7 +21,7 @@ inline std::uint64_t contact_hash(std::span<const Contact> contacts) {
         add(std::uint64_t{c.a.index} << 32 | c.b.index);
         add(c.feature() << 1 | c.grazing);
         add(c.triangle);
-        for (float w : c.barycentric) add(std::bit_cast<std::uint32_t>(w + 0.0f));
+        for (double w : c.barycentric) add(std::bit_cast<std::uint64_t>(w + 0.0));
         add_vector(c.point_a);
         add_vector(c.point_b);
         add_vector(c.normal);

@@ -30,11 +30,11 @@ inline PenaltyForce penalty_force(const Contact& contact, const PenaltySettings&
     PenaltyForce force;
     force.direction = contact.source == Side::a ? -contact.normal : contact.normal;
     Vec3d target_velocity;
-    for (int k = 0; k < 3; ++k) target_velocity += static_cast<double>(contact.barycentric[k]) * corners.corner[k];
+    for (int k = 0; k < 3; ++k) target_velocity += contact.barycentric[k] * corners.corner[k];
     const double speed = dot(vertex_velocity - target_velocity, force.direction);
     const double size = max_of(settings.stiffness * contact.penetration_depth() - settings.damping * speed, 0.0);
     force.on_vertex = size * force.direction;
-    for (int k = 0; k < 3; ++k) force.on_corner[k] = -static_cast<double>(contact.barycentric[k]) * force.on_vertex;
+    for (int k = 0; k < 3; ++k) force.on_corner[k] = -contact.barycentric[k] * force.on_vertex;
     return force;
 }
 

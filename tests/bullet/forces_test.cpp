@@ -65,8 +65,8 @@ TEST(PenaltyForceTest, ConservesMomentumToRounding) {
                 torque += cross(to_double(*corner[k]), force.on_corner[k]);
                 size += length(force.on_corner[k]);
             }
-            EXPECT_LE(length(sum), 1e-6 * size);
-            EXPECT_LE(length(torque), 1e-5 * size);
+            EXPECT_LE(length(sum), 1e-14 * size);
+            EXPECT_LE(length(torque), 1e-13 * size);
             EXPECT_GE(dot(force.on_vertex, force.direction), -1e-9 * size) << "pushes out, never pulls";
         }
     }

@@ -68,7 +68,7 @@ struct FillContact {
         c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
         c.vertex = from.vertex;
         c.triangle = hits[r].triangle;
-        for (int k = 0; k < 3; ++k) c.barycentric[k] = static_cast<float>(m.barycentric[k]);
+        for (int k = 0; k < 3; ++k) c.barycentric[k] = m.barycentric[k];
         c.point_a = from.side == 0 ? p_world : q_world;
         c.point_b = from.side == 0 ? q_world : p_world;
         c.normal = from.side == 0 ? -direction : direction;

@@ -1,0 +1,124 @@
+// The pierce command as its users meet it: what it prints, writes and refuses.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+struct Outcome {
+    int code = -1;
+    std::string text;  ///< standard output and error
+};
+
+Outcome pierce(const std::string& arguments) {
+    Outcome outcome;
+    std::FILE* pipe = popen((std::string(PIERCE_APP) + " " + arguments + " 2>&1").c_str(), "r");
+    for (char buffer[4096]; const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe);) outcome.text.append(buffer, n);
+    outcome.code = WEXITSTATUS(pclose(pipe));
+    return outcome;
+}
+
+class AppTest : public testing::Test {
+protected:
+    AppTest() : folder(fs::temp_directory_path() / ("pierce_app_" + std::to_string(::getpid()))) { fs::create_directories(folder); }
+    ~AppTest() override { fs::remove_all(folder); }
+
+    std::string path(const std::string& name) const { return (folder / name).string(); }
+    json read(const std::string& name) const { return json::parse(std::ifstream(folder / name)); }
+
+    fs::path folder;
+};
+
+TEST_F(AppTest, ListsScenesAndPlans) {
+    EXPECT_THAT(pierce("scenes").text, testing::AllOf(HasSubstr("tori"), HasSubstr("bunnies")));
+    const Outcome rigid = pierce("plan tori --count 3");
+    EXPECT_EQ(rigid.code, 0);
+    EXPECT_THAT(rigid.text, testing::AllOf(HasSubstr("1 fixed, 3 rigid, 0 deforming"), HasSubstr("no vertex is looked at")));
+    EXPECT_THAT(pierce("plan tori --count 3 --soft").text, HasSubstr("one refitted tree per deforming body"));
+    EXPECT_THAT(pierce("--version").text, HasSubstr("pierce 0."));
+}
+
+TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
+    const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") + " --json " + path("run.json") +
+                               " --png " + path("last.png"));
+    ASSERT_EQ(run.code, 0) << run.text;
+    EXPECT_THAT(run.text, testing::AllOf(HasSubstr("120 frames"), HasSubstr("vertex_cull [ms]"), HasSubstr("colliding pairs")));
+    EXPECT_THAT(run.text, testing::Not(HasSubstr("left"))) << "no progress bar in a pipe";
+    std::ifstream png(folder / "last.png", std::ios::binary);
+    char head[4] = {};
+    png.read(head, 4);
+    EXPECT_EQ(std::string(head + 1, 3), "PNG");
+
+    const json written = read("run.json");
+    for (const char* key : {"machine", "versions", "settings", "summary", "frames"}) EXPECT_TRUE(written.contains(key)) << key;
+    ASSERT_EQ(written["frames"].size(), 120u);
+    const json& frame = written["frames"][119];
+    EXPECT_EQ(frame["index"], 119);
+    EXPECT_GT(frame["ms"]["total"].get<double>(), 0);
+    for (const char* stage : {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts", "response"})
+        EXPECT_TRUE(frame["ms"].contains(stage)) << stage;
+    EXPECT_FALSE(frame["pairs"].empty());
+    for (const json& pair : frame["pairs"]) EXPECT_LT(pair[0].get<int>(), pair[1].get<int>());
+
+    std::set<std::string> last_hashes;
+    for (const char* how : {"--threads 1", "--threads 2", "--backend reference"}) {
+        ASSERT_EQ(pierce("replay " + path("motion") + " " + how + " --json " + path("replay.json")).code, 0);
+        std::string all;
+        for (const json& f : read("replay.json")["frames"]) all += f["hash"].get<std::string>();
+        last_hashes.insert(all);
+    }
+    EXPECT_EQ(last_hashes.size(), 1u) << "threads and backends give the same contacts";
+    for (const char* method : {"gjk-epa", "gjk-hull", "gimpact"})
+        EXPECT_EQ(pierce("replay " + path("motion") + " --method " + method).code, 0) << method;
+    EXPECT_EQ(pierce("replay " + path("motion") + " --deforming").code, 0);
+}
+
+TEST_F(AppTest, DetectsContactsOfMeshFiles) {
+    std::ofstream(folder / "a.off") << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::ofstream(folder / "b.obj") << "v 0.1 0.1 0.1\nv 2 0.1 0.1\nv 0.1 2 0.1\nv 0.1 0.1 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    const Outcome found = pierce("detect " + path("a.off") + " " + path("b.obj") + " --json " + path("contacts.json"));
+    ASSERT_EQ(found.code, 0) << found.text;
+    EXPECT_THAT(found.text, HasSubstr("1 of 1 overlapping pairs"));
+    const json contacts = read("contacts.json")["contacts"];
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts[0]["source"], "b");
+    EXPECT_EQ(contacts[0]["vertex"], 0);
+    EXPECT_LT(contacts[0]["distance"].get<double>(), 0);
+}
+
+TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
+    const auto refused = [](const std::string& arguments, const std::string& why) {
+        const Outcome outcome = pierce(arguments);
+        EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.text;
+        EXPECT_THAT(outcome.text, HasSubstr(why)) << arguments;
+    };
+    refused("run torus", "unknown scene 'torus'; there are: tori, bunnies");
+    refused("run tori --threads 0", "--threads");
+    refused("run tori --dt -0.01", "--dt");
+    refused("run tori --dt 0", "--dt");
+    refused("run tori --dt nan", "--dt");
+    refused("run tori --seconds -1", "--seconds");
+    refused("run tori --count 0", "--count");
+    refused("run tori --method sat", "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
+    refused("run tori --backend cuda", "unknown backend 'cuda'");
+    refused("run tori --count 1 --soft --method gimpact", "soft bodies");
+    refused("run tori --count 1 --json /nowhere/x.json", "/nowhere/x.json");
+    refused("run tori --count 1 --method gimpact --png " + path("x.png"), "--png");
+    refused("run tori --frobnicate", "--frobnicate");
+    refused("replay " + path("nothing"), "nothing");
+    refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");
+    refused("detect " + path("a.obj"), "meshes");
+    refused("", "subcommand");
+}
+
+}  // namespace
