@@ -19,19 +19,25 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
     const btMatrix3x3 no_inertia(0, 0, 0, 0, 0, 0, 0, 0, 0);
     const btScalar friction = soft.m_cfg.kDF * object.getFriction();
     const btVector3 arm = to_bullet(anchor) - object.getWorldTransform().getOrigin();
+    // Bullet's model: a tangential motion within the friction cone is stopped, a faster one loses its part.
+    const btVector3 out = to_bullet(normal);
+    const btVector3 carried = rigid != nullptr ? rigid->getVelocityInLocalPoint(arm) * soft.m_sst.sdt : btVector3(0, 0, 0);
+    const btVector3 motion = node.m_x - node.m_q - carried;
+    const btScalar inward = motion.dot(out);
+    const bool sticks = (motion - inward * out).length2() < inward * inward * friction * friction;
 
     btSoftBody::RContact contact{};
     contact.t1.setZero();
     contact.t2.setZero();
     contact.m_cti.m_colObj = &object;
-    contact.m_cti.m_normal = to_bullet(normal);
+    contact.m_cti.m_normal = out;
     contact.m_cti.m_offset = static_cast<btScalar>(-dot(normal, through));
     contact.m_node = &node;
     contact.m_c0 = ImpulseMatrix(soft.m_sst.sdt, node.m_im, rigid_mass_inverse,
                                  rigid != nullptr ? rigid->getInvInertiaTensorWorld() : no_inertia, arm);
     contact.m_c1 = arm;
     contact.m_c2 = node.m_im * soft.m_sst.sdt;
-    contact.m_c3 = btScalar(1) - btMin(friction, btScalar(1));
+    contact.m_c3 = sticks ? btScalar(0) : btScalar(1) - btMin(friction, btScalar(1));
     contact.m_c4 = object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR;
     soft.m_rcontacts.push_back(contact);
 }

@@ -17,7 +17,8 @@ void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapp
 
 void register_baseline(btCollisionDispatcher& dispatcher) { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
 
-FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, double detection_ms,
+FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, Margin margins,
+                          double detection_ms,
                           double refit_ms, double epa_ms) {
     FrameResult result;
     result.update_ms = refit_ms + detection_ms - dispatcher.milliseconds;
@@ -31,7 +32,7 @@ FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet:
         const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
         const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
         const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
-        const double margin = shapes[a].margin() + shapes[b].margin();
+        const double margin = margins == Margin::counts ? 0.0 : shapes[a].margin() + shapes[b].margin();
         bool touches = false;
         for (int i = 0; i < manifold.getNumContacts(); ++i) {
             const double distance = manifold.getContactPoint(i).getDistance() + margin;

@@ -89,7 +89,7 @@ public:
         const auto begin = std::chrono::steady_clock::now();
         world_.performDiscreteCollisionDetection();
         const double all = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-        return bullet_result(dispatcher_, shapes_, all, std::exchange(refit_ms_, 0.0),
+        return bullet_result(dispatcher_, shapes_, Margin::left_out, all, std::exchange(refit_ms_, 0.0),
                              configuration_.take_epa_milliseconds());
     }
 

@@ -24,7 +24,8 @@ constexpr double gravity = 9.81;  // [m/s^2] along -z
 /// How soft bodies keep their shape, in Bullet's terms.
 constexpr btScalar link_stiffness = btScalar(1.0);
 constexpr btScalar shape_matching = btScalar(0.3);
-constexpr btScalar soft_damping = btScalar(0.05);
+constexpr btScalar soft_damping = btScalar(0.01);
+constexpr btScalar soft_friction = btScalar(1.0);
 constexpr btScalar contact_hardness = btScalar(1.0);
 constexpr int soft_iterations = 8;
 constexpr int bending_distance = 2;
@@ -134,7 +135,7 @@ void Simulation::State::add_soft(std::uint32_t index) {
     made.generateBendingConstraints(bending_distance);
     made.m_cfg.piterations = soft_iterations;
     made.m_cfg.kDP = soft_damping;
-    made.m_cfg.kDF = friction;
+    made.m_cfg.kDF = soft_friction;
     made.m_cfg.kMT = shape_matching;
     made.m_cfg.kKHR = made.m_cfg.kCHR = made.m_cfg.kSHR = contact_hardness;
     made.m_cfg.collisions = 0;  // Bullet's own soft collisions stay off; the contacts are Pierce's
@@ -198,7 +199,9 @@ const FrameResult& Simulation::step(double dt) {
         s.result.stages.push_back({"response", s.result.response_ms});
         s.result.total_ms += s.result.response_ms;
     } else {
-        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes, s.world->detection_ms, 0,
+        // Bullet keeps its bodies a margin apart, so in its own simulation they touch where their margins do.
+        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes, Margin::counts,
+                                 s.world->detection_ms, 0,
                                  s.rigid_configuration.take_epa_milliseconds());
     }
     return s.result;

@@ -6,6 +6,7 @@
 
 #include "pierce/core/contact_hash.hpp"
 #include "pierce/core/world.hpp"
+#include "pierce/scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
@@ -117,6 +118,31 @@ TEST_P(ContactsTest, RandomDeformingPairsMatchTheDefinition) {
         expect_defined_contacts(world, body[0], body[1], solid, inward);
     }
     EXPECT_GT(contacts, 1000u);
+}
+
+/// A pyramid over a C-shaped base, from whose apex every direction leaves the solid through some face at once: the apex's
+/// ray starts outside its own body, and rule R2 has to notice.
+MeshData c_pyramid() {
+    MeshData mesh{{{0, 0, 0}, {0, 0, -1}, {5, 0, -1}, {5, 5, -1}, {1, 5, -1}, {1, 3, -1}, {3, 3, -1}, {3, 2, -1}, {0, 2, -1}}, {}};
+    for (std::uint32_t k = 1; k <= 8; ++k) mesh.triangles.push_back({{0, k, k % 8 + 1}});
+    for (Triangle t : {Triangle{{1, 8, 2}}, {{8, 7, 2}}, {{7, 3, 2}}, {{7, 6, 3}}, {{6, 4, 3}}, {{6, 5, 4}}}) mesh.triangles.push_back(t);
+    return mesh;
+}
+
+TEST_P(ContactsTest, AnApexWithoutInwardDirectionMatchesTheDefinition) {
+    const MeshData pyramid = c_pyramid(), block = scenes::box({-20, -21, -22}, {23, 24, 25}), slab = scenes::box({-9, -9, -0.3}, {9, 9, 0.4});
+    ASSERT_TRUE(Mesh("pyramid", pyramid).traits().closed());
+    ASSERT_GT(Mesh("pyramid", pyramid).traits().volume, 0);
+    for (const MeshData& other : {block, slab})
+        for (bool deforming : {false, true}) {
+            World world(GetParam().make());
+            const MeshId a = world.add_mesh("pyramid", pyramid), b = world.add_mesh("other", other);
+            const BodyId first = deforming ? world.add_deforming_body(a) : world.add_rigid_body(a);
+            const BodyId second = world.add_fixed_body(b);
+            world.detect();
+            expect_defined_contacts(world, first, second, {solid_of(pyramid, {}), solid_of(other, {})},
+                                    {inward_of(world.mesh(a), {}), inward_of(world.mesh(b), {})});
+        }
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, ContactsTest, testing::ValuesIn(test::backends()), test::backend_name);

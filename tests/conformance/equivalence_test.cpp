@@ -21,6 +21,8 @@ struct Case {
     bool as_vertices;  ///< rigid motion given vertex by vertex
 };
 
+void PrintTo(const Case& tested, std::ostream* os) { *os << tested.scene; }
+
 class EquivalenceTest : public testing::TestWithParam<Case> {};
 
 Recording record(const Case& wanted) {

@@ -112,17 +112,15 @@ struct TestOwnExit {
     View<std::uint32_t> keep;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t r = candidates[i];
-        const BodyView& target = bodies[rays[r].target];
-        const double t = depths[r];
-        keep[i] = t <= rays[r].t_max + target.touch;
+        keep[i] = 1;
         if (own_rays.size == 0 || own_rays[i].t_max < 0) return;
         if (own_hits[i].triangle == no_triangle) {
-            keep[i] = keep[i] && starts_inside[i];
+            keep[i] = starts_inside[i];
             return;
         }
+        const std::uint32_t r = candidates[i];
         const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(), own_hits[i].triangle);
-        keep[i] = keep[i] && own.exit && t <= own.t + target.touch;
+        keep[i] = own.exit && depths[r] <= own.t + bodies[rays[r].target].touch;
     }
 };
 
