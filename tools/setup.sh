@@ -1,10 +1,9 @@
 # Shared by run-demo and run-tests: packages of Debian 12 and Ubuntu 24.04, and building with a preset.
 
-build_packages=(g++ cmake ninja-build pkg-config
-                libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev
-                libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libcgal-demo
-                libgtest-dev libgmock-dev libbenchmark-dev)
-test_packages=(git)
+packages=(g++ cmake ninja-build pkg-config
+          libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev
+          libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libcgal-demo
+          libgtest-dev libgmock-dev libbenchmark-dev)
 
 # Installs the packages that are not installed yet, with sudo if need be; says nothing if there are none.
 install_packages() {

@@ -12,7 +12,7 @@ struct PenaltySettings {
 
 /// The force of a contact on the vertex and on the corners of the triangle it went through.
 struct PenaltyForce {
-    Vec3d direction;     ///< unit, the way the vertex is pushed
+    Vec3d direction;  ///< unit, the way the vertex is pushed
     Vec3d on_vertex;
     Vec3d on_corner[3];
 };

@@ -18,8 +18,7 @@ void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapp
 void register_baseline(btCollisionDispatcher& dispatcher) { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
 
 FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, Margin margins,
-                          double detection_ms,
-                          double refit_ms, double epa_ms) {
+                          double detection_ms, double refit_ms, double epa_ms) {
     FrameResult result;
     result.update_ms = refit_ms + detection_ms - dispatcher.milliseconds;
     result.narrow_ms = dispatcher.milliseconds - epa_ms;

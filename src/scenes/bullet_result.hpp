@@ -28,7 +28,6 @@ enum class Margin { counts, left_out };
 /// What a step of Bullet's own detection took and found. Objects are told by their user index, into `shapes`; a point counts
 /// as a contact if the bodies, with or without Bullet's margins, overlap there.
 FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, Margin margins,
-                          double detection_ms,
-                          double refit_ms, double epa_ms);
+                          double detection_ms, double refit_ms, double epa_ms);
 
 }  // namespace pierce::scenes

@@ -201,8 +201,7 @@ const FrameResult& Simulation::step(double dt) {
     } else {
         // Bullet keeps its bodies a margin apart, so in its own simulation they touch where their margins do.
         s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes, Margin::counts,
-                                 s.world->detection_ms, 0,
-                                 s.rigid_configuration.take_epa_milliseconds());
+                                 s.world->detection_ms, 0, s.rigid_configuration.take_epa_milliseconds());
     }
     return s.result;
 }

@@ -23,14 +23,17 @@ struct Outcome {
 Outcome pierce(const std::string& arguments) {
     Outcome outcome;
     std::FILE* pipe = popen((std::string(PIERCE_APP) + " " + arguments + " 2>&1").c_str(), "r");
-    for (char buffer[4096]; const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe);) outcome.text.append(buffer, n);
+    for (char buffer[4096]; const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe);)
+        outcome.text.append(buffer, n);
     outcome.code = WEXITSTATUS(pclose(pipe));
     return outcome;
 }
 
 class AppTest : public testing::Test {
 protected:
-    AppTest() : folder(fs::temp_directory_path() / ("pierce_app_" + std::to_string(::getpid()))) { fs::create_directories(folder); }
+    AppTest() : folder(fs::temp_directory_path() / ("pierce_app_" + std::to_string(::getpid()))) {
+        fs::create_directories(folder);
+    }
     ~AppTest() override { fs::remove_all(folder); }
 
     std::string path(const std::string& name) const { return (folder / name).string(); }
@@ -52,7 +55,8 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
     const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") + " --json " + path("run.json") +
                                " --png " + path("last.png"));
     ASSERT_EQ(run.code, 0) << run.text;
-    EXPECT_THAT(run.text, testing::AllOf(HasSubstr("120 frames"), HasSubstr("vertex_cull [ms]"), HasSubstr("colliding pairs")));
+    EXPECT_THAT(run.text,
+                testing::AllOf(HasSubstr("120 frames"), HasSubstr("vertex_cull [ms]"), HasSubstr("colliding pairs")));
     EXPECT_THAT(run.text, testing::Not(HasSubstr("left"))) << "no progress bar in a pipe";
     std::ifstream png(folder / "last.png", std::ios::binary);
     char head[4] = {};
@@ -60,12 +64,14 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
     EXPECT_EQ(std::string(head + 1, 3), "PNG");
 
     const json written = read("run.json");
-    for (const char* key : {"machine", "versions", "settings", "summary", "frames"}) EXPECT_TRUE(written.contains(key)) << key;
+    for (const char* key : {"machine", "versions", "settings", "summary", "frames"})
+        EXPECT_TRUE(written.contains(key)) << key;
     ASSERT_EQ(written["frames"].size(), 120u);
     const json& frame = written["frames"][119];
     EXPECT_EQ(frame["index"], 119);
     EXPECT_GT(frame["ms"]["total"].get<double>(), 0);
-    for (const char* stage : {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts", "response"})
+    for (const char* stage :
+         {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts", "response"})
         EXPECT_TRUE(frame["ms"].contains(stage)) << stage;
     EXPECT_FALSE(frame["pairs"].empty());
     for (const json& pair : frame["pairs"]) EXPECT_LT(pair[0].get<int>(), pair[1].get<int>());
@@ -85,7 +91,8 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
 
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
     std::ofstream(folder / "a.off") << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-    std::ofstream(folder / "b.obj") << "v 0.1 0.1 0.1\nv 2 0.1 0.1\nv 0.1 2 0.1\nv 0.1 0.1 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::ofstream(folder / "b.obj")
+        << "v 0.1 0.1 0.1\nv 2 0.1 0.1\nv 0.1 2 0.1\nv 0.1 0.1 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     const Outcome found = pierce("detect " + path("a.off") + " " + path("b.obj") + " --json " + path("contacts.json"));
     ASSERT_EQ(found.code, 0) << found.text;
     EXPECT_THAT(found.text, HasSubstr("1 of 1 overlapping pairs"));

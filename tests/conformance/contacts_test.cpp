@@ -123,9 +123,12 @@ TEST_P(ContactsTest, RandomDeformingPairsMatchTheDefinition) {
 /// A pyramid over a U-shaped base with its apex above the gap: straight down from the apex is outside, although all normals
 /// around it point up. With `floor`, the same mesh has a box below that this ray enters.
 MeshData u_pyramid(bool floor) {
-    MeshData mesh{{{0, 1, 0}, {-5, -5, -1}, {5, -5, -1}, {5, 5, -1}, {1, 5, -1}, {1, -1, -1}, {-1, -1, -1}, {-1, 5, -1}, {-5, 5, -1}}, {}};
+    MeshData mesh{
+        {{0, 1, 0}, {-5, -5, -1}, {5, -5, -1}, {5, 5, -1}, {1, 5, -1}, {1, -1, -1}, {-1, -1, -1}, {-1, 5, -1}, {-5, 5, -1}},
+        {}};
     for (std::uint32_t k = 1; k <= 8; ++k) mesh.triangles.push_back({{0, k, k % 8 + 1}});
-    for (Triangle t : {Triangle{{1, 5, 2}}, {{1, 6, 5}}, {{2, 4, 3}}, {{2, 5, 4}}, {{1, 7, 6}}, {{1, 8, 7}}}) mesh.triangles.push_back(t);
+    for (Triangle t : {Triangle{{1, 5, 2}}, {{1, 6, 5}}, {{2, 4, 3}}, {{2, 5, 4}}, {{1, 7, 6}}, {{1, 8, 7}}})
+        mesh.triangles.push_back(t);
     if (!floor) return mesh;
     const MeshData below = scenes::box({-4, -4, -3}, {4, 4.5, -2});
     for (Triangle t : below.triangles) mesh.triangles.push_back({{t.vertex[0] + 9, t.vertex[1] + 9, t.vertex[2] + 9}});

@@ -81,7 +81,8 @@ TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
         const MeshData mesh = test::random_closed_mesh(random);
         // Shifts by sums of vertex differences put vertices on vertices and edges on edges.
         const auto vertex = [&] {
-            return to_double(mesh.positions[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
+            return to_double(
+                mesh.positions[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
         };
         const Vec3d shift = i % 3 == 0 ? Vec3d{} : vertex() - vertex();
         std::vector<std::uint64_t> found;

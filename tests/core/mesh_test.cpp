@@ -53,7 +53,8 @@ TEST(MeshTest, NormalsPointOutward) {
 
 TEST(MeshTest, ATipBetweenTwoSolidsHasNoNormal) {
     MeshData bowtie{{{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
-    bowtie.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};  // the second is the first reflected in the tip
+    bowtie.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}},
+                        {{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};  // the second is the first reflected in the tip
     const Mesh mesh("bowtie", bowtie);
     EXPECT_EQ(mesh.normals()[0], Vec3f{});
     EXPECT_GT(length(mesh.normals()[1]), 0.9f);
@@ -79,7 +80,8 @@ double distance_to_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     };
     double best = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
     const Vec3d n = cross(b - a, c - a);
-    const bool over = dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0;
+    const bool over =
+        dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0;
     if (over) best = std::min(best, std::abs(dot(p - a, normalized(n))));
     return best;
 }

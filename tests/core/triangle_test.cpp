@@ -53,8 +53,9 @@ TEST(FirstCrossingTest, EdgeDiagonalHit) {
 }
 
 TEST(FirstCrossingTest, VertexFanHit) {
-    MeshData octahedron{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-                        {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}}};
+    MeshData octahedron{
+        {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+        {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}}};
     for (bool reversed : {false, true}) {
         const Found f = find(octahedron, {0, 0, 0.25}, {0, 0, -1}, no_vertex, reversed);
         EXPECT_EQ(f.t, 1.25);
@@ -90,8 +91,9 @@ TEST(FirstCrossingTest, SlidingInAFaceTouchesIt) {
 }
 
 TEST(FirstCrossingTest, AGrazedRidgeIsNoCrossing) {
-    const MeshData prism{{{0, 0, 0}, {2, 0, 0}, {1, 0, 1}, {0, 1, 0}, {2, 1, 0}, {1, 1, 1}},
-                         {{{0, 1, 2}}, {{3, 5, 4}}, {{0, 3, 4}}, {{0, 4, 1}}, {{1, 4, 5}}, {{1, 5, 2}}, {{0, 2, 5}}, {{0, 5, 3}}}};
+    const MeshData prism{
+        {{0, 0, 0}, {2, 0, 0}, {1, 0, 1}, {0, 1, 0}, {2, 1, 0}, {1, 1, 1}},
+        {{{0, 1, 2}}, {{3, 5, 4}}, {{0, 3, 4}}, {{0, 4, 1}}, {{1, 4, 5}}, {{1, 5, 2}}, {{0, 2, 5}}, {{0, 5, 3}}}};
     EXPECT_EQ(find(prism, {-1, 0.5, 1}, {1, 0, 0}).triangle, no_triangle);
     EXPECT_EQ(find(prism, {-1, 0.5, 0.5}, {1, 0, 0}).sign, -1) << "but the face below it is";
 }
@@ -161,7 +163,8 @@ TEST(FirstCrossingTest, TheOrderOfTrianglesDoesNotMatter) {
     for (int i = 0; i < 300; ++i) {
         const MeshData mesh = test::random_closed_mesh(random);
         const Vec3d origin = random.in_box(1);
-        const Vec3d aim = to_double(mesh.positions[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
+        const Vec3d aim = to_double(
+            mesh.positions[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
         EXPECT_EQ(find(mesh, origin, aim - origin).triangle, find(mesh, origin, aim - origin, no_vertex, true).triangle);
     }
 }

@@ -87,7 +87,8 @@ TEST(WorldTest, RefusesUnusableMeshesAndNamesThem) {
     for (float bad : {nan, std::numeric_limits<float>::infinity()}) {
         MeshData broken = unit_box();
         broken.positions[5].y = bad;
-        EXPECT_THAT([&] { world.add_mesh("crate", broken); }, ThrowsMessage<InputError>(HasSubstr("'crate': vertex 5 is not finite")));
+        EXPECT_THAT([&] { world.add_mesh("crate", broken); },
+                    ThrowsMessage<InputError>(HasSubstr("'crate': vertex 5 is not finite")));
     }
 }
 
@@ -167,7 +168,8 @@ TEST(WorldTest, ADeformingBodyMayChangeItsTriangles) {
     World world;
     const MeshId ground = world.add_mesh("ground", scenes::box({-5, -5, -1}, {5, 5, 0}));
     world.add_fixed_body(ground);
-    const MeshId coarse = world.add_mesh("coarse", scenes::sphere(1, 1)), fine = world.add_mesh("fine", scenes::sphere(1, 3));
+    const MeshId coarse = world.add_mesh("coarse", scenes::sphere(1, 1)),
+                 fine = world.add_mesh("fine", scenes::sphere(1, 3));
     const BodyId body = world.add_deforming_body(coarse);
     world.detect();
     const std::size_t before = world.contacts().size();

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "pierce/core/contact_hash.hpp"
+#include "pierce/core/error.hpp"
 #include "pierce/core/refit_policy.hpp"
 #include "pierce/core/world.hpp"
 #include "pierce/cpu_embree/embree_backend.hpp"
 #include "pierce/cpu_embree/tbb_executor.hpp"
-#include "pierce/core/error.hpp"
 #include "pierce/scenes/shapes.hpp"
 #include "support/random.hpp"
 

@@ -33,7 +33,9 @@ protected:
 
     Recording sample() const {
         SceneSetup scene{"sample", {{"ground", box({-5, -5, -1}, {5, 5, 0}), {}}, {"ball", sphere(1, 1), {}}}, {}};
-        scene.bodies = {{"ground", 0, Motion::fixed, {}, true}, {"rigid", 1, Motion::rigid, {}, false}, {"soft", 1, Motion::deforming, {}, false}};
+        scene.bodies = {{"ground", 0, Motion::fixed, {}, true},
+                        {"rigid", 1, Motion::rigid, {}, false},
+                        {"soft", 1, Motion::deforming, {}, false}};
         Recording recording = start_recording(scene, 0.01);
         recording.bodies[0].values = {0, 0, 0, 0, 0, 0, 1};
         for (int f = 0; f < 3; ++f) {
@@ -128,10 +130,12 @@ TEST_F(RecordingTest, MeshFilesKeepTheirOrder) {
     const fs::path off = folder / "two.off", obj = folder / "quad.obj", ply = folder / "tri.ply", stl = folder / "tri.stl";
     std::ofstream(off) << "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
     std::ofstream(obj) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n";
-    std::ofstream(ply) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-    std::ofstream(stl) << "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
-                          "endsolid s\n";
+    std::ofstream(ply)
+        << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    std::ofstream(stl)
+        << "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+           "endsolid s\n";
     for (const fs::path& file : {off, obj}) {
         const MeshData mesh = read_mesh(file);
         EXPECT_EQ(mesh.positions.size(), 4u);
@@ -150,7 +154,8 @@ TEST_F(RecordingTest, NonManifoldMeshesAreReadAsTheyAre) {
 
 TEST_F(RecordingTest, UnreadableMeshFilesAreNamed) {
     const auto refused = [](const fs::path& file, const std::string& why) {
-        EXPECT_THAT([&] { read_mesh(file); }, ThrowsMessage<InputError>(testing::AllOf(HasSubstr(file.filename().string()), HasSubstr(why))));
+        EXPECT_THAT([&] { read_mesh(file); },
+                    ThrowsMessage<InputError>(testing::AllOf(HasSubstr(file.filename().string()), HasSubstr(why))));
     };
     refused(folder / "nothing.obj", "cannot open");
     std::ofstream(folder / "noise.obj") << "hello\n";
