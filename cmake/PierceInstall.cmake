@@ -2,10 +2,12 @@
 include(CMakePackageConfigHelpers)
 
 set(pierce_installed pierce_core)
-set(pierce_folders core)
+set(pierce_folders core)  # whose headers are all public
 if(PIERCE_EMBREE)
     list(APPEND pierce_installed pierce_cpu_embree)
-    list(APPEND pierce_folders cpu_embree)
+    # The rest of it speaks Embree, whose version is nobody else's business.
+    install(FILES ${PROJECT_SOURCE_DIR}/src/cpu_embree/embree_backend.hpp
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pierce/cpu_embree)
 endif()
 if(PIERCE_BULLET)
     list(APPEND pierce_installed pierce_bullet)
