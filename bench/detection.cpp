@@ -41,12 +41,7 @@ void detect(benchmark::State& state, Method method, bool deforming, int threads)
     std::uint32_t frame = 0;
     double pairs = 0, contacts = 0, update = 0, milliseconds = 0;
     for (auto _ : state) {
-        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
-            if (recording.bodies[b].motion == Motion::deforming)
-                detector->set_positions(b, recording.positions(b, frame));
-            else
-                detector->set_pose(b, recording.pose(b, frame));
-        }
+        put_frame(*detector, recording, frame);
         const FrameResult result = detector->detect();
         state.SetIterationTime(1e-3 * result.total_ms);
         pairs += static_cast<double>(result.touching.size());

@@ -51,15 +51,6 @@ void require_rays(World* world, const fs::path& png) {
     if (world == nullptr && !png.empty()) throw InputError("--png needs --method rays: the picture is traced by them");
 }
 
-void put_frame(scenes::Detector& detector, const scenes::Recording& recording, std::uint32_t frame) {
-    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
-        if (recording.bodies[b].motion == Motion::deforming)
-            detector.set_positions(b, recording.positions(b, frame));
-        else
-            detector.set_pose(b, recording.pose(b, frame));
-    }
-}
-
 scenes::SceneSetup scene_of(const RunOptions& options) {
     return scenes::make_scene(options.scene, {options.count, options.soft, options.seed});
 }
@@ -159,7 +150,7 @@ int replay(const ReplayOptions& options) {
     {
         Progress progress("replaying", recording.frame_count);
         for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
-            put_frame(*detector, recording, f);
+            scenes::put_frame(*detector, recording, f);
             log.add(detector->detect());
             progress.show(f + 1);
         }
@@ -261,7 +252,7 @@ int demo(const fs::path& png) {
     {
         Progress progress("GJK/EPA", steps);
         for (std::uint32_t f = 0; f < steps; f += demo_stride) {
-            put_frame(*detector, recording, f);
+            scenes::put_frame(*detector, recording, f);
             gjk.add(detector->detect());
             progress.show(f + 1);
         }

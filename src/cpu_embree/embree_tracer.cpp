@@ -60,7 +60,7 @@ EmbreeTracer::EmbreeTracer() : state_(std::make_unique<State>()) {
 
 EmbreeTracer::~EmbreeTracer() = default;
 
-/// Counting sort; measured on 100 deforming tori: a fifth off the trace.
+/// Counting sort; measured on 100 deforming tori: a tenth off the trace.
 void EmbreeTracer::State::sort_by_target(std::uint32_t body_count, View<const Ray> rays) {
     first_of_target.assign(body_count + 1, 0);
     for (const Ray& ray : rays) ++first_of_target[ray.target + 1];

@@ -168,4 +168,13 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, 
     throw InputError("unknown method");
 }
 
+void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame) {
+    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+        if (recording.bodies[b].motion == Motion::deforming)
+            detector.set_positions(b, recording.positions(b, frame));
+        else
+            detector.set_pose(b, recording.pose(b, frame));
+    }
+}
+
 }  // namespace pierce::scenes

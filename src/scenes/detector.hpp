@@ -4,6 +4,7 @@
 
 #include "pierce/core/world.hpp"
 #include "pierce/scenes/method.hpp"
+#include "pierce/scenes/recording.hpp"
 #include "pierce/scenes/scene.hpp"
 
 namespace pierce::scenes {
@@ -23,6 +24,9 @@ public:
 
 /// Throws InputError if the method cannot serve the scene.
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays = {});
+
+/// Puts all bodies where a recording has them in a frame; the detector's scene must be the recording's.
+void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame);
 
 /// A World with a scene's meshes and bodies, in their order.
 struct SceneWorld {

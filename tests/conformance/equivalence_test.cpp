@@ -41,12 +41,7 @@ std::vector<std::uint64_t> hashes(const Recording& recording, const RaySettings&
     std::vector<std::uint64_t> result;
     contacts = 0;
     for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
-        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
-            if (recording.bodies[b].motion == Motion::deforming)
-                detector->set_positions(b, recording.positions(b, f));
-            else
-                detector->set_pose(b, recording.pose(b, f));
-        }
+        put_frame(*detector, recording, f);
         const FrameResult frame = detector->detect();
         contacts += frame.contacts;
         result.push_back(frame.hash);
