@@ -1,6 +1,17 @@
 #include "pierce/cpu_embree/embree_tree.hpp"
 
 namespace pierce::embree {
+namespace {
+
+/// Four floats side by side. Every refit makes a box for every triangle: with scalars it takes a third longer.
+using Float4 = float __attribute__((vector_size(16)));
+
+Float4 load(const Vec3f& p) { return Float4{p.x, p.y, p.z, 0.0f}; }
+Float4 lower_of(Float4 a, Float4 b) { return a < b ? a : b; }
+Float4 upper_of(Float4 a, Float4 b) { return a > b ? a : b; }
+void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
+
+}  // namespace
 
 /// One ray on its way through Embree. The context comes first, so that the leaf callback finds the rest behind it.
 struct Tree::Query {
@@ -75,15 +86,10 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
 void Tree::bounds(const RTCBoundsFunctionArguments* arguments) {
     const Tree& tree = *static_cast<const Tree*>(arguments->geometryUserPtr);
     const Triangle& t = tree.surface_.triangles[arguments->primID];
-    const Vec3f a = tree.surface_.positions[t.vertex[0]], b = tree.surface_.positions[t.vertex[1]],
-                c = tree.surface_.positions[t.vertex[2]];
-    RTCBounds& box = *arguments->bounds_o;
-    box.lower_x = min_of(a.x, min_of(b.x, c.x)) - tree.margin_;
-    box.lower_y = min_of(a.y, min_of(b.y, c.y)) - tree.margin_;
-    box.lower_z = min_of(a.z, min_of(b.z, c.z)) - tree.margin_;
-    box.upper_x = max_of(a.x, max_of(b.x, c.x)) + tree.margin_;
-    box.upper_y = max_of(a.y, max_of(b.y, c.y)) + tree.margin_;
-    box.upper_z = max_of(a.z, max_of(b.z, c.z)) + tree.margin_;
+    const Float4 a = load(tree.surface_.positions[t.vertex[0]]), b = load(tree.surface_.positions[t.vertex[1]]),
+                 c = load(tree.surface_.positions[t.vertex[2]]);
+    store(lower_of(a, lower_of(b, c)) - tree.margin_, &arguments->bounds_o->lower_x);
+    store(upper_of(a, upper_of(b, c)) + tree.margin_, &arguments->bounds_o->upper_x);
 }
 
 void Tree::intersect(const RTCIntersectFunctionNArguments* arguments) {
