@@ -8,6 +8,7 @@
 #include "pierce/core/constants.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/star_clearance.hpp"
 #include "pierce/core/triangle.hpp"
 #include "pierce/core/vertex_normal.hpp"
 
@@ -64,16 +65,18 @@ MeshTraits traits_of(const MeshData& data, Vec3d centroid) {
     return traits;
 }
 
-std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> rings_of(const MeshData& data) {
+/// The corners of every vertex, in triangle order, and where each vertex's begin.
+std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(const MeshData& data) {
     std::vector<std::uint32_t> offsets(data.positions.size() + 1, 0);
     for (const Triangle& t : data.triangles)
         for (std::uint32_t v : t.vertex) ++offsets[v + 1];
     for (std::size_t v = 0; v < data.positions.size(); ++v) offsets[v + 1] += offsets[v];
-    std::vector<std::uint32_t> ring(offsets.back());
+    std::vector<Corner> corners(offsets.back());
     std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
-    for (std::uint32_t t = 0; t < data.triangles.size(); ++t)
-        for (std::uint32_t v : data.triangles[t].vertex) ring[next[v]++] = t;
-    return {std::move(offsets), std::move(ring)};
+    for (const Triangle& t : data.triangles)
+        for (int k = 0; k < 3; ++k)
+            corners[next[t.vertex[k]]++] = {t.vertex[(k + 1) % 3], t.vertex[(k + 2) % 3]};
+    return {std::move(offsets), std::move(corners)};
 }
 
 /// Vertex ids along a Morton curve, so that consecutive ones are neighbours; ties keep the caller's order.
@@ -108,9 +111,12 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     }
     centroid_ = sum * (1.0 / static_cast<double>(data_.positions.size()));
     traits_ = traits_of(data_, centroid_);
-    std::tie(ring_offsets_, ring_) = rings_of(data_);
+    std::tie(corner_offsets_, corners_) = corners_of(data_);
     patch_vertices_ = spatial_order(data_, box_);
-    if (traits_.closed()) clearance_ = build_clearance_grid(data_.positions, data_.triangles);
+    if (traits_.closed()) {
+        star_clearance_ = star_clearance(view());
+        clearance_ = build_clearance_grid(data_.positions, data_.triangles);
+    }
 
     const MeshView mesh = view();
     normals_.reserve(data_.positions.size());
@@ -126,11 +132,12 @@ MeshView Mesh::view() const {
     return {view_of(data_.positions),
             view_of(normals_),
             view_of(data_.triangles),
-            view_of(ring_offsets_),
-            view_of(ring_),
+            view_of(corner_offsets_),
+            view_of(corners_),
             view_of(patch_vertices_),
             view_of(patches_),
             view_of(patch_offsets_),
+            view_of(star_clearance_),
             clearance_.view(),
             box_,
             centroid_,

@@ -19,6 +19,11 @@ struct Triangle {
     friend bool operator==(const Triangle&, const Triangle&) = default;
 };
 
+/// A triangle as one of its vertices sees it: the other two, counter-clockwise seen from outside.
+struct Corner {
+    std::uint32_t next, previous;
+};
+
 /// What a mesh is made from: vertex positions and triangles, in the caller's numbering and unit.
 struct MeshData {
     std::vector<Vec3f> positions;
@@ -54,12 +59,12 @@ struct MeshView {
     View<const Vec3f> positions;  ///< rest shape
     View<const Vec3f> normals;    ///< unit, outward, of the rest shape; zero where undefined
     View<const Triangle> triangles;
-    View<const std::uint32_t>
-        ring_offsets;  ///< vertex_count + 1; triangles around vertex v are ring[offsets[v]..offsets[v+1])
-    View<const std::uint32_t> ring;
+    View<const std::uint32_t> corner_offsets;  ///< vertex_count + 1; of vertex v: corners[offsets[v]..offsets[v+1])
+    View<const Corner> corners;
     View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
     View<const PatchSphere> patches;           ///< of the rest shape
     View<const PatchOffsets> patch_offsets;    ///< of the rest shape
+    View<const float> star_clearance;          ///< per vertex; empty for a mesh that is not closed
     ClearanceGridView clearance;               ///< of the rest shape; empty for a mesh that is not closed
     Box box;                                   ///< of the rest shape
     Vec3d centroid;                            ///< mean of the rest positions
@@ -88,10 +93,12 @@ private:
     Box box_;
     Vec3d centroid_;
     std::vector<Vec3f> normals_;
-    std::vector<std::uint32_t> ring_offsets_, ring_;
+    std::vector<std::uint32_t> corner_offsets_;
+    std::vector<Corner> corners_;
     std::vector<std::uint32_t> patch_vertices_;
     std::vector<PatchSphere> patches_;
     std::vector<PatchOffsets> patch_offsets_;
+    std::vector<float> star_clearance_;
     ClearanceGrid clearance_;
 };
 

@@ -200,7 +200,7 @@ private:
         const TracerCounts after = tracer_.counts();
         stats.pairs = static_cast<std::uint32_t>(pairs_.size());
         stats.rays = static_cast<std::uint32_t>(rays_.size());
-        stats.own_rays = static_cast<std::uint32_t>(own_rays_.size());
+        for (const Ray& ray : own_rays_) stats.own_rays += ray.t_max >= 0;
         stats.contacts = static_cast<std::uint32_t>(contacts_.size());
         stats.refits = static_cast<std::uint32_t>(after.refits - before.refits);
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);

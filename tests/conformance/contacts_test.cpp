@@ -155,6 +155,26 @@ TEST_P(ContactsTest, ARayThatStartsOutsideItsOwnBodyIsNoContact) {
     }
 }
 
+TEST_P(ContactsTest, AFlattenedBodyIsSeenAsThinAsItIs) {
+    MeshData ball = scenes::sphere(1, 3);
+    World world(GetParam().make());
+    const MeshId rest = world.add_mesh("ball", ball);
+    const MeshData block = scenes::box({-2, -2, -1.03}, {2, 2, 1.1});
+    const BodyId fixed = world.add_fixed_body(world.add_mesh("block", block));
+    // Thinner than it is deep inside the block: most rays leave it before they leave the block.
+    for (Vec3f& p : ball.positions) p.z *= 0.02f;
+    const BodyId flat = world.add_deforming_body(rest, ball.positions);
+    for (float height : {0.0f, -1.02f}) {
+        for (Vec3f& p : ball.positions) p.z += height;
+        world.set_positions(flat, ball.positions);
+        world.detect();
+        expect_defined_contacts(world, fixed, flat, {solid_of(block, {}), solid_of(ball, {})},
+                                {inward_of(world.mesh(world.mesh_of(fixed)), {}), inward_of(Mesh("now", ball), {})});
+    }
+    EXPECT_GT(world.contacts().size(), 20u) << "down at the block's face";
+    EXPECT_LT(world.contacts().size(), ball.positions.size());
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, ContactsTest, testing::ValuesIn(test::backends()), test::backend_name);
 
 }  // namespace

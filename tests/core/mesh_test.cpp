@@ -51,6 +51,36 @@ TEST(MeshTest, NormalsPointOutward) {
             EXPECT_NEAR(std::abs(box.normals()[v][k]), 1 / std::sqrt(3.0), 1e-6) << "weighted by angle, not by triangle";
 }
 
+TEST(MeshTest, StarClearanceIsALowerBoundThatIsAlmostReached) {
+    test::Random random(8);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 12; ++i) {
+        const Mesh mesh("any", test::random_closed_mesh(random));
+        const MeshView view = mesh.view();
+        for (std::uint32_t v = 0; v < view.positions.size; v += 7) {
+            const Vec3d at = to_double(view.positions[v]);
+            double longest_edge = 0, sampled = std::numeric_limits<double>::infinity();
+            for (const Triangle& t : view.triangles) {
+                const Vec3d corner[3] = {to_double(view.positions[t.vertex[0]]), to_double(view.positions[t.vertex[1]]),
+                                         to_double(view.positions[t.vertex[2]])};
+                if (std::ranges::find(t.vertex, v) != std::end(t.vertex)) {
+                    for (Vec3d c : corner) longest_edge = std::max(longest_edge, length(c - at));
+                    continue;
+                }
+                constexpr int n = 10;
+                for (int a = 0; a <= n; ++a)
+                    for (int b = 0; a + b <= n; ++b) {
+                        const Vec3d p = (1.0 / n) * (a * corner[0] + b * corner[1] + (n - a - b) * corner[2]);
+                        sampled = std::min(sampled, length(p - at));
+                    }
+            }
+            ASSERT_LE(view.star_clearance[v], sampled) << "mesh " << i << " vertex " << v;
+            ASSERT_LE(view.star_clearance[v], longest_edge);
+            ASSERT_GE(view.star_clearance[v], 0.8 * std::min(sampled, longest_edge)) << "mesh " << i << " vertex " << v;
+        }
+    }
+}
+
 TEST(MeshTest, ATipBetweenTwoSolidsHasNoNormal) {
     MeshData bowtie{{{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
     bowtie.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}},

@@ -67,8 +67,15 @@ struct ListInside {
     }
 };
 
+/// True if a ray from `vertex` meets no triangle of its own body within `depth`, those around the vertex left aside: they
+/// are further away than that in the rest shape, and no point has moved by more than the deviation since.
+PIERCE_HD inline bool is_free(const BodyView& body, std::uint32_t vertex, double depth) {
+    return depth + 2 * (body.deviation + body.touch) < body.mesh.star_clearance[vertex];
+}
+
 /// Per candidate: the ray into its own body, for the sources that have no own_exit table. Where the vertex's triangles show
-/// that the ray starts inside (R2), it need not look further than the hit (R3); elsewhere it looks for its first crossing.
+/// that the ray starts inside (R2), it need not look further than the hit (R3), nor be traced if nothing is that near;
+/// elsewhere it looks for its first crossing.
 struct GenerateOwnRays {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -93,13 +100,18 @@ struct GenerateOwnRays {
             ray.target = body_index;
             ray.excluded_vertex = source.vertex;
             starts_inside[i] = leads_inside(body.mesh, body.positions, source.vertex, ray.direction);
-            ray.t_max = starts_inside[i] ? depths[candidates[i]] : body.fit_box.extent();
+            const double depth = depths[candidates[i]];
+            if (!starts_inside[i])
+                ray.t_max = body.fit_box.extent();
+            else if (!is_free(body, source.vertex, depth))
+                ray.t_max = depth;
         }
         own_rays[i] = ray;
     }
 };
 
-/// Per candidate: R2 and R3. Rigid and fixed sources were cut at their own exit by ray_gen; open ones have no inside.
+/// Per candidate: R2 and R3. Rigid and fixed sources were cut at their own exit by ray_gen; open ones have no inside; a ray
+/// that was not traced holds.
 /// Reads own hits; writes 1 for a contact, 0 otherwise.
 struct TestOwnExit {
     View<const BodyView> bodies;

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "pierce/core/mesh.hpp"
+
+namespace pierce {
+
+/// Per vertex of the rest shape, a lower bound of the distance to the nearest triangle that does not touch that vertex
+/// [length]; never more than the vertex's longest edge. A short ray from the vertex cannot meet its own body.
+std::vector<float> star_clearance(const MeshView& mesh);
+
+}  // namespace pierce
