@@ -21,9 +21,9 @@ enum class Motion : std::uint8_t {
 struct BodyView {
     MeshView mesh;
     View<const Vec3f> positions;      ///< in the body's space
-    View<const PatchSphere> patches;  ///< in the body's space
-    View<const PatchOffsets> patch_offsets;
-    View<const double> own_exit;  ///< per vertex, length of the inward ray inside the rest shape; not for deforming
+    View<const PatchBlock> blocks;  ///< in the body's space
+    View<const Offsets> patches;    ///< in the body's space
+    View<const double> own_exit;    ///< per vertex, length of the inward ray inside the rest shape; not for deforming
     Frame space;                  ///< body's space to world
     Frame fit;                    ///< rest shape to world
     Box fit_box;                  ///< around the vertices, in `fit`
@@ -37,16 +37,6 @@ struct BodyView {
     bool active = true;  ///< false: left out of this step (not finite)
 
     PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
-
-    /// True if it is certain that a point, given in the fit frame, is further than `distance` outside this body's solid.
-    PIERCE_HD bool is_clear(Vec3d in_fit, double distance) const {
-        double beyond = 0;
-        for (int i = 0; i < 3; ++i) {
-            const double gap = max_of(max_of(fit_box.lower[i] - in_fit[i], in_fit[i] - fit_box.upper[i]), 0.0);
-            beyond += gap * gap;
-        }
-        return beyond > distance * distance || mesh.clearance(in_fit) > distance + deviation;
-    }
 };
 
 /// Two bodies whose boxes overlap, a < b.

@@ -39,8 +39,11 @@ inline constexpr double grazing_sine = 1e-3;
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
 
-/// Patches per work item when a deforming body is measured; fixed, so that sums never depend on the thread count.
-inline constexpr std::uint32_t chunk_patches = 64;
+/// Patches per block: one register's width of them is culled at a time.
+inline constexpr std::uint32_t block_size = 16;
+
+/// Blocks per work item when a deforming body is measured; fixed, so that sums never depend on the thread count.
+inline constexpr std::uint32_t chunk_blocks = 4;
 
 /// Cells along the longest side of a clearance grid. Measured on 100 tori: 96 and 128 save rays, but cost as
 /// much in cache misses, and up to eight times the memory.

@@ -122,10 +122,10 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     normals_.reserve(data_.positions.size());
     for (std::uint32_t v = 0; v < data_.positions.size(); ++v)
         normals_.push_back(to_float(vertex_normal(mesh, mesh.positions, v)));
+    blocks_.resize(block_count(mesh));
     patches_.resize(patch_count(mesh));
-    patch_offsets_.resize(patch_count(mesh));
-    for (std::uint32_t p = 0; p < patch_count(mesh); ++p)
-        measure_patch(mesh, mesh.positions, p, patches_[p], patch_offsets_[p]);
+    for (std::uint32_t b = 0; b < block_count(mesh); ++b)
+        measure_block(mesh, mesh.positions, b, blocks_[b], view_of(patches_));
 }
 
 MeshView Mesh::view() const {
@@ -135,8 +135,8 @@ MeshView Mesh::view() const {
             view_of(corner_offsets_),
             view_of(corners_),
             view_of(patch_vertices_),
+            view_of(blocks_),
             view_of(patches_),
-            view_of(patch_offsets_),
             view_of(star_clearance_),
             clearance_.view(),
             box_,

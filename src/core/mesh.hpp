@@ -43,15 +43,26 @@ struct MeshTraits {
     bool closed() const { return inconsistent_edges == 0; }
 };
 
-/// A small group of neighbouring vertices: the sphere around them, in the space of the positions.
-struct PatchSphere {
-    Vec3d center;
-    double radius = 0;
-};
+/// A few points relative to a centre, side by side for vector arithmetic. float32: their error is half an ulp of how far
+/// they reach.
+struct Offsets {
+    static constexpr std::uint32_t count = 16;
+    float x[count] = {}, y[count] = {}, z[count] = {};
 
-/// The same vertices relative to that centre, side by side for vector arithmetic. float32 is exact enough: a patch is small.
-struct PatchOffsets {
-    float x[constants::patch_size], y[constants::patch_size], z[constants::patch_size];
+    PIERCE_HD void set(std::uint32_t i, Vec3f offset) {
+        x[i] = offset.x;
+        y[i] = offset.y;
+        z[i] = offset.z;
+    }
+};
+static_assert(constants::patch_size == Offsets::count && constants::block_size == Offsets::count);
+
+/// Spheres around the patches (patch.hpp) of a block, in the space of the positions.
+struct PatchBlock {
+    Vec3d center;
+    Offsets offsets;  ///< of the spheres' centres
+    float radius[constants::block_size] = {};
+    float reach = 0;  ///< no vertex is further from `center`
 };
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.
@@ -62,8 +73,8 @@ struct MeshView {
     View<const std::uint32_t> corner_offsets;  ///< vertex_count + 1; of vertex v: corners[offsets[v]..offsets[v+1])
     View<const Corner> corners;
     View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
-    View<const PatchSphere> patches;           ///< of the rest shape
-    View<const PatchOffsets> patch_offsets;    ///< of the rest shape
+    View<const PatchBlock> blocks;             ///< of the rest shape
+    View<const Offsets> patches;               ///< per patch, its vertices relative to its centre; of the rest shape
     View<const float> star_clearance;          ///< per vertex; empty for a mesh that is not closed
     ClearanceGridView clearance;               ///< of the rest shape; empty for a mesh that is not closed
     Box box;                                   ///< of the rest shape
@@ -96,8 +107,8 @@ private:
     std::vector<std::uint32_t> corner_offsets_;
     std::vector<Corner> corners_;
     std::vector<std::uint32_t> patch_vertices_;
-    std::vector<PatchSphere> patches_;
-    std::vector<PatchOffsets> patch_offsets_;
+    std::vector<PatchBlock> blocks_;
+    std::vector<Offsets> patches_;
     std::vector<float> star_clearance_;
     ClearanceGrid clearance_;
 };

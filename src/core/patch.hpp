@@ -16,39 +16,69 @@ PIERCE_HD inline std::uint32_t patch_length(const MeshView& mesh, std::uint32_t 
     return min_of(constants::patch_size, mesh.positions.size - p * constants::patch_size);
 }
 
-/// Measures patch `p` at `positions`: its mean, the vertices relative to that, and how far they reach. Places past the last
-/// vertex repeat the mean. The mean, unlike the middle of a box, turns with the patch.
-PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t p, PatchSphere& sphere,
-                                    PatchOffsets& offsets) {
-    const std::uint32_t* vertex = mesh.patch_vertices.data + p * constants::patch_size;
-    const std::uint32_t count = patch_length(mesh, p);
-    Vec3d sum;
-    for (std::uint32_t i = 0; i < count; ++i) sum += to_double(positions[vertex[i]]);
-    sphere = {sum * (1.0 / count), 0};
-    for (std::uint32_t i = 0; i < constants::patch_size; ++i) {
-        const Vec3f offset = i < count ? to_float(to_double(positions[vertex[i]]) - sphere.center) : Vec3f{};
-        offsets.x[i] = offset.x;
-        offsets.y[i] = offset.y;
-        offsets.z[i] = offset.z;
-    }
-    float reach[constants::patch_size];
-    PIERCE_VECTOR_LOOP
-    for (std::uint32_t i = 0; i < constants::patch_size; ++i)
-        reach[i] = offsets.x[i] * offsets.x[i] + offsets.y[i] * offsets.y[i] + offsets.z[i] * offsets.z[i];
-    float furthest = 0;
-    for (std::uint32_t i = 0; i < constants::patch_size; ++i) furthest = max_of(reach[i], furthest);
-    sphere.radius = std::sqrt(static_cast<double>(furthest)) * (1 + constants::touch_tolerance);
+/// Patches come in blocks of constants::block_size.
+PIERCE_HD inline std::uint32_t block_count(const MeshView& mesh) {
+    return (patch_count(mesh) + constants::block_size - 1) / constants::block_size;
 }
 
-/// The offsets of a patch turned by `rotation`, in float32.
-struct TurnedOffsets {
-    float at[3][constants::patch_size];
+/// Patch count of block `b`; only the last one may hold less than constants::block_size.
+PIERCE_HD inline std::uint32_t block_length(const MeshView& mesh, std::uint32_t b) {
+    return min_of(constants::block_size, patch_count(mesh) - b * constants::block_size);
+}
 
-    PIERCE_HD TurnedOffsets(const PatchOffsets& offsets, const Matrix3& rotation) {
+/// The mean of the vertices of patch `p`.
+PIERCE_HD inline Vec3d patch_center(View<const PatchBlock> blocks, std::uint32_t p) {
+    const PatchBlock& block = blocks[p / constants::block_size];
+    const std::uint32_t k = p % constants::block_size;
+    return block.center + Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
+}
+
+/// The longest of the offsets.
+PIERCE_HD inline float longest(const Offsets& offsets) {
+    float squared[Offsets::count];
+    PIERCE_VECTOR_LOOP
+    for (std::uint32_t i = 0; i < Offsets::count; ++i)
+        squared[i] = offsets.x[i] * offsets.x[i] + offsets.y[i] * offsets.y[i] + offsets.z[i] * offsets.z[i];
+    float furthest = 0;
+    for (std::uint32_t i = 0; i < Offsets::count; ++i) furthest = max_of(squared[i], furthest);
+    return std::sqrt(furthest) * static_cast<float>(1 + constants::touch_tolerance);
+}
+
+/// Measures the patches of block `b` at `positions`: their means, their vertices relative to those, and how far they reach.
+/// Places past the last vertex or patch repeat a centre. A mean, unlike the middle of a box, turns with the patch.
+PIERCE_HD inline void measure_block(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t b, PatchBlock& block,
+                                    View<Offsets> patches) {
+    const std::uint32_t first = b * constants::block_size;
+    block.center = to_double(positions[mesh.patch_vertices[first * constants::patch_size]]);
+    block.offsets = {};
+    float reach = 0;
+    for (std::uint32_t k = 0; k < constants::block_size; ++k) block.radius[k] = 0;
+    for (std::uint32_t k = 0; k < block_length(mesh, b); ++k) {
+        const std::uint32_t p = first + k;
+        const std::uint32_t* vertex = mesh.patch_vertices.data + p * constants::patch_size;
+        const std::uint32_t count = patch_length(mesh, p);
+        Vec3d sum;
+        for (std::uint32_t i = 0; i < count; ++i) sum += to_double(positions[vertex[i]]);
+        block.offsets.set(k, to_float(sum * (1.0 / count) - block.center));
+        const Vec3d center = patch_center({&block - b, b + 1}, p);
+        Offsets& patch = patches[p];
+        for (std::uint32_t i = 0; i < constants::patch_size; ++i)
+            patch.set(i, i < count ? to_float(to_double(positions[vertex[i]]) - center) : Vec3f{});
+        block.radius[k] = longest(patch);
+        reach = max_of(block.radius[k], reach);
+    }
+    block.reach = longest(block.offsets) + reach;
+}
+
+/// Offsets turned by `rotation`, in float32.
+struct TurnedOffsets {
+    float at[3][Offsets::count];
+
+    PIERCE_HD TurnedOffsets(const Offsets& offsets, const Matrix3& rotation) {
         for (int r = 0; r < 3; ++r) {
             const Vec3f row = to_float(rotation.row[r]);
             PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < constants::patch_size; ++k)
+            for (std::uint32_t k = 0; k < Offsets::count; ++k)
                 at[r][k] = row.x * offsets.x[k] + row.y * offsets.y[k] + row.z * offsets.z[k];
         }
     }

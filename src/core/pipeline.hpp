@@ -69,7 +69,7 @@ private:
         chunk_bounds_.resize(scene.chunks.size);
         executor_.for_each(
             "measure_patches", scene.chunks.size,
-            stages::MeasurePatches{scene.bodies, scene.chunks, scene.patches, scene.patch_offsets, view_of(moments_)});
+            stages::MeasurePatches{scene.bodies, scene.chunks, scene.blocks, scene.patches, view_of(moments_)});
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
         executor_.for_each("measure_bounds", scene.chunks.size,
@@ -107,18 +107,20 @@ private:
         counts_.resize(directed_count);
         executor_.for_each("direct_pair", directed_count,
                            stages::DirectPair{bodies, view_of(pairs_), view_of(directed_), view_of(counts_)});
-        const std::uint32_t items = place("patch_scan");
-        items_.resize(items);
-        executor_.for_each("list_patches", directed_count,
-                           stages::ListPatches{view_of(counts_), view_of(offsets_), view_of(items_)});
+        const std::uint32_t block_count = place("block_scan");
+        blocks_.resize(block_count);
+        executor_.for_each("list_blocks", directed_count,
+                           stages::ListBlocks{view_of(counts_), view_of(offsets_), view_of(blocks_)});
 
-        counts_.resize(items);
-        executor_.for_each("cull_patch", items,
-                           stages::CullPatch{bodies, view_of(directed_), view_of(items_), view_of(counts_)});
-        const std::uint32_t kept = place("keep_scan");
+        masks_.resize(block_count);
+        counts_.resize(block_count);
+        executor_.for_each(
+            "cull_block", block_count,
+            stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), view_of(masks_), view_of(counts_)});
+        const std::uint32_t kept = place("patch_scan");
         patches_.resize(kept);
-        executor_.for_each("compact_patches", items,
-                           stages::CompactPatches{view_of(items_), view_of(counts_), view_of(offsets_), view_of(patches_)});
+        executor_.for_each("list_patches", block_count,
+                           stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(patches_)});
 
         masks_.resize(kept);
         counts_.resize(kept);
@@ -225,7 +227,7 @@ private:
     Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_, starts_inside_;
     Buffer<Pair> pairs_;
     Buffer<stages::DirectedPair> directed_;
-    Buffer<stages::PatchItem> items_, patches_;
+    Buffer<stages::CullItem> blocks_, patches_;
     Buffer<Ray> rays_, own_rays_;
     Buffer<RaySource> sources_;
     Buffer<Hit> hits_, own_hits_;

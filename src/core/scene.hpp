@@ -14,8 +14,8 @@ struct Scene {
     View<Quaternion> rotations;             ///< per body, last fitted rotation
     View<const stages::Chunk> chunks;       ///< of deforming bodies
     View<const stages::ChunkRange> ranges;  ///< per deforming body, its chunks
-    View<const View<PatchSphere>> patches;  ///< per body, where a deforming body's spheres go
-    View<const View<PatchOffsets>> patch_offsets;
+    View<const View<PatchBlock>> blocks;    ///< per body, where a deforming body's spheres go
+    View<const View<Offsets>> patches;      ///< per body, where its vertices' offsets go
     const Plan* plan = nullptr;
 };
 

@@ -20,8 +20,8 @@ struct BodyEntry {
     Motion motion = Motion::fixed;
     Pose pose;
     std::vector<Vec3f> positions;      ///< of a deforming body
-    std::vector<PatchSphere> patches;  ///< of a deforming body
-    std::vector<PatchOffsets> patch_offsets;
+    std::vector<PatchBlock> blocks;  ///< of a deforming body
+    std::vector<Offsets> patches;
     std::uint64_t positions_version = 0;
     bool finite = true;
 };
@@ -79,8 +79,8 @@ struct World::State {
     std::vector<Quaternion> rotations;
     std::vector<stages::Chunk> chunks;
     std::vector<stages::ChunkRange> ranges;
-    std::vector<View<PatchSphere>> patches;
-    std::vector<View<PatchOffsets>> patch_offsets;
+    std::vector<View<PatchBlock>> blocks;
+    std::vector<View<Offsets>> patches;
     StepStats stats;
 
     const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
@@ -101,10 +101,10 @@ struct World::State {
 };
 
 void World::State::add_chunks(std::uint32_t body) {
-    const std::uint32_t count = patch_count(views[body].mesh);
+    const std::uint32_t count = block_count(views[body].mesh);
     stages::ChunkRange range{body, static_cast<std::uint32_t>(chunks.size()), 0};
-    for (std::uint32_t p = 0; p < count; p += constants::chunk_patches)
-        chunks.push_back({body, p, std::min(p + constants::chunk_patches, count)});
+    for (std::uint32_t b = 0; b < count; b += constants::chunk_blocks)
+        chunks.push_back({body, b, std::min(b + constants::chunk_blocks, count)});
     range.last = static_cast<std::uint32_t>(chunks.size());
     ranges.push_back(range);
 }
@@ -155,8 +155,8 @@ void World::State::make_plan() {
     ranges.clear();
     views.assign(slots.size(), {});
     ids.assign(slots.size(), {});
+    blocks.assign(slots.size(), {});
     patches.assign(slots.size(), {});
-    patch_offsets.assign(slots.size(), {});
     rotations.resize(slots.size());
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
@@ -175,15 +175,15 @@ void World::State::make_plan() {
         describe(body, *entry.mesh);
         if (body.motion == Motion::deforming) {
             view.positions = view_of(std::as_const(body.positions));
+            body.blocks.resize(block_count(view.mesh));
             body.patches.resize(patch_count(view.mesh));
-            body.patch_offsets.resize(patch_count(view.mesh));
+            view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
-            view.patch_offsets = patch_offsets[i] = view_of(body.patch_offsets);
             add_chunks(i);
         } else {
             view.positions = view.mesh.positions;
+            view.blocks = view.mesh.blocks;
             view.patches = view.mesh.patches;
-            view.patch_offsets = view.mesh.patch_offsets;
             if (view.mesh.closed && entry.own_exit.empty()) find_own_exits(entry, view);
             view.own_exit = view_of(std::as_const(entry.own_exit));
         }
@@ -317,8 +317,8 @@ const StepStats& World::detect() {
                       view_of(s.rotations),
                       view_of(std::as_const(s.chunks)),
                       view_of(std::as_const(s.ranges)),
+                      view_of(std::as_const(s.blocks)),
                       view_of(std::as_const(s.patches)),
-                      view_of(std::as_const(s.patch_offsets)),
                       &s.plan};
     s.backend->step(scene, s.stats);
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

@@ -4,14 +4,19 @@
 #include "pierce/core/patch.hpp"
 
 /// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
-/// Deforming bodies are measured in chunks of constants::chunk_patches patches, so sums are the same on any machine.
+/// Deforming bodies are measured in chunks of constants::chunk_blocks blocks of patches, so sums are the same on any machine.
 namespace pierce::stages {
 
-/// A chunk of a deforming body's patches.
+/// A chunk of a deforming body's blocks.
 struct Chunk {
     std::uint32_t body = 0;
-    std::uint32_t first_patch = 0;
-    std::uint32_t last_patch = 0;  ///< one past the end
+    std::uint32_t first_block = 0;
+    std::uint32_t last_block = 0;  ///< one past the end
+
+    PIERCE_HD std::uint32_t first_patch() const { return first_block * constants::block_size; }
+    PIERCE_HD std::uint32_t last_patch(const MeshView& mesh) const {
+        return min_of(last_block * constants::block_size, patch_count(mesh));
+    }
 };
 
 /// Sums over a chunk from which the best-fitting rotation follows.
@@ -22,12 +27,12 @@ struct Moments {
 };
 
 /// Per chunk: measures patches and adds up the moments of their centres, the patches standing for their vertices.
-/// Reads positions; writes spheres, offsets and moments.
+/// Reads positions; writes blocks, patches and moments.
 struct MeasurePatches {
     View<const BodyView> bodies;
     View<const Chunk> chunks;
-    View<const View<PatchSphere>> patches;  ///< per body
-    View<const View<PatchOffsets>> patch_offsets;
+    View<const View<PatchBlock>> blocks;  ///< per body
+    View<const View<Offsets>> patches;    ///< per body
     View<Moments> moments;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -36,11 +41,11 @@ struct MeasurePatches {
         Moments m{{}, {}, {{{}, {}, {}}}};
         if (body.active) {
             const Vec3d base = to_double(body.positions[0]);
-            for (std::uint32_t p = chunk.first_patch; p < chunk.last_patch; ++p) {
-                PatchSphere& sphere = patches[chunk.body][p];
-                measure_patch(body.mesh, body.positions, p, sphere, patch_offsets[chunk.body][p]);
-                const Vec3d x = sphere.center - base;
-                const Vec3d rest = body.mesh.patches[p].center - body.mesh.centroid;
+            for (std::uint32_t b = chunk.first_block; b < chunk.last_block; ++b)
+                measure_block(body.mesh, body.positions, b, blocks[chunk.body][b], patches[chunk.body]);
+            for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
+                const Vec3d x = patch_center(blocks[chunk.body], p) - base;
+                const Vec3d rest = patch_center(body.mesh.blocks, p) - body.mesh.centroid;
                 m.sum += x;
                 m.rest_sum += rest;
                 for (int r = 0; r < 3; ++r) m.correlation.row[r] += x[r] * rest;
@@ -114,7 +119,7 @@ struct ChunkBounds {
     double deviation = 0;
 };
 
-/// Per chunk: boxes and deviation, from the patches. Reads spheres, offsets and fit; writes chunk bounds. float32 relative
+/// Per chunk: boxes and deviation, from the patches. Reads blocks, patches and fit; writes chunk bounds. float32 relative
 /// to patch centres: JoinBounds adds what that may lose.
 struct MeasureBounds {
     View<const BodyView> bodies;
@@ -128,11 +133,12 @@ struct MeasureBounds {
         if (body.active) {
             const Matrix3 to_fit = body.fit.rotation.transposed();
             float furthest = 0;
-            for (std::uint32_t p = chunk.first_patch; p < chunk.last_patch; ++p) {
-                const PatchOffsets& now = body.patch_offsets[p];
-                const PatchOffsets& rest = body.mesh.patch_offsets[p];
-                const Vec3d center = body.fit.to_local(body.patches[p].center);
-                const Vec3f moved = to_float(center - body.mesh.patches[p].center);
+            for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
+                const Offsets& now = body.patches[p];
+                const Offsets& rest = body.mesh.patches[p];
+                const Vec3d in_world = patch_center(body.blocks, p);
+                const Vec3d center = body.fit.to_local(in_world);
+                const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
                 const TurnedOffsets turned(now, to_fit);
                 float away[constants::patch_size];
                 PIERCE_VECTOR_LOOP
@@ -146,7 +152,7 @@ struct MeasureBounds {
                 const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
                 extend(b.fit_box, center, fit_axis);
                 const float* world_axis[3] = {now.x, now.y, now.z};
-                extend(b.world_box, body.patches[p].center, world_axis);
+                extend(b.world_box, in_world, world_axis);
             }
             b.deviation = std::sqrt(static_cast<double>(furthest));
         }

@@ -35,20 +35,20 @@ PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& tar
 struct GenerateRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const PatchItem> patches;
+    View<const CullItem> patches;
     View<const std::uint32_t> masks, offsets;
     View<Ray> rays;
     View<RaySource> sources;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const PatchItem item = patches[i];
+        const CullItem item = patches[i];
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
         std::uint32_t slot = offsets[i];
-        for (std::uint32_t k = 0; k < patch_length(source.mesh, item.patch); ++k) {
-            if (!(masks[i] >> k & 1u)) continue;
-            const std::uint32_t v = source.mesh.patch_vertices[item.patch * constants::patch_size + k];
+        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1) {
+            const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
+            const std::uint32_t v = source.mesh.patch_vertices[item.index * constants::patch_size + k];
             const Vec3d direction = inward_direction(source, v);
             Ray ray;
             ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
