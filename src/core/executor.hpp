@@ -1,13 +1,11 @@
 #pragma once
 
-#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <memory>
-#include <tuple>
-#include <utility>
 #include <vector>
 
+#include "pierce/core/host_sort.hpp"
 #include "pierce/core/view.hpp"
 
 namespace pierce {
@@ -49,12 +47,14 @@ struct UninitializedAllocator : std::allocator<T> {
 template <class T>
 using HostBuffer = std::vector<T, UninitializedAllocator<T>>;
 
-/// The sort of every host executor: lists of keys are short, and a stable order of pairs is all that is asked for.
-inline void host_sort(View<std::uint64_t> keys, View<std::uint32_t> values) {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> items(keys.size);
-    for (std::uint32_t i = 0; i < keys.size; ++i) items[i] = {keys[i], values[i]};
-    std::sort(items.begin(), items.end());
-    for (std::uint32_t i = 0; i < keys.size; ++i) std::tie(keys[i], values[i]) = items[i];
+/// True for a stage that says its items take a few nanoseconds each: `static constexpr bool is_cheap = true`. Executors
+/// then hand out many at once.
+template <class Stage>
+constexpr bool is_cheap() {
+    if constexpr (requires { Stage::is_cheap; })
+        return Stage::is_cheap;
+    else
+        return false;
 }
 
 /// One item after the other, on the calling thread: the reference the other executors are compared with.
@@ -79,8 +79,11 @@ public:
         return sum;
     }
 
-    /// Sorts keys and moves their values along. Values of equal keys end in ascending order.
-    void sort(const char*, View<std::uint64_t> keys, View<std::uint32_t> values) { host_sort(keys, values); }
+    /// Sorts keys and moves their values along; stable.
+    void sort(const char*, View<std::uint64_t> keys, View<std::uint32_t> values) { sort_(keys, values); }
+
+private:
+    HostSort sort_;
 };
 
 static_assert(Executor<SerialExecutor>);

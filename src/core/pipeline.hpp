@@ -25,11 +25,12 @@ public:
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(stats);
         const TracerCounts before = tracer_.counts();
-        std::swap(contacts_, last_contacts_);
-        contacts_.clear();
+        std::swap(identities_, last_identities_);
+        std::swap(contact_keys_, last_contact_keys_);
+        std::swap(ages_, last_ages_);
 
         time("bounds", [&] { bounds(scene); });
-        time("pairs", [&] { pairs(scene.bodies); });
+        time("pairs", [&] { pairs(scene); });
         time("vertex_cull", [&] { vertex_cull(scene.bodies); });
         time("ray_gen", [&] { ray_gen(scene.bodies); });
         time("update", [&] { update(scene.bodies, view_of(rays_)); });
@@ -78,26 +79,40 @@ private:
                            stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
     }
 
-    // Stage 2. Bodies whose boxes overlap, sorted by (a, b).
-    void pairs(View<const BodyView> bodies) {
+    // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
+    void pairs(const Scene& scene) {
+        const View<const BodyView> bodies = scene.bodies;
         keys_.resize(bodies.size);
         order_.resize(bodies.size);
+        sweep_.resize(bodies.size);
         counts_.resize(bodies.size);
         executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(keys_), view_of(order_)});
         executor_.sort("sweep_sort", view_of(keys_), view_of(order_));
-        stages::SweepPairs sweep{bodies, view_of(order_), view_of(counts_), {}, {}, {}};
+        executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
+        stages::SweepPairs sweep{view_of(sweep_), view_of(counts_), {}, {}};
         executor_.for_each("sweep_count", bodies.size, sweep);
-        const std::uint32_t total = place("sweep_scan");
+        box_keys_.resize(place("sweep_scan"));
+        sweep.offsets = view_of(offsets_);
+        sweep.keys = view_of(box_keys_);
+        if (!box_keys_.empty()) executor_.for_each("sweep_fill", bodies.size, sweep);
+
+        const auto overlapping = static_cast<std::uint32_t>(box_keys_.size());
+        counts_.resize(overlapping);
+        executor_.for_each("test_pair", overlapping, stages::TestPair{bodies, view_of(box_keys_), view_of(counts_)});
+        const std::uint32_t total = place("pair_scan");
         keys_.resize(total);
         values_.resize(total);
         pairs_.resize(total);
-        if (total == 0) return;
-        sweep.offsets = view_of(offsets_);
-        sweep.keys = view_of(keys_);
-        sweep.values = view_of(values_);
-        executor_.for_each("sweep_fill", bodies.size, sweep);
+        identities_.resize(total);
+        links_.resize(total);
+        executor_.for_each("keep_pair", overlapping,
+                           stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_),
+                                            view_of(values_)});
         executor_.sort("pair_sort", view_of(keys_), view_of(values_));
         executor_.for_each("unpack_pair", total, stages::UnpackPair{view_of(keys_), view_of(pairs_)});
+        executor_.for_each("link_pair", total,
+                           stages::LinkPair{bodies, scene.ids, view_of(pairs_), view_of(last_identities_),
+                                            view_of(identities_), view_of(links_)});
     }
 
     // Stage 4. Patches, then vertices, that may be inside the other body.
@@ -184,17 +199,19 @@ private:
     // Stage 10. The list, in (pair, side, vertex) order.
     void contacts(const Scene& scene) {
         const std::uint32_t total = place("contact_scan");
-        keys_.resize(total);
+        contact_keys_.resize(total);
         order_.resize(total);
+        ages_.resize(total);
         contacts_.resize(total);
         executor_.for_each("key_contacts", static_cast<std::uint32_t>(candidates_.size()),
                            stages::KeyContacts{view_of(sources_), view_of(candidates_), view_of(counts_), view_of(offsets_),
-                                               view_of(keys_), view_of(order_)});
-        executor_.sort("contact_sort", view_of(keys_), view_of(order_));
+                                               view_of(contact_keys_), view_of(order_)});
+        executor_.sort("contact_sort", view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
-                                view_of(candidates_), view_of(order_), view_of(last_contacts_), view_of(contacts_)});
+                                view_of(candidates_), view_of(order_), view_of(links_), view_of(last_contact_keys_),
+                                view_of(last_ages_), view_of(ages_), view_of(contacts_)});
     }
 
     // Stage 12. What the step did; sums in contact order.
@@ -223,16 +240,19 @@ private:
 
     Buffer<stages::Moments> moments_;
     Buffer<stages::ChunkBounds> chunk_bounds_;
-    Buffer<std::uint64_t> keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_, starts_inside_;
+    Buffer<std::uint64_t> keys_, box_keys_, contact_keys_, last_contact_keys_;
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_, starts_inside_, links_, ages_,
+        last_ages_;
+    Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
+    Buffer<stages::PairIdentity> identities_, last_identities_;
     Buffer<stages::DirectedPair> directed_;
     Buffer<stages::CullItem> blocks_, patches_;
     Buffer<Ray> rays_, own_rays_;
     Buffer<RaySource> sources_;
     Buffer<Hit> hits_, own_hits_;
     Buffer<double> depths_;
-    Buffer<Contact> contacts_, last_contacts_;
+    Buffer<Contact> contacts_;
 };
 
 }  // namespace pierce

@@ -42,8 +42,9 @@ public:
     explicit TbbExecutor(int threads) : arena_(threads) {}
 
     template <class F>
-    void for_each(const char*, std::uint32_t n, const F& stage) {
-        if (n == 0) return;
+    void for_each(const char* name, std::uint32_t n, const F& stage) {
+        constexpr std::uint32_t grain = is_cheap<F>() ? cheap_grain : usual_grain;
+        if (n <= grain) return serial_.for_each(name, n, stage);
         in_order([&] {
             tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, n, grain), [&](const auto& range) {
                 order_.task_begins();
@@ -70,10 +71,13 @@ public:
         return serial_.exclusive_scan(name, in, out);
     }
 
-    void sort(const char*, View<std::uint64_t> keys, View<std::uint32_t> values) { host_sort(keys, values); }
+    /// Serial too: keys are few.
+    void sort(const char* name, View<std::uint64_t> keys, View<std::uint32_t> values) { serial_.sort(name, keys, values); }
 
 private:
-    static constexpr std::uint32_t grain = 16;  ///< items per task at least; smaller tasks cost more than they balance
+    // Items per task at least; smaller tasks cost more than they balance.
+    static constexpr std::uint32_t usual_grain = 16;
+    static constexpr std::uint32_t cheap_grain = 512;
 
     /// Runs `work` in the arena; what its tasks do comes after all before it and before all after it.
     template <class F>

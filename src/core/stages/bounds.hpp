@@ -200,6 +200,8 @@ struct JoinBounds {
 struct PlaceBox {
     View<BodyView> bodies;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         BodyView& body = bodies[i];
         if (body.motion == Motion::deforming || !body.active) return;

@@ -62,6 +62,8 @@ struct ListInside {
     View<const std::uint32_t> inside, offsets;
     View<std::uint32_t> candidates;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         if (inside[i]) candidates[offsets[i]] = i;
     }
@@ -122,6 +124,8 @@ struct TestOwnExit {
     View<const Hit> own_hits;
     View<const std::uint32_t> starts_inside;
     View<std::uint32_t> keep;
+
+    static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         keep[i] = 1;

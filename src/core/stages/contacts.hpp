@@ -2,35 +2,34 @@
 
 #include "pierce/core/contact.hpp"
 #include "pierce/core/stages/classify.hpp"
+#include "pierce/core/stages/pairs.hpp"
 
 /// Stage 10, contacts: writes the contact list in (pair, side, vertex) order and carries ages over.
 namespace pierce::stages {
 
-/// Per candidate: the key that orders kept ones. Reads flags and offsets; writes keys and candidate indices.
+/// The key that orders contacts.
+PIERCE_HD inline std::uint64_t contact_key(std::uint32_t pair, std::uint32_t side, std::uint32_t vertex) {
+    return std::uint64_t{pair} << 32 | std::uint64_t{side} << 31 | vertex;
+}
+
+/// Per candidate: the key of kept ones. Reads flags and offsets; writes keys and candidate indices.
 struct KeyContacts {
     View<const RaySource> sources;
     View<const std::uint32_t> candidates, keep, offsets;
     View<std::uint64_t> keys;
     View<std::uint32_t> order;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         if (!keep[i]) return;
         const RaySource s = sources[candidates[i]];
-        keys[offsets[i]] = std::uint64_t{s.pair} << 32 | std::uint64_t{s.side} << 31 | s.vertex;
+        keys[offsets[i]] = contact_key(s.pair, s.side, s.vertex);
         order[offsets[i]] = i;
     }
 };
 
-/// True if `c` comes before the contact of vertex `vertex` of side `side` of bodies `a`, `b`.
-PIERCE_HD inline bool comes_before(const Contact& c, std::uint32_t a, std::uint32_t b, std::uint32_t side,
-                                   std::uint32_t vertex) {
-    if (c.a.index != a) return c.a.index < a;
-    if (c.b.index != b) return c.b.index < b;
-    if (static_cast<std::uint32_t>(c.source) != side) return static_cast<std::uint32_t>(c.source) < side;
-    return c.vertex < vertex;
-}
-
-/// Per contact: everything in it. Reads rays, hits and last step's contacts; writes the contact.
+/// Per contact: everything in it. Reads rays, hits and the ages of last step's contacts; writes the contact and its age.
 struct FillContact {
     View<const BodyView> bodies;
     View<const BodyId> ids;
@@ -39,7 +38,10 @@ struct FillContact {
     View<const RaySource> sources;
     View<const Hit> hits;
     View<const std::uint32_t> candidates, order;
-    View<const Contact> last_contacts;
+    View<const std::uint32_t> links;
+    View<const std::uint64_t> last_keys;
+    View<const std::uint32_t> last_ages;
+    View<std::uint32_t> ages;
     View<Contact> contacts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -74,24 +76,20 @@ struct FillContact {
         c.normal = from.side == 0 ? -direction : direction;
         c.face_normal = target.space.rotation * face;
         c.distance = -m.t;
-        c.age = age(c, pair);
+        c.age = ages[i] = age(from);
         contacts[i] = c;
     }
 
 private:
-    PIERCE_HD std::uint32_t age(const Contact& c, Pair pair) const {
-        std::uint32_t low = 0, high = last_contacts.size;
+    PIERCE_HD std::uint32_t age(const RaySource& from) const {
+        if (links[from.pair] == no_pair) return 0;
+        const std::uint64_t key = contact_key(links[from.pair], from.side, from.vertex);
+        std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;
-            const bool before =
-                comes_before(last_contacts[middle], pair.a, pair.b, static_cast<std::uint32_t>(c.source), c.vertex);
-            (before ? low : high) = before ? middle + 1 : middle;
+            (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
         }
-        if (low == last_contacts.size) return 0;
-        const Contact& last = last_contacts[low];
-        const bool same = last.a.index == c.a.index && last.a.generation == c.a.generation && last.b.index == c.b.index &&
-                          last.b.generation == c.b.generation && last.source == c.source && last.vertex == c.vertex;
-        return same ? last.age + 1 : 0;
+        return low < last_keys.size && last_keys[low] == key ? last_ages[low] + 1 : 0;
     }
 };
 

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "pierce/core/body.hpp"
+#include "pierce/core/ids.hpp"
 #include "pierce/core/oriented_box.hpp"
 
 /// Stage 2, pairs: bodies whose boxes overlap, sorted by (a, b). Sort and sweep along x, then the oriented boxes.
@@ -20,48 +21,87 @@ struct SweepKey {
     View<std::uint64_t> keys;
     View<std::uint32_t> order;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
+        const BodyView& body = bodies[i];
         order[i] = i;
-        keys[i] = bodies[i].active ? ordered_bits(round_down(bodies[i].world_box.lower.x)) : ~std::uint64_t{0};
+        keys[i] = body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch)) : ~std::uint64_t{0};
     }
 };
 
-/// The test that makes two bodies a pair.
-PIERCE_HD inline bool is_pair(const BodyView& a, const BodyView& b) {
-    if (a.motion == Motion::fixed && b.motion == Motion::fixed) return false;
-    const double margin = max_of(a.touch, b.touch);
-    return overlap(a.world_box.inflated(margin), b.world_box) &&
-           oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, margin);
-}
+/// What the sweep looks at of a body.
+struct SweepItem {
+    Box box;  ///< in the world, grown by the touch tolerance; empty if the body is left out
+    std::uint32_t body = 0;
+    bool moves = false;
+};
+
+/// Per place in the sweep order: what the sweep needs, side by side.
+struct GatherSweep {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> order;
+    View<SweepItem> items;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BodyView& body = bodies[order[i]];
+        items[i] = {body.active ? body.world_box.inflated(body.touch) : Box{}, order[i], body.motion != Motion::fixed};
+    }
+};
 
 /// Per place in the sweep order: visits the partners that come later, counting them or writing their keys.
 struct SweepPairs {
-    View<const BodyView> bodies;
-    View<const std::uint32_t> order;
+    View<const SweepItem> items;
     View<std::uint32_t> counts;  ///< written if `keys` is empty
     View<const std::uint32_t> offsets;
     View<std::uint64_t> keys;  ///< a << 32 | b
-    View<std::uint32_t> values;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t body = order[i];
-        const BodyView& first = bodies[body];
+        const SweepItem& first = items[i];
         std::uint32_t found = 0;
-        if (first.active) {
-            const double end = first.world_box.upper.x + first.touch;
-            for (std::uint32_t k = i + 1; k < order.size; ++k) {
-                const BodyView& second = bodies[order[k]];
-                if (!second.active || round_down(second.world_box.lower.x) - second.touch > end) break;
-                if (!is_pair(first, second)) continue;
-                if (keys.data != nullptr) {
-                    const std::uint64_t a = min_of(body, order[k]), b = max_of(body, order[k]);
-                    keys[offsets[i] + found] = a << 32 | b;
-                    values[offsets[i] + found] = 0;
-                }
-                ++found;
+        // Places are sorted by float32 lower ends, which are not above the true ones.
+        for (std::uint32_t k = i + 1; k < items.size; ++k) {
+            const SweepItem& second = items[k];
+            if (!(round_down(second.box.lower.x) <= first.box.upper.x)) break;
+            if (!overlap(first.box, second.box) || !(first.moves || second.moves)) continue;
+            if (keys.data != nullptr) {
+                const std::uint64_t a = min_of(first.body, second.body), b = max_of(first.body, second.body);
+                keys[offsets[i] + found] = a << 32 | b;
             }
+            ++found;
         }
         if (keys.data == nullptr) counts[i] = found;
+    }
+};
+
+/// Per pair of overlapping world boxes: 1 if their oriented boxes, too, come as close as the touch tolerance, else 0.
+struct TestPair {
+    View<const BodyView> bodies;
+    View<const std::uint64_t> keys;
+    View<std::uint32_t> keep;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BodyView& a = bodies[static_cast<std::uint32_t>(keys[i] >> 32)];
+        const BodyView& b = bodies[static_cast<std::uint32_t>(keys[i])];
+        keep[i] = oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch));
+    }
+};
+
+/// Per pair of overlapping world boxes: moves the kept ones together.
+struct KeepPair {
+    View<const std::uint64_t> keys;
+    View<const std::uint32_t> keep, offsets;
+    View<std::uint64_t> kept;
+    View<std::uint32_t> values;  ///< nothing; the sort wants some
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (!keep[i]) return;
+        kept[offsets[i]] = keys[i];
+        values[offsets[i]] = 0;
     }
 };
 
@@ -70,8 +110,51 @@ struct UnpackPair {
     View<const std::uint64_t> keys;
     View<Pair> pairs;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         pairs[i] = {static_cast<std::uint32_t>(keys[i] >> 32), static_cast<std::uint32_t>(keys[i])};
+    }
+};
+
+/// What must be the same for a pair to be last step's pair again.
+struct PairIdentity {
+    BodyId a, b;
+    std::uint64_t mesh_a = 0, mesh_b = 0;
+
+    PIERCE_HD bool comes_before(const PairIdentity& other) const {
+        return a.index != other.a.index ? a.index < other.a.index : b.index < other.b.index;
+    }
+    PIERCE_HD bool is(const PairIdentity& other) const {
+        return a.index == other.a.index && a.generation == other.a.generation && b.index == other.b.index &&
+               b.generation == other.b.generation && mesh_a == other.mesh_a && mesh_b == other.mesh_b;
+    }
+};
+
+inline constexpr std::uint32_t no_pair = 0xffffffffu;
+
+/// Per pair: who it is, and which of last step's pairs it was, if any.
+struct LinkPair {
+    View<const BodyView> bodies;
+    View<const BodyId> ids;
+    View<const Pair> pairs;
+    View<const PairIdentity> last;
+    View<PairIdentity> identities;
+    View<std::uint32_t> links;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Pair pair = pairs[i];
+        const PairIdentity identity{ids[pair.a], ids[pair.b], bodies[pair.a].mesh_key, bodies[pair.b].mesh_key};
+        std::uint32_t low = 0, high = last.size;
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            const bool before = last[middle].comes_before(identity);
+            (before ? low : high) = before ? middle + 1 : middle;
+        }
+        identities[i] = identity;
+        links[i] = low < last.size && last[low].is(identity) ? low : no_pair;
     }
 };
 

@@ -24,6 +24,8 @@ struct DirectPair {
     View<DirectedPair> directed;
     View<std::uint32_t> block_counts;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Pair pair = pairs[i / 2];
         const DirectedPair d{pair.source(i % 2), pair.target(i % 2), {}, {}};
@@ -45,6 +47,8 @@ struct CullItem {
 struct ListBlocks {
     View<const std::uint32_t> counts, offsets;
     View<CullItem> items;
+
+    static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         for (std::uint32_t b = 0; b < counts[i]; ++b) items[offsets[i] + b] = {i, b};
@@ -116,6 +120,8 @@ struct ListPatches {
     View<const CullItem> blocks;
     View<const std::uint32_t> masks, offsets;
     View<CullItem> patches;
+
+    static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t slot = offsets[i];
