@@ -155,6 +155,25 @@ TEST_P(ContactsTest, ARayThatStartsOutsideItsOwnBodyIsNoContact) {
     }
 }
 
+TEST_P(ContactsTest, ASmallBodyAtACornerOfAHugeOne) {
+    // The huge body's vertices share a patch whose centre is half a million units away from each of them.
+    const MeshData huge = scenes::box({0, 0, 0}, {0x1p20, 0x1p20, 0x1p20}), small = scenes::sphere(0.1, 2);
+    for (bool deforming : {false, true})
+        for (int i = 0; i < 8; ++i) {
+            // The corner is just inside the ball, at a place where float32 far from it sees it a few hundredths off.
+            const Vec3d inward = normalized(Vec3d{1.0, 1.0 + 0.1 * i, 1.0});
+            const Pose pose{-0.095 * inward, {}};
+            World world(GetParam().make());
+            const MeshId mesh = world.add_mesh("huge", huge);
+            const BodyId a = deforming ? world.add_deforming_body(mesh) : world.add_rigid_body(mesh);
+            const BodyId b = world.add_rigid_body(world.add_mesh("small", small), pose);
+            world.detect();
+            EXPECT_TRUE(std::ranges::any_of(world.contacts(), [](const Contact& c) { return c.source == Side::a; }));
+            expect_defined_contacts(world, a, b, {solid_of(huge, {}), solid_of(small, pose)},
+                                    {inward_of(world.mesh(mesh), {}), inward_of(world.mesh(world.mesh_of(b)), pose)});
+        }
+}
+
 TEST_P(ContactsTest, AFlattenedBodyIsSeenAsThinAsItIs) {
     MeshData ball = scenes::sphere(1, 3);
     World world(GetParam().make());

@@ -91,14 +91,20 @@ TEST(MeshTest, ATipBetweenTwoSolidsHasNoNormal) {
 }
 
 TEST(MeshTest, PatchesHoldEveryVertexOnce) {
-    const Mesh mesh("torus", scenes::torus(2, 0.5, 30, 10));
+    const Mesh mesh("torus", scenes::torus(2, 0.5, 80, 10));
     const MeshView view = mesh.view();
+    ASSERT_GT(block_count(view), 1u);
     std::set<std::uint32_t> seen(view.patch_vertices.begin(), view.patch_vertices.end());
     EXPECT_EQ(seen.size(), mesh.positions().size());
     for (std::uint32_t p = 0; p < patch_count(view); ++p)
         for (std::uint32_t k = 0; k < patch_length(view, p); ++k) {
             const Vec3d x = to_double(mesh.positions()[view.patch_vertices[p * constants::patch_size + k]]);
-            EXPECT_LE(length(x - view.patches[p].center), view.patches[p].radius);
+            const PatchBlock& block = view.blocks[p / constants::block_size];
+            const Vec3d center = patch_center(view.blocks, p);
+            const Offsets& offset = view.patches[p];
+            EXPECT_NEAR(length(x - center - Vec3d{offset.x[k], offset.y[k], offset.z[k]}), 0, 1e-7);
+            EXPECT_LE(length(x - center), block.radius[p % constants::block_size]);
+            EXPECT_LE(length(x - block.center), block.reach);
         }
 }
 
