@@ -28,7 +28,8 @@ struct EmbreeTracer::State {
     std::vector<MovingTree> moving;                                  ///< by body
     std::vector<Tree*> trees;                                        ///< by body, of this step
     std::vector<std::uint32_t> tests;                                ///< by ray
-    std::vector<std::uint32_t> order;            ///< ray indices by target, so that each tree is fetched once
+    bool many_trees = false;                     ///< some body has a tree of its own
+    std::vector<std::uint32_t> order;            ///< ray indices by target, so that each of many trees is fetched once
     std::vector<std::uint32_t> first_of_target;  ///< where a body's rays begin in `order`; one more at the end
     TracerCounts counts;
 
@@ -119,6 +120,7 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
         }
         s.trees[b] = tree.get();
     }
+    s.many_trees = !deforming.empty();
     std::vector<TracerCounts> done(deforming.size());
     executor.for_each_task(static_cast<std::uint32_t>(deforming.size()),
                            [&](std::uint32_t i) { s.update_moving(bodies[deforming[i]], s.moving[deforming[i]], done[i]); });
@@ -134,21 +136,22 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
 void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
                                 View<Hit> hits) {
     State& s = *state_;
-    s.sort_by_target(bodies.size, rays);
+    if (s.many_trees) s.sort_by_target(bodies.size, rays);
     s.tests.assign(rays.size, 0);
     executor.for_each(name, rays.size, [&](std::uint32_t k) {
-        const std::uint32_t i = s.order[k];
+        const std::uint32_t i = s.many_trees ? s.order[k] : k;
         const Ray& ray = rays[i];
         hits[i] = {};
         if (ray.t_max >= 0) hits[i] = s.trees[ray.target]->trace(ray, s.tests[i]);
     });
 
+    for (std::uint32_t tests : s.tests) s.counts.triangle_tests += tests;
+    if (!s.many_trees) return;
     for (std::uint32_t b = 0; b < bodies.size; ++b) {
+        if (bodies[b].motion != Motion::deforming || s.trees[b] == nullptr) continue;
         std::uint64_t tests = 0;
         for (std::uint32_t k = s.first_of_target[b]; k < s.first_of_target[b + 1]; ++k) tests += s.tests[s.order[k]];
-        s.counts.triangle_tests += tests;
-        if (bodies[b].motion == Motion::deforming && s.trees[b] != nullptr)
-            s.trees[b]->policy.record(s.first_of_target[b + 1] - s.first_of_target[b], tests);
+        s.trees[b]->policy.record(s.first_of_target[b + 1] - s.first_of_target[b], tests);
     }
 }
 
