@@ -56,7 +56,8 @@ void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contac
     soft.m_node = &node;
     soft.m_face = &face;
     soft.m_weights = w;
-    soft.m_normal = to_bullet(contact.face_normal);
+    // Along the ray: force and counterforce lie on one line, so angular momentum is kept too.
+    soft.m_normal = to_bullet(contact.source == Side::a ? -contact.normal : contact.normal);
     soft.m_margin = 0;
     soft.m_friction = btMax(source.m_cfg.kDF, target.m_cfg.kDF);
     soft.m_cfm[0] = node_share / both * source.m_cfg.kSHR;

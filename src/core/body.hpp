@@ -20,13 +20,13 @@ enum class Motion : std::uint8_t {
 /// world for a deforming one. Its *fit* is the frame in which it looks most like the mesh's rest shape.
 struct BodyView {
     MeshView mesh;
-    View<const Vec3f> positions;      ///< in the body's space
+    View<const Vec3f> positions;    ///< in the body's space
     View<const PatchBlock> blocks;  ///< in the body's space
     View<const Offsets> patches;    ///< in the body's space
     View<const double> own_exit;    ///< per vertex, length of the inward ray inside the rest shape; not for deforming
-    Frame space;                  ///< body's space to world
-    Frame fit;                    ///< rest shape to world
-    Box fit_box;                  ///< around the vertices, in `fit`
+    Frame space;                    ///< body's space to world
+    Frame fit;                      ///< rest shape to world
+    Box fit_box;                    ///< around the vertices, in `fit`
     Box world_box;
     double deviation = 0;                 ///< no vertex is further than this from its place in the rest shape under `fit`
     double touch = 0;                     ///< [length] touch tolerance of this body as a target

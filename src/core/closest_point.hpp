@@ -18,8 +18,7 @@ PIERCE_HD inline Vec3d closest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d n = cross(b - a, c - a);
     const double size = length_squared(n);
     bool above = size > 0;
-    for (int k = 0; k < 3 && above; ++k)
-        above = dot(cross(n, corner[(k + 1) % 3] - corner[k]), p - corner[k]) >= 0;
+    for (int k = 0; k < 3 && above; ++k) above = dot(cross(n, corner[(k + 1) % 3] - corner[k]), p - corner[k]) >= 0;
     if (above) return p - (dot(n, p - a) / size) * n;
     Vec3d best = closest_on_segment(p, a, b);
     for (int k = 1; k < 3; ++k) {

@@ -74,8 +74,7 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(const Mesh
     std::vector<Corner> corners(offsets.back());
     std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
     for (const Triangle& t : data.triangles)
-        for (int k = 0; k < 3; ++k)
-            corners[next[t.vertex[k]]++] = {t.vertex[(k + 1) % 3], t.vertex[(k + 2) % 3]};
+        for (int k = 0; k < 3; ++k) corners[next[t.vertex[k]]++] = {t.vertex[(k + 1) % 3], t.vertex[(k + 2) % 3]};
     return {std::move(offsets), std::move(corners)};
 }
 

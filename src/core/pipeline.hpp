@@ -105,9 +105,9 @@ private:
         pairs_.resize(total);
         identities_.resize(total);
         links_.resize(total);
-        executor_.for_each("keep_pair", overlapping,
-                           stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_),
-                                            view_of(values_)});
+        executor_.for_each(
+            "keep_pair", overlapping,
+            stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_), view_of(values_)});
         executor_.sort("pair_sort", view_of(keys_), view_of(values_));
         executor_.for_each("unpack_pair", total, stages::UnpackPair{view_of(keys_), view_of(pairs_)});
         executor_.for_each("link_pair", total,

@@ -20,7 +20,8 @@ std::vector<float> star_clearance(const MeshView& mesh) {
     for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
         double nearest = 0;
         for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
-            nearest = std::max({nearest, length(at(mesh.corners[i].next) - at(v)), length(at(mesh.corners[i].previous) - at(v))});
+            nearest =
+                std::max({nearest, length(at(mesh.corners[i].next) - at(v)), length(at(mesh.corners[i].previous) - at(v))});
         Box region;
         region.extend(at(v));
         tree.for_each_in(region.inflated(nearest), [&](std::uint32_t t) {

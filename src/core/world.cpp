@@ -19,7 +19,7 @@ struct BodyEntry {
     MeshId mesh;
     Motion motion = Motion::fixed;
     Pose pose;
-    std::vector<Vec3f> positions;      ///< of a deforming body
+    std::vector<Vec3f> positions;    ///< of a deforming body
     std::vector<PatchBlock> blocks;  ///< of a deforming body
     std::vector<Offsets> patches;
     std::uint64_t positions_version = 0;
@@ -97,7 +97,7 @@ struct World::State {
     /// What may have changed since the last step.
     void refresh_views();
     /// Lengths of the inward rays of a mesh's rest shape inside itself; -1 where a ray does not start inside (R2).
-    void find_own_exits(MeshEntry& entry, const BodyView& body);
+    void find_own_exits(MeshEntry& entry, std::uint32_t index);
 };
 
 void World::State::add_chunks(std::uint32_t body) {
@@ -129,17 +129,19 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
 }
 
-void World::State::find_own_exits(MeshEntry& entry, const BodyView& body) {
+void World::State::find_own_exits(MeshEntry& entry, std::uint32_t index) {
+    const BodyView& body = views[index];
     const MeshView& mesh = body.mesh;
     std::vector<Ray> rays(mesh.positions.size);
     for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
         rays[v].origin = to_double(mesh.positions[v]);
         rays[v].direction = stages::inward_direction(body, v);
         rays[v].t_max = length_squared(rays[v].direction) > 0 ? body.fit_box.extent() : -1.0;
+        rays[v].target = index;
         rays[v].excluded_vertex = v;
     }
     std::vector<Hit> hits(rays.size());
-    backend->closest_hits({&body, 1}, view_of(std::as_const(rays)), view_of(hits));
+    backend->closest_hits(view_of(views), view_of(std::as_const(rays)), view_of(hits));
     entry.own_exit.assign(rays.size(), -1.0);
     for (std::size_t v = 0; v < rays.size(); ++v) {
         if (hits[v].triangle == no_triangle) continue;
@@ -184,9 +186,13 @@ void World::State::make_plan() {
             view.positions = view.mesh.positions;
             view.blocks = view.mesh.blocks;
             view.patches = view.mesh.patches;
-            if (view.mesh.closed && entry.own_exit.empty()) find_own_exits(entry, view);
-            view.own_exit = view_of(std::as_const(entry.own_exit));
         }
+    }
+    for (std::uint32_t i = 0; i < slots.size(); ++i) {
+        if (!slots[i].used || views[i].motion == Motion::deforming) continue;
+        MeshEntry& entry = meshes.get(slots[i].thing.mesh, "mesh");
+        if (views[i].mesh.closed && entry.own_exit.empty()) find_own_exits(entry, i);
+        views[i].own_exit = view_of(std::as_const(entry.own_exit));
     }
 
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;

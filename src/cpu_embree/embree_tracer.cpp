@@ -28,7 +28,7 @@ struct EmbreeTracer::State {
     std::vector<MovingTree> moving;                                  ///< by body
     std::vector<Tree*> trees;                                        ///< by body, of this step
     std::vector<std::uint32_t> tests;                                ///< by ray
-    bool many_trees = false;                     ///< some body has a tree of its own
+    bool many_trees = false;                                         ///< some body has a tree of its own
     std::vector<std::uint32_t> order;            ///< ray indices by target, so that each of many trees is fetched once
     std::vector<std::uint32_t> first_of_target;  ///< where a body's rays begin in `order`; one more at the end
     TracerCounts counts;

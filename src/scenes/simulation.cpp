@@ -15,6 +15,7 @@
 #include "pierce/scenes/bullet_result.hpp"
 #include "pierce/scenes/detector.hpp"
 #include "pierce/scenes/mass_properties.hpp"
+#include "pierce/scenes/soft_damping.hpp"
 
 namespace pierce::scenes {
 namespace {
@@ -25,6 +26,7 @@ constexpr double gravity = 9.81;  // [m/s^2] along -z
 constexpr btScalar link_stiffness = btScalar(1.0);
 constexpr btScalar shape_matching = btScalar(0.3);
 constexpr btScalar soft_damping = btScalar(0.01);
+constexpr btScalar vibration_damping = btScalar(0.5);
 constexpr btScalar soft_friction = btScalar(1.0);
 constexpr btScalar contact_hardness = btScalar(1.0);
 constexpr int soft_iterations = 8;
@@ -193,6 +195,8 @@ const FrameResult& Simulation::step(double dt) {
     State& s = *state_;
     s.rigid_configuration.take_epa_milliseconds();
     s.world->stepSimulation(static_cast<btScalar>(dt), 0);
+    for (const auto& body : s.soft)
+        if (body) damp_vibration(*body, vibration_damping);
     if (s.rays != nullptr) {
         s.result = s.rays->result();
         s.result.response_ms = s.ray_dispatcher().response_milliseconds();

@@ -102,7 +102,8 @@ TEST(MeshTest, PatchesHoldEveryVertexOnce) {
             const PatchBlock& block = view.blocks[p / constants::block_size];
             const Vec3d center = patch_center(view.blocks, p);
             const Offsets& offset = view.patches[p];
-            EXPECT_NEAR(length(x - center - Vec3d{offset.x[k], offset.y[k], offset.z[k]}), 0, constants::float_ulp * block.reach);
+            EXPECT_NEAR(length(x - center - Vec3d{offset.x[k], offset.y[k], offset.z[k]}), 0,
+                        constants::float_ulp * block.reach);
             EXPECT_LE(length(x - center), block.radius[p % constants::block_size]);
             EXPECT_LE(length(x - block.center), block.reach);
         }

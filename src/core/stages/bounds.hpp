@@ -4,7 +4,8 @@
 #include "pierce/core/patch.hpp"
 
 /// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
-/// Deforming bodies are measured in chunks of constants::chunk_blocks blocks of patches, so sums are the same on any machine.
+/// Deforming bodies are measured in chunks of constants::chunk_blocks blocks of patches, so sums are the same on any
+/// machine.
 namespace pierce::stages {
 
 /// A chunk of a deforming body's blocks.

@@ -55,9 +55,9 @@ struct ListBlocks {
     }
 };
 
-/// A bit for every ball that may reach the target's solid or touch it: it overlaps the target's box, and the clearance of its
-/// centre, less the deviation, is not larger than its radius. The balls' centres are `center` and offsets from it, turned and
-/// placed by `to_fit`; `reach` is how far they go from `center` at most. Points, if `radius` is null.
+/// A bit for every ball that may reach the target's solid or touch it: it overlaps the target's box, and the clearance of
+/// its centre, less the deviation, is not larger than its radius. The balls' centres are `center` and offsets from it,
+/// turned and placed by `to_fit`; `reach` is how far they go from `center` at most. Points, if `radius` is null.
 PIERCE_HD inline std::uint32_t near_balls(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
                                           const float* radius, double reach) {
     const ClearanceGridView& grid = target.mesh.clearance;
@@ -66,8 +66,8 @@ PIERCE_HD inline std::uint32_t near_balls(const BodyView& target, const Frame& t
     const Vec3f c = to_float(in_grid);
     const TurnedOffsets turned(offsets, to_fit.rotation);
     // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of their size each at most.
-    const double rounding = 4 * constants::float_ulp *
-                            (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + reach);
+    const double rounding =
+        4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + reach);
     const auto margin = static_cast<float>(2 * target.touch + rounding);
     const Vec3f low = to_float(target.fit_box.lower - corner), high = to_float(target.fit_box.upper - corner);
     const auto per_length = static_cast<float>(grid.per_length);
@@ -126,8 +126,8 @@ struct ListPatches {
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t slot = offsets[i];
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            patches[slot++] = {blocks[i].directed, blocks[i].index * constants::block_size +
-                                                       static_cast<std::uint32_t>(std::countr_zero(mask))};
+            patches[slot++] = {blocks[i].directed,
+                               blocks[i].index * constants::block_size + static_cast<std::uint32_t>(std::countr_zero(mask))};
     }
 };
 
