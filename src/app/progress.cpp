@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <utility>
 
 namespace pierce::app {
@@ -23,7 +24,7 @@ void Progress::show(std::uint32_t done) {
     constexpr std::uint32_t width = 30;
     const auto filled = static_cast<std::uint32_t>(std::uint64_t{width} * done / total_);
     const double elapsed = std::chrono::duration<double>(now - begin_).count();
-    const auto left = static_cast<int>(elapsed / done * (total_ - done) + 0.5);
+    const auto left = std::lround(elapsed / done * (total_ - done));
     fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {:d}:{:02d} left", what_, "", filled, "", width - filled, done,
                total_, left / 60, left % 60);
     std::fflush(stderr);

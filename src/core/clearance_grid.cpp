@@ -16,9 +16,7 @@ struct Cells {
     ClearanceGridView layout;
     std::vector<Cell> state;
 
-    std::size_t at(std::int32_t x, std::int32_t y, std::int32_t z) const {
-        return static_cast<std::size_t>((z * layout.size[1] + y) * layout.size[0] + x);
-    }
+    std::size_t at(std::int32_t x, std::int32_t y, std::int32_t z) const { return layout.index_of(x, y, z); }
 };
 
 Cells make_cells(const Box& solid) {

@@ -33,7 +33,12 @@ struct ClearanceGridView {
     }
 
     PIERCE_HD std::uint8_t steps_at(std::int32_t x, std::int32_t y, std::int32_t z) const {
-        return steps[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)];
+        return steps[index_of(x, y, z)];
+    }
+
+    PIERCE_HD std::size_t index_of(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const std::int32_t index = (z * size[1] + y) * size[0] + x;
+        return static_cast<std::size_t>(index);
     }
 };
 

@@ -11,6 +11,9 @@ PIERCE_HD inline std::uint32_t patch_count(const MeshView& mesh) {
     return (mesh.positions.size + constants::patch_size - 1) / constants::patch_size;
 }
 
+/// Where the vertices of patch `p` begin in MeshView::patch_vertices.
+PIERCE_HD inline std::size_t patch_begin(std::uint32_t p) { return std::size_t{p} * constants::patch_size; }
+
 /// Vertex count of patch `p`; only the last one may hold less than constants::patch_size.
 PIERCE_HD inline std::uint32_t patch_length(const MeshView& mesh, std::uint32_t p) {
     return min_of(constants::patch_size, mesh.positions.size - p * constants::patch_size);
@@ -49,13 +52,13 @@ PIERCE_HD inline float longest(const Offsets& offsets) {
 PIERCE_HD inline void measure_block(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t b, PatchBlock& block,
                                     View<Offsets> patches) {
     const std::uint32_t first = b * constants::block_size;
-    block.center = to_double(positions[mesh.patch_vertices[first * constants::patch_size]]);
+    block.center = to_double(positions[mesh.patch_vertices[patch_begin(first)]]);
     block.offsets = {};
     float reach = 0;
     for (std::uint32_t k = 0; k < constants::block_size; ++k) block.radius[k] = 0;
     for (std::uint32_t k = 0; k < block_length(mesh, b); ++k) {
         const std::uint32_t p = first + k;
-        const std::uint32_t* vertex = mesh.patch_vertices.data + p * constants::patch_size;
+        const std::uint32_t* vertex = mesh.patch_vertices.data + patch_begin(p);
         const std::uint32_t count = patch_length(mesh, p);
         Vec3d sum;
         for (std::uint32_t i = 0; i < count; ++i) sum += to_double(positions[vertex[i]]);

@@ -46,8 +46,7 @@ FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet:
     }
     if (result.contacts > 0) result.penetration_mean = sum / result.contacts;
     std::ranges::sort(result.touching);
-    const auto [first, last] = std::ranges::unique(result.touching);
-    result.touching.erase(first, last);
+    result.touching.erase(std::unique(result.touching.begin(), result.touching.end()), result.touching.end());
     return result;
 }
 

@@ -62,8 +62,8 @@ SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& para
                        parameters.soft ? Motion::deforming : Motion::rigid,
                        {},
                        false};
-        const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
-                         static_cast<double>(i / (side * side))};
+        const auto layer = i / (side * side);
+        const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side), static_cast<double>(layer)};
         const double middle = 0.5 * (side - 1);
         body.pose.position = {spacing * (cell.x - middle), spacing * (cell.y - middle), spacing * (cell.z + 0.6)};
         body.pose.rotation = {uniform(), uniform(), uniform(), uniform()};

@@ -48,7 +48,7 @@ struct GenerateRays {
         std::uint32_t slot = offsets[i];
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1) {
             const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
-            const std::uint32_t v = source.mesh.patch_vertices[item.index * constants::patch_size + k];
+            const std::uint32_t v = source.mesh.patch_vertices[patch_begin(item.index) + k];
             const Vec3d direction = inward_direction(source, v);
             Ray ray;
             ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
