@@ -109,10 +109,9 @@ private:
             "keep_pair", overlapping,
             stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_), view_of(values_)});
         executor_.sort("pair_sort", view_of(keys_), view_of(values_));
-        executor_.for_each("unpack_pair", total, stages::UnpackPair{view_of(keys_), view_of(pairs_)});
         executor_.for_each("link_pair", total,
-                           stages::LinkPair{bodies, scene.ids, view_of(pairs_), view_of(last_identities_),
-                                            view_of(identities_), view_of(links_)});
+                           stages::LinkPair{bodies, scene.ids, view_of(keys_), view_of(last_identities_),
+                                            view_of(pairs_), view_of(identities_), view_of(links_)});
     }
 
     // Stage 4. Patches, then vertices, that may be inside the other body.

@@ -105,18 +105,6 @@ struct KeepPair {
     }
 };
 
-/// Per pair: unpacks the sorted keys.
-struct UnpackPair {
-    View<const std::uint64_t> keys;
-    View<Pair> pairs;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        pairs[i] = {static_cast<std::uint32_t>(keys[i] >> 32), static_cast<std::uint32_t>(keys[i])};
-    }
-};
-
 /// What must be the same for a pair to be last step's pair again.
 struct PairIdentity {
     BodyId a, b;
@@ -133,19 +121,18 @@ struct PairIdentity {
 
 inline constexpr std::uint32_t no_pair = 0xffffffffu;
 
-/// Per pair: who it is, and which of last step's pairs it was, if any.
+/// Per sorted key: the pair, who it is, and which of last step's pairs it was, if any.
 struct LinkPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
-    View<const Pair> pairs;
+    View<const std::uint64_t> keys;
     View<const PairIdentity> last;
+    View<Pair> pairs;
     View<PairIdentity> identities;
     View<std::uint32_t> links;
 
-    static constexpr bool is_cheap = true;
-
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const Pair pair = pairs[i];
+        const Pair pair{static_cast<std::uint32_t>(keys[i] >> 32), static_cast<std::uint32_t>(keys[i])};
         const PairIdentity identity{ids[pair.a], ids[pair.b], bodies[pair.a].mesh_key, bodies[pair.b].mesh_key};
         std::uint32_t low = 0, high = last.size;
         while (low < high) {
@@ -153,6 +140,7 @@ struct LinkPair {
             const bool before = last[middle].comes_before(identity);
             (before ? low : high) = before ? middle + 1 : middle;
         }
+        pairs[i] = pair;
         identities[i] = identity;
         links[i] = low < last.size && last[low].is(identity) ? low : no_pair;
     }

@@ -24,8 +24,6 @@ struct DirectPair {
     View<DirectedPair> directed;
     View<std::uint32_t> block_counts;
 
-    static constexpr bool is_cheap = true;
-
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Pair pair = pairs[i / 2];
         const DirectedPair d{pair.source(i % 2), pair.target(i % 2), {}, {}};
