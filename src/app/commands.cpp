@@ -80,7 +80,7 @@ int list_scenes() {
 
 int show_plan(const RunOptions& options) {
     const scenes::SceneSetup setup = scene_of(options);
-    scenes::SceneWorld scene(setup, {"reference", 1});
+    scenes::SceneWorld scene(setup, options.detection.rays);
     const Plan& plan = scene.world.plan();
     fmt::print("bodies    {} fixed, {} rigid, {} deforming; {} of them open\n", plan.fixed_bodies, plan.rigid_bodies,
                plan.deforming_bodies, plan.open_bodies);

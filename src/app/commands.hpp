@@ -12,7 +12,7 @@ namespace pierce::app {
 /// What every command that detects contacts can be told.
 struct DetectionOptions {
     std::string method = "rays";
-    scenes::RaySettings rays;
+    scenes::RaySettings rays = {};
     std::filesystem::path json;  ///< empty: none
 };
 

@@ -29,6 +29,8 @@ struct BodyView {
     Box fit_box;                    ///< around the vertices, in `fit`
     Box world_box;
     double deviation = 0;                 ///< no vertex is further than this from its place in the rest shape under `fit`
+    double shape_motion = 0;              ///< no vertex has moved further in `fit` since the last step
+    double reach = 0;                     ///< [length] how far predictions look
     double touch = 0;                     ///< [length] touch tolerance of this body as a target
     double range = 0;                     ///< [length] longest ray of an open body
     std::uint64_t mesh_key = 0;           ///< the mesh's identity, never used twice

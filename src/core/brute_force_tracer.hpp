@@ -15,6 +15,11 @@ public:
         executor.for_each(name, rays.size, Trace{bodies, rays, hits});
     }
 
+    template <class E>
+    void distances(E& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays, View<double> found) {
+        executor.for_each(name, rays.size, Distance{bodies, rays, found});
+    }
+
     /// Counts nothing: it has no trees.
     TracerCounts counts() const { return {}; }
 
@@ -29,9 +34,25 @@ private:
             hits[i] = {};
             if (!(ray.t_max >= 0)) return;
             const Surface surface = bodies[ray.target].surface();
-            hits[i] = first_crossing(ray, surface, [&](CrossingSearch& search) {
-                for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
+            hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
+                return first_crossing(r, surface, [&](CrossingSearch& search) {
+                    for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
+                });
             });
+        }
+    };
+
+    struct Distance {
+        View<const BodyView> bodies;
+        View<const Ray> rays;
+        View<double> distances;
+
+        void operator()(std::uint32_t i) const {
+            const Surface surface = bodies[rays[i].target].surface();
+            double nearest = distance_limit(bodies[rays[i].target]);
+            for (std::uint32_t t = 0; t < surface.triangles.size; ++t)
+                nearest = min_of(distance_to(rays[i].origin, surface, t), nearest);
+            distances[i] = nearest;
         }
     };
 };

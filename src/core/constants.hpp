@@ -59,6 +59,28 @@ inline constexpr std::uint32_t frame_fit_iterations = 8;
 /// An open body shoots rays of this length by default [mean edge length]; it has no inside that could end them.
 inline constexpr double open_body_range = 2.0;
 
+/// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest coordinate].
+inline constexpr double double_rounding = 0x1p-47;
+
+/// Steps from one full pass of a pair to the next.
+inline constexpr std::uint32_t full_every = 8;
+
+/// Displacement up to which walks are tried [mean edge length]. Two edges are four steps of a walk on average.
+inline constexpr double walk_threshold = 2.0;
+
+/// Steps of a walk from triangle to triangle at most: twice what two edges of displacement need on average, and two more.
+inline constexpr std::uint32_t walk_steps = 10;
+
+/// Predictions reach this far at most [mean edge length].
+inline constexpr double prediction_limit = 2.0;
+
+/// A vertex is proved to be outside up to this distance at most [mean edge length of the target]: looking further costs
+/// more than it saves.
+inline constexpr double certificate_limit = 1.0;
+
+/// After a proof has failed, the bodies must have moved this much before it is tried again [mean edge length of the target].
+inline constexpr double certificate_retry = 0.25;
+
 /// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us against 25 ns.
 inline constexpr double rebuild_cost = 20.0;
 

@@ -8,6 +8,13 @@
 
 namespace pierce {
 
+/// How a contact was found.
+enum class Found : std::uint8_t {
+    full,        ///< by a ray through the target's tree
+    walk,        ///< by walking on from last step's triangle
+    prediction,  ///< by a walk to a triangle it was predicted to enter through
+};
+
 /// Which of a contact's two bodies the ray started from.
 enum class Side : std::uint8_t { a = 0, b = 1 };
 
@@ -17,6 +24,7 @@ struct Contact {
     BodyId a, b;                 ///< a < b by index
     Side source = Side::a;       ///< the body the vertex belongs to; the other one is the target
     bool grazing = false;        ///< the ray meets the triangle so flatly that the depth is uncertain
+    Found found = Found::full;
     std::uint32_t vertex = 0;    ///< of the source
     std::uint32_t triangle = 0;  ///< of the target
     std::uint32_t age = 0;       ///< steps in a row this vertex has been in contact with this body; 0: new

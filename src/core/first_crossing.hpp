@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "pierce/core/closest_point.hpp"
 #include "pierce/core/mesh.hpp"
 #include "pierce/core/ray.hpp"
 #include "pierce/core/triangle.hpp"
@@ -128,6 +129,22 @@ private:
     bool first_pass_ = true;
     bool summing_ = false;
 };
+
+/// True if the ray leaves the surface through `triangle`, or lies in it.
+PIERCE_HD inline bool leads_out(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    const Crossing crossing =
+        cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
+                       to_double(surface.positions[t.vertex[1]]), to_double(surface.positions[t.vertex[2]]));
+    return crossing.kind == Crossing::coplanar || crossing.sign > 0;
+}
+
+/// Distance from `p` to a triangle of the surface.
+PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    return length(p - closest_on_triangle(p, to_double(surface.positions[t.vertex[0]]), to_double(surface.positions[t.vertex[1]]),
+                                          to_double(surface.positions[t.vertex[2]])));
+}
 
 /// The triangle through which a ray first crosses a surface, or none. `show(search)` calls search.test() for every
 /// triangle the ray may meet between search.begin() and search.limit().

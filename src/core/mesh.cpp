@@ -10,6 +10,7 @@
 #include "pierce/core/patch.hpp"
 #include "pierce/core/star_clearance.hpp"
 #include "pierce/core/triangle.hpp"
+#include "pierce/core/triangle_rings.hpp"
 #include "pierce/core/vertex_normal.hpp"
 
 namespace pierce {
@@ -112,7 +113,9 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     traits_ = traits_of(data_, centroid_);
     std::tie(corner_offsets_, corners_) = corners_of(data_);
     patch_vertices_ = spatial_order(data_, box_);
+    neighbors_ = neighbors_of(data_.triangles);
     if (traits_.closed()) {
+        rings_ = rings_of(view());
         star_clearance_ = star_clearance(view());
         clearance_ = build_clearance_grid(data_.positions, data_.triangles);
     }
@@ -136,6 +139,8 @@ MeshView Mesh::view() const {
             view_of(patch_vertices_),
             view_of(blocks_),
             view_of(patches_),
+            view_of(neighbors_),
+            view_of(rings_),
             view_of(star_clearance_),
             clearance_.view(),
             box_,

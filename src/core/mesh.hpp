@@ -57,12 +57,31 @@ struct Offsets {
 };
 static_assert(constants::patch_size == Offsets::count && constants::block_size == Offsets::count);
 
+/// A patch as it was last seen.
+struct SeenPatch {
+    Vec3d center;
+    Offsets offsets;
+};
+
 /// Spheres around the patches (patch.hpp) of a block, in the space of the positions.
 struct PatchBlock {
     Vec3d center;
     Offsets offsets;  ///< of the spheres' centres
     float radius[constants::block_size] = {};
     float reach = 0;  ///< no vertex is further from `center`
+};
+
+/// The triangles across a triangle's edges: across[k] lies opposite its vertex k. None at a border, or where more than two
+/// triangles meet.
+struct Neighbors {
+    std::uint32_t across[3] = {0xffffffffu, 0xffffffffu, 0xffffffffu};
+};
+
+/// The triangles that share a vertex with a triangle, itself among them.
+struct TriangleRing {
+    Vec3f axis;       ///< a cone around it holds all their normals
+    float sine = 2;   ///< of the cone's half angle; 2 if they face different ways, or do not lie side by side around it
+    float reach = 0;  ///< [length] no other triangle comes closer to the triangle's centroid
 };
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.
@@ -75,6 +94,8 @@ struct MeshView {
     View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
     View<const PatchBlock> blocks;             ///< of the rest shape
     View<const Offsets> patches;               ///< per patch, its vertices relative to its centre; of the rest shape
+    View<const Neighbors> neighbors;           ///< per triangle
+    View<const TriangleRing> rings;            ///< per triangle; of the rest shape
     View<const float> star_clearance;          ///< per vertex; empty for a mesh that is not closed
     ClearanceGridView clearance;               ///< of the rest shape; empty for a mesh that is not closed
     Box box;                                   ///< of the rest shape
@@ -109,6 +130,8 @@ private:
     std::vector<std::uint32_t> patch_vertices_;
     std::vector<PatchBlock> blocks_;
     std::vector<Offsets> patches_;
+    std::vector<Neighbors> neighbors_;
+    std::vector<TriangleRing> rings_;
     std::vector<float> star_clearance_;
     ClearanceGrid clearance_;
 };

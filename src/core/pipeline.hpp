@@ -6,9 +6,12 @@
 #include "pierce/core/stages/bounds.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/contacts.hpp"
+#include "pierce/core/stages/displacement.hpp"
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/stages/ray_gen.hpp"
+#include "pierce/core/stages/remember.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
+#include "pierce/core/stages/walk.hpp"
 #include "pierce/core/step_stats.hpp"
 #include "pierce/core/tracer.hpp"
 
@@ -25,16 +28,21 @@ public:
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(stats);
         const TracerCounts before = tracer_.counts();
-        std::swap(identities_, last_identities_);
-        std::swap(contact_keys_, last_contact_keys_);
-        std::swap(ages_, last_ages_);
+        const bool remembers = scene.plan->temporal != Temporal::off;
+        recall(scene);
 
         time("bounds", [&] { bounds(scene); });
         time("pairs", [&] { pairs(scene); });
-        time("vertex_cull", [&] { vertex_cull(scene.bodies); });
-        time("ray_gen", [&] { ray_gen(scene.bodies); });
-        time("update", [&] { update(scene.bodies, view_of(rays_)); });
-        time("trace", [&] { tracer_.closest_hits(executor_, "trace", scene.bodies, view_of(rays_), view_of(hits_)); });
+        if (remembers) time("displacement", [&] { displacement(scene); });
+        time("vertex_cull", [&] { vertex_cull(scene); });
+        time("ray_gen", [&] { ray_gen(scene); });
+        if (remembers) time("walk", [&] { walk(scene); });
+        const View<const Ray> full = remembers ? view_of(full_rays_) : view_of(rays_);
+        time("update", [&] { update(scene.bodies, full); });
+        time("trace", [&] {
+            tracer_.closest_hits(executor_, "trace", scene.bodies, full, remembers ? view_of(full_hits_) : view_of(hits_));
+            if (remembers) scatter_hits();
+        });
         time("classify", [&] { test_inside(scene.bodies); });
         if (scene.plan->traces_own_exits) {
             time("classify", [&] { generate_own_rays(scene.bodies); });
@@ -45,6 +53,7 @@ public:
         }
         time("classify", [&] { test_own_exit(scene.bodies); });
         time("contacts", [&] { contacts(scene); });
+        if (remembers) time("remember", [&] { remember(scene); });
 
         count(before, stats);
     }
@@ -62,10 +71,32 @@ private:
         return executor_.exclusive_scan(name, view_of(std::as_const(counts_)), view_of(offsets_));
     }
 
+    /// This step's memory becomes last step's.
+    void recall(const Scene& scene) {
+        std::swap(identities_, last_identities_);
+        std::swap(contact_keys_, last_contact_keys_);
+        std::swap(ages_, last_ages_);
+        std::swap(memory_, last_memory_);
+        std::swap(block_records_, last_block_records_);
+        std::swap(patch_masks_, last_patch_masks_);
+        std::swap(patch_offsets_, last_patch_offsets_);
+        std::swap(records_, last_records_);
+        if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
+            seen_bodies_.resize(scene.bodies.size, stages::SeenBody{});
+        last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_masks_)),
+                 view_of(std::as_const(last_patch_offsets_)), view_of(std::as_const(last_records_))};
+    }
+
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
         executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
-        if (!scene.plan->measures_deformation) return;
+        if (scene.plan->measures_deformation) measure_deformation(scene);
+        if (!seen_bodies_.empty())
+            executor_.for_each("measure_reach", scene.bodies.size,
+                               stages::MeasureReach{scene.bodies, scene.ids, scene.settings, view_of(seen_bodies_)});
+    }
+
+    void measure_deformation(const Scene& scene) {
         moments_.resize(scene.chunks.size);
         chunk_bounds_.resize(scene.chunks.size);
         executor_.for_each(
@@ -74,7 +105,7 @@ private:
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
         executor_.for_each("measure_bounds", scene.chunks.size,
-                           stages::MeasureBounds{scene.bodies, scene.chunks, view_of(chunk_bounds_)});
+                           stages::MeasureBounds{scene.bodies, scene.chunks, scene.seen, view_of(chunk_bounds_)});
         executor_.for_each("join_bounds", scene.ranges.size,
                            stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
     }
@@ -114,44 +145,94 @@ private:
                                             view_of(pairs_), view_of(identities_), view_of(links_)});
     }
 
+    // Stage 3. How far pairs have moved.
+    void displacement(const Scene& scene) {
+        const auto pair_count = static_cast<std::uint32_t>(pairs_.size());
+        memory_.resize(pair_count);
+        executor_.for_each("measure_displacement", pair_count,
+                           stages::MeasureDisplacement{scene.bodies, view_of(pairs_), view_of(links_),
+                                                       view_of(last_memory_), scene.settings, view_of(memory_)});
+    }
+
     // Stage 4. Patches, then vertices, that may be inside the other body.
-    void vertex_cull(View<const BodyView> bodies) {
+    void vertex_cull(const Scene& scene) {
+        const View<const BodyView> bodies = scene.bodies;
+        const Temporal temporal = scene.plan->temporal;
         const auto directed_count = static_cast<std::uint32_t>(2 * pairs_.size());
         directed_.resize(directed_count);
         counts_.resize(directed_count);
         executor_.for_each("direct_pair", directed_count,
-                           stages::DirectPair{bodies, view_of(pairs_), view_of(directed_), view_of(counts_)});
+                           stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_),
+                                              view_of(last_memory_), view_of(directed_), view_of(counts_)});
         const std::uint32_t block_count = place("block_scan");
         blocks_.resize(block_count);
+        block_records_.resize(temporal == Temporal::off ? 0 : block_count);
+        block_offsets_.resize(directed_count);
         executor_.for_each("list_blocks", directed_count,
-                           stages::ListBlocks{view_of(counts_), view_of(offsets_), view_of(blocks_)});
+                           stages::ListBlocks{view_of(counts_), view_of(offsets_), view_of(blocks_), view_of(memory_),
+                                              view_of(block_offsets_)});
 
         masks_.resize(block_count);
         counts_.resize(block_count);
-        executor_.for_each(
-            "cull_block", block_count,
-            stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), view_of(masks_), view_of(counts_)});
+        executor_.for_each("cull_block", block_count,
+                           stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_,
+                                             view_of(block_records_), view_of(masks_), view_of(counts_)});
         const std::uint32_t kept = place("patch_scan");
         patches_.resize(kept);
         executor_.for_each("list_patches", block_count,
-                           stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(patches_)});
+                           stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_),
+                                               view_of(block_records_), view_of(patches_)});
 
-        masks_.resize(kept);
+        patch_masks_.resize(kept);
         counts_.resize(kept);
-        executor_.for_each(
-            "cull_vertices", kept,
-            stages::CullVertices{bodies, view_of(directed_), view_of(patches_), view_of(masks_), view_of(counts_)});
+        executor_.for_each("cull_vertices", kept,
+                           stages::CullVertices{bodies, view_of(directed_), view_of(patches_), temporal, last_,
+                                                view_of(block_offsets_), view_of(block_records_), view_of(patch_masks_),
+                                                view_of(counts_)});
     }
 
-    // Stage 5. A ray per vertex left.
-    void ray_gen(View<const BodyView> bodies) {
-        const std::uint32_t total = place("ray_scan");
+    // Stage 5. A ray per vertex left, or what stands in for it.
+    void ray_gen(const Scene& scene) {
+        const bool remembers = scene.plan->temporal != Temporal::off;
+        patch_offsets_.resize(counts_.size());
+        const std::uint32_t total =
+            executor_.exclusive_scan("ray_scan", view_of(std::as_const(counts_)), view_of(patch_offsets_));
         rays_.resize(total);
         sources_.resize(total);
         hits_.resize(total);
+        routes_.resize(remembers ? total : 0);
+        records_.resize(remembers ? total : 0);
         executor_.for_each("generate_rays", static_cast<std::uint32_t>(patches_.size()),
-                           stages::GenerateRays{bodies, view_of(directed_), view_of(patches_), view_of(masks_),
-                                                view_of(offsets_), view_of(rays_), view_of(sources_)});
+                           stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(patch_masks_),
+                                                view_of(patch_offsets_), scene.settings, last_, view_of(rays_),
+                                                view_of(sources_), view_of(hits_), view_of(routes_), view_of(records_)});
+    }
+
+    /// Lists the rays of a route; returns how many there are.
+    std::uint32_t list_route(Route route, Buffer<std::uint32_t>& slots) {
+        const auto ray_count = static_cast<std::uint32_t>(rays_.size());
+        counts_.resize(ray_count);
+        executor_.for_each("select_route", ray_count, stages::SelectRoute{view_of(routes_), route, view_of(counts_)});
+        slots.resize(place("route_scan"));
+        executor_.for_each("list_slots", ray_count,
+                           stages::ListSlots{view_of(counts_), view_of(offsets_), view_of(slots)});
+        return static_cast<std::uint32_t>(slots.size());
+    }
+
+    // Stage 6. Walks; the lost ones join the full rays.
+    void walk(const Scene& scene) {
+        const std::uint32_t walks = list_route(Route::walk, walk_slots_);
+        walk_counts_.resize(walks);
+        found_.resize(rays_.size());
+        executor_.for_each("walk", walks,
+                           stages::Walk{scene.bodies, view_of(rays_), view_of(walk_slots_), scene.plan->temporal,
+                                        view_of(hits_), view_of(routes_), view_of(records_), view_of(found_),
+                                        view_of(walk_counts_)});
+        const std::uint32_t full = list_route(Route::full, full_slots_);
+        full_rays_.resize(full);
+        full_hits_.resize(full);
+        executor_.for_each("gather_rays", full,
+                           stages::GatherRays{view_of(rays_), view_of(full_slots_), view_of(full_rays_)});
     }
 
     // Stage 7. Trees of the bodies these rays are aimed at, and of no others.
@@ -159,6 +240,11 @@ private:
         wanted_.assign(bodies.size, 0);
         for (const Ray& ray : rays) wanted_[ray.target] |= static_cast<std::uint32_t>(ray.t_max >= 0);
         tracer_.update(executor_, bodies, view_of(wanted_));
+    }
+
+    void scatter_hits() {
+        executor_.for_each("scatter_hits", static_cast<std::uint32_t>(full_slots_.size()),
+                           stages::ScatterHits{view_of(full_hits_), view_of(full_slots_), view_of(hits_)});
     }
 
     // Stage 9, first half. R1: which vertices are inside.
@@ -209,21 +295,55 @@ private:
         executor_.for_each(
             "fill_contact", total,
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
-                                view_of(candidates_), view_of(order_), view_of(links_), view_of(last_contact_keys_),
+                                view_of(candidates_), view_of(order_), view_of(routes_), view_of(found_), view_of(links_), view_of(last_contact_keys_),
                                 view_of(last_ages_), view_of(ages_), view_of(contacts_)});
+    }
+
+    // Stage 11. What the next step needs to know.
+    void remember(const Scene& scene) {
+        const auto full = static_cast<std::uint32_t>(full_slots_.size());
+        executor_.for_each("remember", full,
+                           stages::Remember{scene.bodies, view_of(rays_), view_of(hits_), view_of(full_slots_),
+                                            view_of(records_)});
+        uncertain_.clear();
+        if (scene.plan->temporal != Temporal::certified) return;
+
+        counts_.resize(full);
+        executor_.for_each("select_uncertain", full,
+                           stages::SelectUncertain{view_of(directed_), view_of(rays_), view_of(sources_), view_of(hits_),
+                                                   view_of(full_slots_), view_of(records_), view_of(counts_)});
+        const std::uint32_t uncertain = place("uncertain_scan");
+        uncertain_.resize(uncertain);
+        executor_.for_each("list_uncertain", full,
+                           stages::ListSlots{view_of(counts_), view_of(offsets_), view_of(uncertain_)});
+        full_rays_.resize(uncertain);
+        full_hits_.resize(uncertain);
+        depths_.resize(uncertain);
+        executor_.for_each("prolong_rays", uncertain,
+                           stages::ProlongRay{scene.bodies, view_of(rays_), view_of(full_slots_), view_of(uncertain_),
+                                              view_of(full_rays_)});
+        update(scene.bodies, view_of(full_rays_));
+        tracer_.closest_hits(executor_, "prove", scene.bodies, view_of(full_rays_), view_of(full_hits_));
+        tracer_.distances(executor_, "distances", scene.bodies, view_of(full_rays_), view_of(depths_));
+        executor_.for_each("certify", uncertain,
+                           stages::Certify{scene.bodies, view_of(directed_), view_of(sources_), view_of(full_slots_),
+                                           view_of(uncertain_), view_of(full_rays_), view_of(full_hits_),
+                                           view_of(depths_), view_of(records_)});
     }
 
     // Stage 12. What the step did; sums in contact order.
     void count(const TracerCounts& before, StepStats& stats) const {
         const TracerCounts after = tracer_.counts();
         stats.pairs = static_cast<std::uint32_t>(pairs_.size());
-        stats.rays = static_cast<std::uint32_t>(rays_.size());
+        const bool remembers = !routes_.empty();
+        stats.rays = static_cast<std::uint32_t>(remembers ? full_slots_.size() : rays_.size());
         for (const Ray& ray : own_rays_) stats.own_rays += ray.t_max >= 0;
         stats.contacts = static_cast<std::uint32_t>(contacts_.size());
         stats.refits = static_cast<std::uint32_t>(after.refits - before.refits);
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);
         stats.triangle_tests = after.triangle_tests - before.triangle_tests;
-        for (const Hit& hit : hits_) stats.hits += hit.triangle != no_triangle;
+        for (const Hit& hit : hits_) stats.hits += hit.triangle != no_triangle && !hit.predicted;
+        if (remembers) count_remembered(stats);
         double sum = 0;
         for (std::size_t i = 0; i < contacts_.size(); ++i) {
             const Contact& c = contacts_[i];
@@ -232,6 +352,19 @@ private:
             stats.penetration_max = max_of(c.penetration_depth(), stats.penetration_max);
         }
         if (!contacts_.empty()) stats.penetration_mean = sum / static_cast<double>(contacts_.size());
+    }
+
+    void count_remembered(StepStats& stats) const {
+        stats.walks = static_cast<std::uint32_t>(walk_slots_.size());
+        for (const stages::WalkCount& walk : walk_counts_) {
+            stats.walk_steps += walk.steps;
+            stats.lost_walks += walk.lost;
+        }
+        for (Route route : routes_) stats.certified += route == Route::skip;
+        for (const VertexRecord& record : records_) stats.predictions += record.predicted;
+        for (const PairMemory& memory : memory_) stats.full_passes += memory.pass == Pass::full;
+        for (const Contact& c : contacts_) stats.predictions_true += c.found == Found::prediction;
+        stats.proofs = static_cast<std::uint32_t>(uncertain_.size());
     }
 
     E& executor_;
@@ -247,11 +380,24 @@ private:
     Buffer<stages::PairIdentity> identities_, last_identities_;
     Buffer<stages::DirectedPair> directed_;
     Buffer<stages::CullItem> blocks_, patches_;
-    Buffer<Ray> rays_, own_rays_;
+    Buffer<std::uint32_t> block_offsets_;
+    Buffer<Ray> rays_, own_rays_, full_rays_;
     Buffer<RaySource> sources_;
-    Buffer<Hit> hits_, own_hits_;
+    Buffer<Hit> hits_, own_hits_, full_hits_;
+    Buffer<Route> routes_;
+    Buffer<Found> found_;
+    Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_;
+    Buffer<stages::WalkCount> walk_counts_;
     Buffer<double> depths_;
     Buffer<Contact> contacts_;
+
+    // What steps remember, and last step's.
+    Buffer<stages::SeenBody> seen_bodies_;
+    Buffer<PairMemory> memory_, last_memory_;
+    Buffer<BlockRecord> block_records_, last_block_records_;
+    Buffer<std::uint32_t> patch_masks_, last_patch_masks_, patch_offsets_, last_patch_offsets_;
+    Buffer<VertexRecord> records_, last_records_;
+    RecordsView last_;
 };
 
 }  // namespace pierce

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "pierce/core/settings.hpp"
+
 namespace pierce {
 
 /// What a world's bodies ask of a step, decided when bodies are added, removed or change kind.
@@ -13,6 +15,7 @@ struct Plan {
     bool moving = false;                ///< anything can touch at all
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
+    Temporal temporal = Temporal::off;
     std::vector<std::string> stages;    ///< names, in the order they run
     std::vector<std::string> notes;     ///< rules that do not apply to some body, and why
 };

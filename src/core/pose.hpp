@@ -42,6 +42,11 @@ struct Frame {
 
     PIERCE_HD Vec3d to_parent(Vec3d local) const { return rotation * local + origin; }
     PIERCE_HD Vec3d to_local(Vec3d point) const { return rotation.transposed() * (point - origin); }
+
+    PIERCE_HD Frame inverse() const {
+        const Matrix3 back = rotation.transposed();
+        return {back, -(back * origin)};
+    }
 };
 
 /// The rotation matrix of a quaternion of any length but zero.

@@ -16,6 +16,7 @@ struct Ray {
     double t_max = 0;                           ///< [length]; negative: the ray hits nothing
     std::uint32_t target = 0;                   ///< body
     std::uint32_t excluded_vertex = no_vertex;  ///< triangles around this vertex are not hit
+    double outward = 0;                         ///< [length] where nothing is left behind, look so far the other way
 };
 
 /// Where a ray comes from: vertex `vertex` of pair `pair`'s first (side 0) or second (side 1) body.
@@ -28,6 +29,7 @@ struct RaySource {
 /// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from it in `classify`.
 struct Hit {
     std::uint32_t triangle = no_triangle;
+    bool predicted = false;  ///< found looking outward: the vertex has not entered yet
 
     friend bool operator==(const Hit&, const Hit&) = default;
 };

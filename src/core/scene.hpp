@@ -16,6 +16,8 @@ struct Scene {
     View<const stages::ChunkRange> ranges;  ///< per deforming body, its chunks
     View<const View<PatchBlock>> blocks;    ///< per body, where a deforming body's spheres go
     View<const View<Offsets>> patches;      ///< per body, where its vertices' offsets go
+    View<const View<SeenPatch>> seen;       ///< per body, where its shape of the last step is kept; empty: nowhere
+    Settings settings;
     const Plan* plan = nullptr;
 };
 

@@ -17,13 +17,35 @@ struct TracerCounts {
     std::uint64_t triangle_tests = 0;
 };
 
+/// Surfaces further away than this need not be found [length].
+PIERCE_HD inline double distance_limit(const BodyView& target) {
+    return constants::certificate_limit * target.mesh.mean_edge_length;
+}
+
+/// A ray through `first` (Ray -> Hit: its first crossing); where that leads out of nothing, the outward ray in the same task: an
+/// entry within `ray.outward` is a prediction.
+template <class First>
+PIERCE_HD Hit hit_or_prediction(const Ray& ray, const Surface& surface, First first) {
+    const Hit hit = first(ray);
+    if (!(ray.outward > 0)) return hit;
+    if (hit.triangle != no_triangle && leads_out(ray, surface, hit.triangle)) return hit;
+    Ray back = ray;
+    back.direction = -ray.direction;
+    back.t_max = ray.outward;
+    const Hit ahead = first(back);
+    if (ahead.triangle == no_triangle || leads_out(back, surface, ahead.triangle)) return hit;
+    return {ahead.triangle, true};
+}
+
 /// Finds the triangle each ray crosses first (the meaning is CrossingSearch's). Must give the same answer as
 /// BruteForceTracer for every ray whose origin lies within the target's box, grown by a few touch tolerances.
 template <class T, class E>
 concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies, View<const std::uint32_t> wanted,
-                          View<const Ray> rays, View<Hit> hits) {
+                          View<const Ray> rays, View<Hit> hits, View<double> distances) {
     tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit their positions
     tracer.closest_hits(executor, "trace", bodies, rays, hits);
+    // Distance from each ray's origin to its target's surface, distance_limit(target) at most.
+    tracer.distances(executor, "distance", bodies, rays, distances);
     { tracer.counts() } -> std::convertible_to<TracerCounts>;
 };
 

@@ -22,6 +22,7 @@ struct BodyEntry {
     std::vector<Vec3f> positions;    ///< of a deforming body
     std::vector<PatchBlock> blocks;  ///< of a deforming body
     std::vector<Offsets> patches;
+    std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;
     bool finite = true;
 };
@@ -81,6 +82,7 @@ struct World::State {
     std::vector<stages::ChunkRange> ranges;
     std::vector<View<PatchBlock>> blocks;
     std::vector<View<Offsets>> patches;
+    std::vector<View<SeenPatch>> seen;
     StepStats stats;
 
     const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
@@ -159,6 +161,7 @@ void World::State::make_plan() {
     ids.assign(slots.size(), {});
     blocks.assign(slots.size(), {});
     patches.assign(slots.size(), {});
+    seen.assign(slots.size(), {});
     rotations.resize(slots.size());
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
@@ -181,6 +184,8 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
+            body.seen.resize(settings.temporal == Temporal::off ? 0 : patch_count(view.mesh));
+            seen[i] = view_of(body.seen);
             add_chunks(i);
         } else {
             view.positions = view.mesh.positions;
@@ -198,7 +203,11 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;
     plan.measures_deformation = plan.deforming_bodies > 0;
     plan.traces_own_exits = plan.deforming_bodies > 0;
+    plan.temporal = settings.temporal;
     plan.stages = {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts"};
+    if (settings.temporal != Temporal::off)
+        plan.stages = {"bounds", "pairs", "displacement", "vertex_cull", "ray_gen", "walk", "update", "trace", "classify",
+                       "contacts", "remember"};
     planned = true;
 }
 
@@ -221,6 +230,9 @@ void World::State::refresh_views() {
 
 World::World(std::unique_ptr<Backend> backend, Settings settings) : state_(std::make_unique<State>()) {
     if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
+    if (settings.full_every == 0) throw InputError("full_every must be at least 1");
+    if (!(settings.walk_threshold >= 0)) throw InputError("walk_threshold must not be negative");
+    if (std::isnan(settings.prediction_distance)) throw InputError("prediction_distance must be a number");
     state_->backend = std::move(backend);
     state_->settings = settings;
 }
@@ -244,12 +256,12 @@ const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "m
 
 BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::fixed, pose, {}, {}, {}, 0, true});
+    return state_->add({mesh, Motion::fixed, pose, {}, {}, {}, {}, 0, true});
 }
 
 BodyId World::add_rigid_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::rigid, pose, {}, {}, {}, 0, true});
+    return state_->add({mesh, Motion::rigid, pose, {}, {}, {}, {}, 0, true});
 }
 
 BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) {
@@ -257,7 +269,7 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
     if (positions.empty()) positions = shape.positions();
     check_count(positions.size(), shape);
     check_finite("body of mesh '" + shape.name() + "'", positions);
-    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {}, state_->next_key++, true};
+    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {}, {}, state_->next_key++, true};
     const BodyId id = state_->add(std::move(body));
     state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
     state_->rotations[id.index] = {};
@@ -325,6 +337,8 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.ranges)),
                       view_of(std::as_const(s.blocks)),
                       view_of(std::as_const(s.patches)),
+                      view_of(std::as_const(s.seen)),
+                      s.settings,
                       &s.plan};
     s.backend->step(scene, s.stats);
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

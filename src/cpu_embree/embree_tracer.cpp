@@ -142,7 +142,9 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<co
         const std::uint32_t i = s.many_trees ? s.order[k] : k;
         const Ray& ray = rays[i];
         hits[i] = {};
-        if (ray.t_max >= 0) hits[i] = s.trees[ray.target]->trace(ray, s.tests[i]);
+        if (!(ray.t_max >= 0)) return;
+        const Tree& tree = *s.trees[ray.target];
+        hits[i] = hit_or_prediction(ray, bodies[ray.target].surface(), [&](const Ray& r) { return tree.trace(r, s.tests[i]); });
     });
 
     for (std::uint32_t tests : s.tests) s.counts.triangle_tests += tests;
@@ -153,6 +155,15 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<co
         for (std::uint32_t k = s.first_of_target[b]; k < s.first_of_target[b + 1]; ++k) tests += s.tests[s.order[k]];
         s.trees[b]->policy.record(s.first_of_target[b + 1] - s.first_of_target[b], tests);
     }
+}
+
+void EmbreeTracer::distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
+                             View<double> found) {
+    State& s = *state_;
+    executor.for_each(name, rays.size, [&](std::uint32_t i) {
+        const std::uint32_t target = rays[i].target;
+        found[i] = s.trees[target]->distance(rays[i].origin, distance_limit(bodies[target]));
+    });
 }
 
 TracerCounts EmbreeTracer::counts() const { return state_->counts; }

@@ -23,6 +23,9 @@ public:
     /// The triangle the ray crosses first; adds the number of triangles tested to `tests`.
     Hit trace(const Ray& ray, std::uint32_t& tests) const;
 
+    /// Distance from `p` to the surface, or `limit` if that is nearer.
+    double distance(Vec3d p, double limit) const;
+
     std::uint32_t triangle_count() const { return surface_.triangles.size; }
 
     RefitPolicy policy;
@@ -32,6 +35,7 @@ private:
 
     static void bounds(const RTCBoundsFunctionArguments* arguments);
     static void intersect(const RTCIntersectFunctionNArguments* arguments);
+    static bool measure(RTCPointQueryFunctionArguments* arguments);
     void set_surface(const Surface& surface, double max_coordinate);
 
     Surface surface_;

@@ -105,7 +105,7 @@ private:
 
 }  // namespace
 
-SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings) : world(make_backend(settings)) {
+SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings) : world(make_backend(settings), settings.world) {
     std::vector<MeshId> meshes;
     for (const SceneMesh& mesh : scene.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
     for (const SceneBody& body : scene.bodies) {

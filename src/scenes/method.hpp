@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pierce/core/backend.hpp"
+#include "pierce/core/settings.hpp"
 #include "pierce/core/step_stats.hpp"
 
 namespace pierce::scenes {
@@ -25,6 +26,7 @@ Method method_named(const std::string& name);
 struct RaySettings {
     std::string backend = "embree";  ///< or "reference"
     int threads = 0;                 ///< 0: all there are
+    Settings world = {};
 };
 
 /// Throws InputError for an unknown backend or negative threads.

@@ -1,7 +1,10 @@
 #pragma once
 
 #include "pierce/core/body.hpp"
+#include "pierce/core/ids.hpp"
+#include "pierce/core/motion_bound.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/settings.hpp"
 
 /// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
 /// Deforming bodies are measured in chunks of constants::chunk_blocks blocks of patches, so sums are the same on any
@@ -118,6 +121,7 @@ struct FitFrame {
 struct ChunkBounds {
     Box fit_box, world_box;
     double deviation = 0;
+    double shape_motion = 0;
 };
 
 /// Per chunk: boxes and deviation, from the patches. Reads blocks, patches and fit; writes chunk bounds. float32 relative
@@ -125,6 +129,7 @@ struct ChunkBounds {
 struct MeasureBounds {
     View<const BodyView> bodies;
     View<const Chunk> chunks;
+    View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step; empty: not asked for
     View<ChunkBounds> bounds;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -133,7 +138,7 @@ struct MeasureBounds {
         ChunkBounds b;
         if (body.active) {
             const Matrix3 to_fit = body.fit.rotation.transposed();
-            float furthest = 0;
+            float furthest = 0, fastest = 0;
             for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
                 const Offsets& now = body.patches[p];
                 const Offsets& rest = body.mesh.patches[p];
@@ -150,17 +155,39 @@ struct MeasureBounds {
                     away[k] = x * x + y * y + z * z;
                 }
                 for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
+                if (seen[chunk.body].size > 0) fastest = max_of(see(seen[chunk.body][p], center, turned), fastest);
                 const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
                 extend(b.fit_box, center, fit_axis);
                 const float* world_axis[3] = {now.x, now.y, now.z};
                 extend(b.world_box, in_world, world_axis);
             }
             b.deviation = std::sqrt(static_cast<double>(furthest));
+            b.shape_motion = std::sqrt(static_cast<double>(fastest));
         }
         bounds[i] = b;
     }
 
 private:
+    /// Takes over where a patch is now; returns the square of the longest way from where it was.
+    PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets& now) {
+        const Vec3f moved = to_float(center - patch.center);
+        float way[constants::patch_size];
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+            const float x = moved.x + (now.at[0][k] - patch.offsets.x[k]);
+            const float y = moved.y + (now.at[1][k] - patch.offsets.y[k]);
+            const float z = moved.z + (now.at[2][k] - patch.offsets.z[k]);
+            way[k] = x * x + y * y + z * z;
+            patch.offsets.x[k] = now.at[0][k];
+            patch.offsets.y[k] = now.at[1][k];
+            patch.offsets.z[k] = now.at[2][k];
+        }
+        patch.center = center;
+        float longest_way = 0;
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) longest_way = max_of(way[k], longest_way);
+        return longest_way;
+    }
+
     PIERCE_HD static void extend(Box& box, Vec3d center, const float* const axis[3]) {
         for (int r = 0; r < 3; ++r) {
             float low = axis[r][0], high = low;
@@ -189,11 +216,45 @@ struct JoinBounds {
             all.world_box.extend(bounds[c].world_box);
             all.fit_box.extend(bounds[c].fit_box);
             all.deviation = max_of(bounds[c].deviation, all.deviation);
+            all.shape_motion = max_of(bounds[c].shape_motion, all.shape_motion);
         }
         body.touch = constants::touch_tolerance * all.fit_box.extent();
         body.world_box = all.world_box.inflated(body.touch);
         body.fit_box = all.fit_box.inflated(body.touch);
         body.deviation = all.deviation + body.touch;
+        body.shape_motion = all.shape_motion + body.touch;
+    }
+};
+
+/// A body as the last step saw it.
+struct SeenBody {
+    BodyId id;
+    Frame fit;
+    bool active = false;
+};
+
+/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
+/// A body that is seen for the first time may do anything. Reads bodies and settings; writes reach and what was seen.
+struct MeasureReach {
+    View<BodyView> bodies;
+    View<const BodyId> ids;
+    Settings settings;
+    View<SeenBody> seen;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        BodyView& body = bodies[i];
+        const SeenBody last = seen[i];
+        seen[i] = {ids[i], body.fit, body.active};
+        body.reach = 0;
+        if (!body.active) return;
+        if (settings.prediction_distance >= 0) {
+            body.reach = 0.5 * settings.prediction_distance;
+            return;
+        }
+        body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
+        if (!last.active || last.id != ids[i]) return;
+        const double motion = largest_motion(last.fit, body.fit, body.fit_box) + body.shape_motion;
+        body.reach = min_of(settings.full_every * motion, body.reach);
     }
 };
 

@@ -50,7 +50,7 @@ struct TestInside {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         inside[i] = 0;
-        if (hits[i].triangle == no_triangle) return;
+        if (hits[i].triangle == no_triangle || hits[i].predicted) return;
         const Meeting m = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
         inside[i] = m.exit;
         depths[i] = m.t;

@@ -3,6 +3,7 @@
 #include "pierce/core/contact.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/pairs.hpp"
+#include "pierce/core/temporal.hpp"
 
 /// Stage 10, contacts: writes the contact list in (pair, side, vertex) order and carries ages over.
 namespace pierce::stages {
@@ -38,6 +39,8 @@ struct FillContact {
     View<const RaySource> sources;
     View<const Hit> hits;
     View<const std::uint32_t> candidates, order;
+    View<const Route> routes;  ///< empty if steps do not remember
+    View<const Found> found;   ///< per ray, where it was walked
     View<const std::uint32_t> links;
     View<const std::uint64_t> last_keys;
     View<const std::uint32_t> last_ages;
@@ -68,6 +71,7 @@ struct FillContact {
         c.b = ids[pair.b];
         c.source = static_cast<Side>(from.side);
         c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
+        if (routes.size > 0 && routes[r] == Route::walked) c.found = found[r];
         c.vertex = from.vertex;
         c.triangle = hits[r].triangle;
         for (int k = 0; k < 3; ++k) c.barycentric[k] = m.barycentric[k];

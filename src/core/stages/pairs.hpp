@@ -26,13 +26,13 @@ struct SweepKey {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& body = bodies[i];
         order[i] = i;
-        keys[i] = body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch)) : ~std::uint64_t{0};
+        keys[i] = body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch - body.reach)) : ~std::uint64_t{0};
     }
 };
 
 /// What the sweep looks at of a body.
 struct SweepItem {
-    Box box;  ///< in the world, grown by the touch tolerance; empty if the body is left out
+    Box box;  ///< in the world, grown by touch tolerance and reach; empty if the body is left out
     std::uint32_t body = 0;
     bool moves = false;
 };
@@ -47,7 +47,7 @@ struct GatherSweep {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& body = bodies[order[i]];
-        items[i] = {body.active ? body.world_box.inflated(body.touch) : Box{}, order[i], body.motion != Motion::fixed};
+        items[i] = {body.active ? body.world_box.inflated(body.touch + body.reach) : Box{}, order[i], body.motion != Motion::fixed};
     }
 };
 
@@ -85,7 +85,7 @@ struct TestPair {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& a = bodies[static_cast<std::uint32_t>(keys[i] >> 32)];
         const BodyView& b = bodies[static_cast<std::uint32_t>(keys[i])];
-        keep[i] = oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch));
+        keep[i] = oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch) + a.reach + b.reach);
     }
 };
 

@@ -31,34 +31,83 @@ PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& tar
     return min_of(target.fit_box.extent(), box_range(source, to_double(source.positions[vertex]), direction));
 }
 
-/// Per kept patch: writes its rays. Reads masks and offsets; writes rays and their sources.
+/// Moves a record's material point to where it is now and returns how far the vertex has moved relative to it, in the
+/// target's fit frame.
+PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView& target, Vec3d origin) {
+    const Triangle& t = target.mesh.triangles[record.seen_triangle];
+    const double u = static_cast<double>(record.seen_weight[0]), v = static_cast<double>(record.seen_weight[1]);
+    const Vec3d now = u * to_double(target.positions[t.vertex[0]]) + v * to_double(target.positions[t.vertex[1]]) +
+                      (1 - u - v) * to_double(target.positions[t.vertex[2]]);
+    const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{}).transposed();
+    return length(to_fit * (now - origin) - to_double(record.seen_offset));
+}
+
+/// Per kept patch: writes its rays and, if steps remember, what becomes of them: nothing while a vertex is proved to be
+/// outside, a walk from its record, or a full ray. Reads masks and offsets, last step's masks and records.
 struct GenerateRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
     View<const std::uint32_t> masks, offsets;
+    Settings settings;
+    RecordsView last;
     View<Ray> rays;
     View<RaySource> sources;
+    View<Hit> hits;
+    View<Route> routes;  ///< this and the next are empty if steps do not remember
+    View<VertexRecord> records;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const CullItem item = patches[i];
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
-        const BodyView& target = bodies[d.target];
+        const std::uint32_t before = routes.size > 0 ? last.patch(d.last_blocks, item.index) : no_record;
         std::uint32_t slot = offsets[i];
-        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1) {
+        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1, ++slot) {
             const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
             const std::uint32_t v = source.mesh.patch_vertices[patch_begin(item.index) + k];
-            const Vec3d direction = inward_direction(source, v);
-            Ray ray;
-            ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
-            ray.direction = normalized(d.to_space.rotation * direction);
-            ray.t_max = length_squared(direction) > 0 ? inward_range(source, target, v, direction) : -1.0;
-            ray.target = d.target;
-            rays[slot] = ray;
             sources[slot] = {item.directed / 2, item.directed % 2, v};
-            ++slot;
+            hits[slot] = {};
+            if (routes.size > 0) {
+                const VertexRecord* record = last.vertex(before, k);
+                records[slot] = record != nullptr ? *record : VertexRecord{};
+                if (settings.temporal == Temporal::certified && record != nullptr && record->expiry > d.odometer) {
+                    routes[slot] = Route::skip;
+                    rays[slot] = {};
+                    rays[slot].t_max = -1;
+                    rays[slot].target = d.target;
+                    continue;
+                }
+            }
+            rays[slot] = make_ray(d, v);
+            if (routes.size > 0) routes[slot] = route(d, rays[slot], records[slot]);
+            if (settings.temporal == Temporal::paper && settings.predict) rays[slot].outward = d.reach;
         }
+    }
+
+private:
+    PIERCE_HD Ray make_ray(const DirectedPair& d, std::uint32_t v) const {
+        const BodyView& source = bodies[d.source];
+        const Vec3d direction = inward_direction(source, v);
+        Ray ray;
+        ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
+        ray.direction = normalized(d.to_space.rotation * direction);
+        ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
+        ray.target = d.target;
+        return ray;
+    }
+
+    PIERCE_HD Route route(const DirectedPair& d, const Ray& ray, const VertexRecord& record) const {
+        const BodyView& target = bodies[d.target];
+        if (!(ray.t_max >= 0)) return Route::skip;
+        if (record.triangle == no_triangle) return Route::full;
+        if (settings.temporal == Temporal::certified)
+            return target.motion == Motion::deforming ? Route::full : Route::walk;  // rings are of the rest shape
+        if (d.pass == Pass::full) return Route::full;
+        const bool deforms = target.motion == Motion::deforming || bodies[d.source].motion == Motion::deforming;
+        if (!deforms) return Route::walk;
+        const double far = settings.walk_threshold * target.mesh.mean_edge_length;
+        return displacement(record, target, ray.origin) > far ? Route::full : Route::walk;
     }
 };
 

@@ -4,6 +4,7 @@
 
 #include "pierce/core/body.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/stages/displacement.hpp"
 
 /// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then vertices.
 namespace pierce::stages {
@@ -14,23 +15,39 @@ struct DirectedPair {
     std::uint32_t target = 0;
     Frame to_fit;    ///< source space to the target's fit frame
     Frame to_space;  ///< source space to target space
+    double reach = 0;     ///< [length] vertices this far outside are wanted too
+    float odometer = 0;   ///< the pair's
+    Pass pass = Pass::full;
+    std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
 };
 
 /// Per directed pair (pair * 2 + side): the frames, and how many blocks of patches there are to test; none if the target
-/// has no inside. Reads pairs and bodies; writes directed pairs and counts.
+/// has no inside. Reads pairs, bodies and, if steps remember, the pairs' memory; writes directed pairs and counts.
 struct DirectPair {
     View<const BodyView> bodies;
     View<const Pair> pairs;
+    View<const std::uint32_t> links;
+    View<const PairMemory> memory, last;  ///< empty if steps do not remember
     View<DirectedPair> directed;
     View<std::uint32_t> block_counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Pair pair = pairs[i / 2];
-        const DirectedPair d{pair.source(i % 2), pair.target(i % 2), {}, {}};
+        DirectedPair d;
+        d.source = pair.source(i % 2);
+        d.target = pair.target(i % 2);
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
-        directed[i] = {d.source, d.target, relative_frame(source.space, target.fit),
-                       relative_frame(source.space, target.space)};
+        d.to_fit = relative_frame(source.space, target.fit);
+        d.to_space = relative_frame(source.space, target.space);
+        d.reach = source.reach + target.reach;
+        if (memory.size > 0) {
+            const PairMemory& m = memory[i / 2];
+            d.odometer = static_cast<float>(m.odometer);
+            d.pass = m.pass;
+            if (m.known) d.last_blocks = last[links[i / 2]].first_block[i % 2];
+        }
+        directed[i] = d;
         block_counts[i] = target.mesh.clearance.steps.size > 0 ? block_count(source.mesh) : 0;
     }
 };
@@ -41,23 +58,33 @@ struct CullItem {
     std::uint32_t index = 0;
 };
 
-/// Per directed pair: lists its blocks. Reads counts and offsets; writes items.
+/// Per directed pair: lists its blocks, and writes where they begin. Reads counts and offsets; writes items.
 struct ListBlocks {
     View<const std::uint32_t> counts, offsets;
     View<CullItem> items;
+    View<PairMemory> memory;  ///< empty if steps do not remember
+    View<std::uint32_t> begins;
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
+        begins[i] = offsets[i];
+        if (memory.size > 0) memory[i / 2].first_block[i % 2] = offsets[i];
         for (std::uint32_t b = 0; b < counts[i]; ++b) items[offsets[i] + b] = {i, b};
     }
 };
 
-/// A bit for every ball that may reach the target's solid or touch it: it overlaps the target's box, and the clearance of
-/// its centre, less the deviation, is not larger than its radius. The balls' centres are `center` and offsets from it,
-/// turned and placed by `to_fit`; `reach` is how far they go from `center` at most. Points, if `radius` is null.
-PIERCE_HD inline std::uint32_t near_balls(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
-                                          const float* radius, double reach) {
+/// Balls seen from a target: how far outside of its solid each of them lies at least, and which ones may not be outside.
+struct Nearness {
+    float clearance[Offsets::count];
+    std::uint32_t mask = 0;  ///< a bit for every ball with no clearance
+};
+
+/// Measures balls against a target: against its box, and by the clearance of their centres less the target's deviation. Their
+/// centres are `center` and offsets from it, turned and placed by `to_fit`; `span` is how far the balls go from `center` at
+/// most. Points, if `radius` is null. `extra` is taken off.
+PIERCE_HD inline Nearness measure_balls(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
+                                        const float* radius, double span, double extra) {
     const ClearanceGridView& grid = target.mesh.clearance;
     const Vec3d corner = grid.box.lower;
     const Vec3d in_grid = to_fit.to_parent(center) - corner;
@@ -65,11 +92,11 @@ PIERCE_HD inline std::uint32_t near_balls(const BodyView& target, const Frame& t
     const TurnedOffsets turned(offsets, to_fit.rotation);
     // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of their size each at most.
     const double rounding =
-        4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + reach);
-    const auto margin = static_cast<float>(2 * target.touch + rounding);
+        4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + span);
+    const auto margin = static_cast<float>(2 * target.touch + rounding + extra);
     const Vec3f low = to_float(target.fit_box.lower - corner), high = to_float(target.fit_box.upper - corner);
     const auto per_length = static_cast<float>(grid.per_length);
-    float beyond[Offsets::count] = {}, near[Offsets::count];
+    float beyond[Offsets::count] = {}, steps[Offsets::count];
     std::int32_t cell[3][Offsets::count];
     for (int r = 0; r < 3; ++r) {
         const float last = static_cast<float>(grid.size[r]) - 1.0f;
@@ -81,70 +108,132 @@ PIERCE_HD inline std::uint32_t near_balls(const BodyView& target, const Frame& t
             beyond[k] += gap * gap;
         }
     }
-    for (std::uint32_t k = 0; k < Offsets::count; ++k) near[k] = (radius != nullptr ? radius[k] : 0.0f) + margin;
+    for (std::uint32_t k = 0; k < Offsets::count; ++k)
+        steps[k] = static_cast<float>(grid.steps_at(cell[0][k], cell[1][k], cell[2][k]));
     const auto deviation = static_cast<float>(target.deviation);
     const auto step = static_cast<float>(grid.step);
-    std::uint32_t mask = 0;
-    for (std::uint32_t k = 0; k < Offsets::count; ++k) {
-        if (beyond[k] > near[k] * near[k]) continue;
-        const float clearance = step * static_cast<float>(grid.steps_at(cell[0][k], cell[1][k], cell[2][k]));
-        mask |= static_cast<std::uint32_t>(clearance <= near[k] + deviation) << k;
+    Nearness nearness;
+    PIERCE_VECTOR_LOOP
+    for (std::uint32_t k = 0; k < Offsets::count; ++k)
+        nearness.clearance[k] = max_of(std::sqrt(beyond[k]), steps[k] * step - deviation) - margin;
+    if (radius != nullptr) {
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t k = 0; k < Offsets::count; ++k) nearness.clearance[k] -= radius[k];
     }
-    return mask;
+    for (std::uint32_t k = 0; k < Offsets::count; ++k)
+        nearness.mask |= static_cast<std::uint32_t>(!(nearness.clearance[k] > 0)) << k;
+    return nearness;
 }
 
 /// The lowest `count` bits.
 PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) { return count < 32 ? (1u << count) - 1u : ~0u; }
 
-/// Per block: a bit for every patch that may hold a vertex inside the target or touching it, and their number.
+/// Per block: a bit for every patch that may hold a vertex inside the target or touching it, and their number. With block
+/// records: patches that were proved to be outside until now are not looked at again, and in a walk pass only those that
+/// were kept in the last step. Writes those records.
 struct CullBlock {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> blocks;
+    Temporal temporal = Temporal::off;
+    RecordsView last;
+    View<BlockRecord> records;
     View<std::uint32_t> masks, counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[blocks[i].directed];
         const BodyView& source = bodies[d.source];
-        const PatchBlock& block = source.blocks[blocks[i].index];
-        masks[i] = near_balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius, block.reach) &
-                   first_bits(block_length(source.mesh, blocks[i].index));
-        counts[i] = static_cast<std::uint32_t>(std::popcount(masks[i]));
+        const BlockRecord* before = d.last_blocks == no_record ? nullptr : &last.blocks[d.last_blocks + blocks[i].index];
+        const std::uint32_t all = first_bits(block_length(source.mesh, blocks[i].index));
+        std::uint32_t mask = 0;
+        if (temporal == Temporal::paper && d.pass == Pass::walk) {
+            mask = before->kept;
+        } else if (temporal == Temporal::certified && before != nullptr && expired(*before, d.odometer, all) == 0) {
+            for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
+        } else {
+            const PatchBlock& block = source.blocks[blocks[i].index];
+            const Nearness near = measure_balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
+                                                static_cast<double>(block.reach), d.reach);
+            mask = near.mask & all;
+            if (temporal == Temporal::certified) {
+                if (before != nullptr) mask &= expired(*before, d.odometer, all);
+                for (std::uint32_t k = 0; k < constants::block_size; ++k) {
+                    const float until = d.odometer + near.clearance[k];
+                    records[i].expiry[k] = before != nullptr ? max_of(before->expiry[k], until) : until;
+                }
+            }
+        }
+        if (temporal != Temporal::off) records[i].kept = mask;
+        masks[i] = mask;
+        counts[i] = static_cast<std::uint32_t>(std::popcount(mask));
+    }
+
+private:
+    PIERCE_HD static std::uint32_t expired(const BlockRecord& record, float odometer, std::uint32_t all) {
+        std::uint32_t mask = 0;
+        for (std::uint32_t k = 0; k < constants::block_size; ++k)
+            mask |= static_cast<std::uint32_t>(!(record.expiry[k] > odometer)) << k;
+        return mask & all;
     }
 };
 
-/// Per block: lists the patches it keeps. Reads masks and offsets; writes patches.
+/// Per block: lists the patches it keeps, and writes where they begin. Reads masks and offsets; writes patches.
 struct ListPatches {
     View<const CullItem> blocks;
     View<const std::uint32_t> masks, offsets;
+    View<BlockRecord> records;  ///< empty if steps do not remember
     View<CullItem> patches;
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t slot = offsets[i];
+        if (records.size > 0) records[i].first_patch = slot;
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
             patches[slot++] = {blocks[i].directed,
                                blocks[i].index * constants::block_size + static_cast<std::uint32_t>(std::countr_zero(mask))};
     }
 };
 
-/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number.
+/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number. With records: a patch
+/// all whose vertices turn out to be outside need not be looked at until one of them may be near; in a walk pass the vertices
+/// with a triangle are kept.
 struct CullVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
+    Temporal temporal = Temporal::off;
+    RecordsView last;
+    View<const std::uint32_t> block_offsets;  ///< per directed pair
+    View<BlockRecord> records;
     View<std::uint32_t> masks, counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[patches[i].directed];
         const BodyView& source = bodies[d.source];
         const std::uint32_t p = patches[i].index;
-        const PatchBlock& block = source.blocks[p / constants::block_size];
-        masks[i] = near_balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p], nullptr,
-                              block.radius[p % constants::block_size]) &
-                   first_bits(patch_length(source.mesh, p));
-        counts[i] = static_cast<std::uint32_t>(std::popcount(masks[i]));
+        std::uint32_t mask = 0;
+        if (temporal == Temporal::paper && d.pass == Pass::walk) {
+            const std::uint32_t before = last.patch(d.last_blocks, p);
+            for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+                const VertexRecord* record = last.vertex(before, k);
+                mask |= static_cast<std::uint32_t>(record != nullptr && record->triangle != no_triangle) << k;
+            }
+        } else {
+            const PatchBlock& block = source.blocks[p / constants::block_size];
+            const Nearness near = measure_balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p],
+                                                nullptr, static_cast<double>(block.radius[p % constants::block_size]), d.reach);
+            const std::uint32_t all = first_bits(patch_length(source.mesh, p));
+            mask = near.mask & all;
+            if (temporal == Temporal::certified && mask == 0) {
+                float least = near.clearance[0];
+                for (std::uint32_t k = 1; k < patch_length(source.mesh, p); ++k) least = min_of(near.clearance[k], least);
+                records[block_offsets[patches[i].directed] + p / constants::block_size].expiry[p % constants::block_size] =
+                    d.odometer + least;
+            }
+        }
+        masks[i] = mask;
+        counts[i] = static_cast<std::uint32_t>(std::popcount(mask));
     }
 };
 

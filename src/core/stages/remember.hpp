@@ -1,0 +1,101 @@
+#pragma once
+
+#include "pierce/core/stages/vertex_cull.hpp"
+#include "pierce/core/stages/walk.hpp"
+
+/// Stage 11, remember: what the next step needs to know.
+namespace pierce::stages {
+
+/// Per full ray: writes its vertex's record. Reads rays and hits.
+struct Remember {
+    View<const BodyView> bodies;
+    View<const Ray> rays;  ///< all
+    View<const Hit> hits;
+    View<const std::uint32_t> slots;
+    View<VertexRecord> records;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t slot = slots[i];
+        VertexRecord& record = records[slot];
+        const Hit hit = hits[slot];
+        record.triangle = no_triangle;
+        record.predicted = 0;
+        if (hit.triangle == no_triangle) return;
+        const BodyView& target = bodies[rays[slot].target];
+        Ray ray = rays[slot];
+        if (hit.predicted) ray.direction = -ray.direction;
+        const Meeting m = meet(ray, target.surface(), hit.triangle);
+        if (m.exit == hit.predicted) return;
+        record.triangle = record.seen_triangle = hit.triangle;
+        record.predicted = hit.predicted;
+        for (int k = 0; k < 2; ++k) record.seen_weight[k] = static_cast<float>(m.barycentric[k]);
+        const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{}).transposed();
+        record.seen_offset = to_float(m.t * (to_fit * ray.direction));
+    }
+};
+
+/// Per full ray: 1 where it is worth while to prove that its vertex is outside: the ray met nothing, and the last attempt was
+/// long ago. Reads hits and records.
+struct SelectUncertain {
+    View<const DirectedPair> directed;
+    View<const Ray> rays;
+    View<const RaySource> sources;
+    View<const Hit> hits;
+    View<const std::uint32_t> slots;
+    View<const VertexRecord> records;
+    View<std::uint32_t> flags;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t slot = slots[i];
+        const RaySource from = sources[slot];
+        flags[i] = hits[slot].triangle == no_triangle && rays[slot].t_max >= 0 &&
+                   !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
+    }
+};
+
+/// Per uncertain vertex: its ray, as long as the target's box. If that, too, meets nothing, no surface lies between the vertex
+/// and the far outside.
+struct ProlongRay {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const std::uint32_t> slots, uncertain;  ///< uncertain: places in slots
+    View<Ray> prolonged;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        Ray ray = rays[slots[uncertain[i]]];
+        const BodyView& target = bodies[ray.target];
+        const Vec3d in_fit = target.fit.to_local(target.space.to_parent(ray.origin));
+        ray.t_max = target.fit_box.extent() + target.fit_box.distance(in_fit) + target.touch;
+        ray.outward = 0;
+        prolonged[i] = ray;
+    }
+};
+
+/// Per uncertain vertex: until when it needs no ray. Its distance to the surface is how far it may move first.
+struct Certify {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const RaySource> sources;
+    View<const std::uint32_t> slots, uncertain;
+    View<const Ray> prolonged;
+    View<const Hit> hits;          ///< of the prolonged rays
+    View<const double> distances;  ///< [length] to the target's surface; capped
+    View<VertexRecord> records;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t slot = slots[uncertain[i]];
+        const BodyView& target = bodies[prolonged[i].target];
+        const RaySource from = sources[slot];
+        const float now = directed[2 * from.pair + from.side].odometer;
+        VertexRecord& record = records[slot];
+        record.expiry = now;
+        record.retry = now + static_cast<float>(constants::certificate_retry * target.mesh.mean_edge_length);
+        if (hits[i].triangle != no_triangle) return;
+        record.expiry = now + static_cast<float>(max_of(distances[i] - 2 * target.touch, 0.0));
+        record.retry = record.expiry;
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "pierce/core/contact.hpp"
+#include "pierce/core/stages/classify.hpp"
+#include "pierce/core/temporal.hpp"
+#include "pierce/core/walk.hpp"
+
+/// Stage 6, walk: answers from last step's triangle; a lost walk becomes a full ray of the same step.
+namespace pierce::stages {
+
+/// Per ray: 1 where its route is `wanted`. Reads routes.
+struct SelectRoute {
+    View<const Route> routes;
+    Route wanted = Route::full;
+    View<std::uint32_t> flags;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { flags[i] = routes[i] == wanted; }
+};
+
+/// Per ray: lists those that are flagged.
+struct ListSlots {
+    View<const std::uint32_t> flags, offsets;
+    View<std::uint32_t> slots;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (flags[i]) slots[offsets[i]] = i;
+    }
+};
+
+/// What a walk did.
+struct WalkCount {
+    std::uint32_t steps = 0;
+    bool lost = false;
+};
+
+/// Per walk: goes on from the record. In certified mode the result counts only if it is proved to be what a full ray would
+/// find; in the paper's, any exit ahead does, and one behind stays a prediction. Reads rays and routes; writes hits, routes
+/// and records.
+struct Walk {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const std::uint32_t> slots;
+    Temporal temporal = Temporal::paper;
+    View<Hit> hits;
+    View<Route> routes;
+    View<VertexRecord> records;
+    View<Found> found;  ///< per ray
+    View<WalkCount> counts;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t slot = slots[i];
+        const Ray& ray = rays[slot];
+        const BodyView& target = bodies[ray.target];
+        VertexRecord& record = records[slot];
+        const ShearedRay line(ray.origin, ray.direction);
+        const WalkEnd end = walk(target.mesh, target.positions, line, record.triangle, constants::walk_steps);
+        counts[i] = {end.steps, true};
+        found[slot] = Found::walk;
+        routes[slot] = Route::full;
+        if (end.kind != WalkEnd::found) return;
+        const Triangle& t = target.mesh.triangles[end.triangle];
+        const Vec3d corner[3] = {to_double(target.positions[t.vertex[0]]), to_double(target.positions[t.vertex[1]]),
+                                 to_double(target.positions[t.vertex[2]])};
+        const Crossing crossing = cross_triangle(line, corner[0], corner[1], corner[2]);
+        if (temporal == Temporal::certified) {
+            if (!is_only_crossing(ray, target.mesh.rings[end.triangle], corner, crossing, target.touch)) return;
+            if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
+            if (crossing.t <= ray.t_max) hits[slot].triangle = end.triangle;
+        } else {
+            if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
+            if (crossing.t < -(ray.outward + target.touch)) return;
+            const bool ahead = crossing.t >= -target.touch;
+            if (record.predicted) found[slot] = Found::prediction;
+            record.predicted = !ahead;
+            if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = end.triangle;
+        }
+        counts[i].lost = false;
+        routes[slot] = Route::walked;
+        record.triangle = end.triangle;
+    }
+};
+
+/// Per listed slot: copies its ray.
+struct GatherRays {
+    View<const Ray> rays;
+    View<const std::uint32_t> slots;
+    View<Ray> gathered;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { gathered[i] = rays[slots[i]]; }
+};
+
+/// Per listed slot: takes over its hit.
+struct ScatterHits {
+    View<const Hit> gathered;
+    View<const std::uint32_t> slots;
+    View<Hit> hits;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { hits[slots[i]] = gathered[i]; }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <bit>
+
+#include "pierce/core/constants.hpp"
+#include "pierce/core/pose.hpp"
+#include "pierce/core/ray.hpp"
+#include "pierce/core/view.hpp"
+
+/// What a step remembers for the next one. Everything is keyed by (pair, side, patch, vertex), is written anew in every step
+/// and read in the next, and dies with its pair, a removed body or another mesh.
+namespace pierce {
+
+inline constexpr std::uint32_t no_record = 0xffffffffu;
+
+/// What is done with a pair in a step that remembers by the paper's threshold.
+enum class Pass : std::uint8_t {
+    full,  ///< all its vertices are looked at
+    walk,  ///< only those with a record
+};
+
+/// A pair's memory.
+struct PairMemory {
+    Frame relative;              ///< the fit of a to that of b
+    double odometer = 0;         ///< [length] no point of a or b has moved further relative to the other since memory began
+    double at_full = 0;          ///< the odometer at the last full pass
+    std::uint32_t since_full = 0;  ///< steps
+    Pass pass = Pass::full;
+    bool known = false;               ///< last step's records hold
+    std::uint32_t first_block[2] = {};  ///< where the block records of its two directions begin
+};
+
+/// A block of patches of one direction of a pair: 72 bytes.
+struct BlockRecord {
+    float expiry[constants::block_size] = {};  ///< per patch: outside the target until the odometer stands there
+    std::uint32_t kept = 0;                    ///< a bit for every patch whose vertices were looked at
+    std::uint32_t first_patch = 0;             ///< where those begin
+};
+
+/// A vertex that was near the target: 40 bytes.
+struct VertexRecord {
+    std::uint32_t triangle = no_triangle;  ///< its ray's last hit, or the triangle it is predicted to enter through
+    std::uint32_t predicted = 0;           ///< 1: still outside
+    float expiry = 0;                      ///< no contact until the odometer stands there
+    float retry = 0;                       ///< no attempt to prove that before
+    // Where the ray met the target when it was last traced: the material point, and the way there in the target's fit frame.
+    std::uint32_t seen_triangle = no_triangle;
+    float seen_weight[2] = {};
+    Vec3f seen_offset;
+};
+
+/// Last step's records, found without a search: a block knows which patches it kept, a patch which vertices.
+struct RecordsView {
+    View<const BlockRecord> blocks;
+    View<const std::uint32_t> patch_masks, patch_offsets;
+    View<const VertexRecord> vertices;
+
+    /// The index of the patch's mask, or no_record.
+    PIERCE_HD std::uint32_t patch(std::uint32_t first_block, std::uint32_t patch) const {
+        if (first_block == no_record) return no_record;
+        const BlockRecord& block = blocks[first_block + patch / constants::block_size];
+        const std::uint32_t bit = 1u << patch % constants::block_size;
+        if (!(block.kept & bit)) return no_record;
+        return block.first_patch + static_cast<std::uint32_t>(std::popcount(block.kept & (bit - 1)));
+    }
+
+    /// The record of the patch's k-th vertex, or null.
+    PIERCE_HD const VertexRecord* vertex(std::uint32_t patch_record, std::uint32_t k) const {
+        if (patch_record == no_record) return nullptr;
+        const std::uint32_t mask = patch_masks[patch_record], bit = 1u << k;
+        if (!(mask & bit)) return nullptr;
+        return &vertices[patch_offsets[patch_record] + static_cast<std::uint32_t>(std::popcount(mask & (bit - 1)))];
+    }
+};
+
+/// What becomes of a vertex near the target in this step.
+enum class Route : std::uint32_t {
+    skip,    ///< certainly no contact
+    walk,    ///< from its record
+    full,    ///< a ray through the target's tree
+    walked,  ///< the walk found the answer
+};
+
+}  // namespace pierce

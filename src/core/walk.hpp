@@ -1,0 +1,83 @@
+#pragma once
+
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/ray.hpp"
+#include "pierce/core/triangle.hpp"
+
+namespace pierce {
+
+/// How a walk over a surface ended.
+struct WalkEnd {
+    enum Kind : std::uint8_t {
+        found,       ///< the line passes through `triangle`
+        silhouette,  ///< the surface turned away twice
+        boundary,    ///< there is no triangle, or more than one, across the edge
+        edge_on,     ///< the line lies in the triangle's plane
+        step_limit,
+    };
+    Kind kind = step_limit;
+    std::uint32_t triangle = no_triangle;
+    std::uint32_t steps = 0;  ///< from triangle to triangle
+};
+
+/// Walks from triangle `start` to one that the line meets, each time across the edge the line passes by on the wrong side of
+/// by most (Lehericey, Gouranton and Arnaldi 2013). Need not find the first crossing, nor any.
+PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions, const ShearedRay& line, std::uint32_t start,
+                              std::uint32_t max_steps) {
+    std::uint32_t at = start, from = no_triangle;
+    double side = 0;
+    std::uint32_t turns = 0;
+    for (std::uint32_t step = 0;; ++step) {
+        const Triangle& t = mesh.triangles[at];
+        const Vec3d p = line.sheared(to_double(positions[t.vertex[0]]) - line.origin);
+        const Vec3d q = line.sheared(to_double(positions[t.vertex[1]]) - line.origin);
+        const Vec3d r = line.sheared(to_double(positions[t.vertex[2]]) - line.origin);
+        // Twice the areas the line's point spans with the edges; all of one sign if it lies inside.
+        const double area[3] = {r.x * q.y - r.y * q.x, p.x * r.y - p.y * r.x, q.x * p.y - q.y * p.x};
+        const double all = area[0] + area[1] + area[2];
+        if (all == 0) return {WalkEnd::edge_on, at, step};
+        const double sign = all > 0 ? 1.0 : -1.0;
+        if (side != 0 && sign != side && ++turns > 1) return {WalkEnd::silhouette, at, step};
+        side = sign;
+        if (sign * area[0] >= 0 && sign * area[1] >= 0 && sign * area[2] >= 0) return {WalkEnd::found, at, step};
+        if (step == max_steps) return {WalkEnd::step_limit, at, step};
+
+        const Vec3d edge[3] = {r - q, p - r, q - p};
+        std::uint32_t next = no_triangle;
+        double worst = 0;
+        bool any = false;
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t across = mesh.neighbors[at].across[k];
+            if (sign * area[k] >= 0 || (across == from && across != no_triangle)) continue;
+            const double distance = sign * area[k] / std::sqrt(edge[k].x * edge[k].x + edge[k].y * edge[k].y);
+            if (any && !(distance < worst)) continue;
+            any = true;
+            worst = distance;
+            next = across;
+        }
+        if (!any) return {WalkEnd::silhouette, at, step};
+        if (next == no_triangle) return {WalkEnd::boundary, at, step};
+        from = at;
+        at = next;
+    }
+}
+
+/// True if `crossing`, of `ray` with `triangle`, is certainly the ray's first crossing of the surface and leads out of it, so
+/// that a tracer would return this triangle. `corner` are the triangle's.
+///
+/// Proof. Let Q be the point met, t its distance and c the triangle's centroid. Whatever the ray crosses up to t lies within t of
+/// Q, so within |Q - c| + t of c. No triangle outside the ring (those that share a vertex with this one) comes so close to c.
+/// The ring's triangles all face the way the ray goes, and each of the three fans it is made of goes around its vertex once:
+/// seen along the ray, triangles of a fan do not cover each other. So a line through the inside of this triangle meets no other
+/// of the ring.
+PIERCE_HD inline bool is_only_crossing(const Ray& ray, const TriangleRing& ring, const Vec3d corner[3],
+                                       const Crossing& crossing, double touch) {
+    if (crossing.kind != Crossing::transversal || !(crossing.sign > 0) || !(crossing.t > touch)) return false;
+    if (!(crossing.weight[0] > 0) || !(crossing.weight[1] > 0) || !(crossing.weight[2] > 0)) return false;
+    if (!(dot(to_double(ring.axis), ray.direction) > static_cast<double>(ring.sine))) return false;
+    const Vec3d center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
+    const Vec3d met = ray.origin + crossing.t * ray.direction;
+    return length(met - center) + crossing.t + 2 * touch < static_cast<double>(ring.reach);
+}
+
+}  // namespace pierce
