@@ -28,4 +28,20 @@ PIERCE_HD inline Vec3d closest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     return best;
 }
 
+/// Distance between two segments.
+PIERCE_HD inline double segment_distance(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
+    // Where the lines are closest, if that lies on both segments; else an end is closest (Ericson 2005, 5.1.9).
+    double best = length(a - closest_on_segment(a, c, d));
+    best = min_of(length(b - closest_on_segment(b, c, d)), best);
+    best = min_of(length(c - closest_on_segment(c, a, b)), best);
+    best = min_of(length(d - closest_on_segment(d, a, b)), best);
+    const Vec3d u = b - a, v = d - c, w = a - c;
+    const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w);
+    const double det = uu * vv - uv * uv;
+    if (!(det > 0)) return best;
+    const double s = (uv * vw - vv * uw) / det, t = (uu * vw - uv * uw) / det;
+    if (s < 0 || s > 1 || t < 0 || t > 1) return best;
+    return min_of(length(w + s * u - t * v), best);
+}
+
 }  // namespace pierce

@@ -78,8 +78,8 @@ inline constexpr double prediction_limit = 2.0;
 /// more than it saves.
 inline constexpr double certificate_limit = 1.0;
 
-/// After a proof has failed, the bodies must have moved this much before it is tried again [mean edge length of the target].
-inline constexpr double certificate_retry = 0.25;
+/// A vertex that could not be proved to be outside for so many steps to come is not tried again before [steps].
+inline constexpr float certificate_steps = 8;
 
 /// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us against 25 ns.
 inline constexpr double rebuild_cost = 20.0;

@@ -81,7 +81,9 @@ struct Neighbors {
 struct TriangleRing {
     Vec3f axis;       ///< a cone around it holds all their normals
     float sine = 2;   ///< of the cone's half angle; 2 if they face different ways, or do not lie side by side around it
-    float reach = 0;  ///< [length] no other triangle comes closer to the triangle's centroid
+    float gap = 0;    ///< [length] no other triangle comes closer to any point of the triangle
+    float openness = 0;  ///< no triangle of the ring comes closer to a point of the triangle than this part of the point's
+                         ///< distance to the triangle's border
 };
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.

@@ -224,10 +224,11 @@ private:
         const std::uint32_t walks = list_route(Route::walk, walk_slots_);
         walk_counts_.resize(walks);
         found_.resize(rays_.size());
+        meetings_.resize(rays_.size());
         executor_.for_each("walk", walks,
                            stages::Walk{scene.bodies, view_of(rays_), view_of(walk_slots_), scene.plan->temporal,
                                         view_of(hits_), view_of(routes_), view_of(records_), view_of(found_),
-                                        view_of(walk_counts_)});
+                                        view_of(meetings_), view_of(walk_counts_)});
         const std::uint32_t full = list_route(Route::full, full_slots_);
         full_rays_.resize(full);
         full_hits_.resize(full);
@@ -251,9 +252,10 @@ private:
     void test_inside(View<const BodyView> bodies) {
         const auto ray_count = static_cast<std::uint32_t>(rays_.size());
         counts_.resize(ray_count);
-        depths_.resize(ray_count);
+        meetings_.resize(ray_count);
         executor_.for_each("test_inside", ray_count,
-                           stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(counts_), view_of(depths_)});
+                           stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(routes_), view_of(counts_),
+                                               view_of(meetings_)});
         const std::uint32_t total = place("inside_scan");
         candidates_.resize(total);
         own_rays_.clear();
@@ -268,7 +270,7 @@ private:
         starts_inside_.resize(candidates_.size());
         executor_.for_each(
             "generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
-            stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(depths_),
+            stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(meetings_),
                                     view_of(candidates_), view_of(own_rays_), view_of(starts_inside_)});
     }
 
@@ -277,7 +279,7 @@ private:
         counts_.resize(candidates_.size());
         executor_.for_each(
             "test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
-            stages::TestOwnExit{bodies, view_of(rays_), view_of(depths_), view_of(candidates_), view_of(own_rays_),
+            stages::TestOwnExit{bodies, view_of(rays_), view_of(meetings_), view_of(candidates_), view_of(own_rays_),
                                 view_of(own_hits_), view_of(starts_inside_), view_of(counts_)});
     }
 
@@ -294,7 +296,7 @@ private:
         executor_.sort("contact_sort", view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
-            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
+            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_), view_of(meetings_),
                                 view_of(candidates_), view_of(order_), view_of(routes_), view_of(found_), view_of(links_), view_of(last_contact_keys_),
                                 view_of(last_ages_), view_of(ages_), view_of(contacts_)});
     }
@@ -318,17 +320,17 @@ private:
                            stages::ListSlots{view_of(counts_), view_of(offsets_), view_of(uncertain_)});
         full_rays_.resize(uncertain);
         full_hits_.resize(uncertain);
-        depths_.resize(uncertain);
+        distances_.resize(uncertain);
         executor_.for_each("prolong_rays", uncertain,
                            stages::ProlongRay{scene.bodies, view_of(rays_), view_of(full_slots_), view_of(uncertain_),
                                               view_of(full_rays_)});
         update(scene.bodies, view_of(full_rays_));
         tracer_.closest_hits(executor_, "prove", scene.bodies, view_of(full_rays_), view_of(full_hits_));
-        tracer_.distances(executor_, "distances", scene.bodies, view_of(full_rays_), view_of(depths_));
+        tracer_.distances(executor_, "distances", scene.bodies, view_of(full_rays_), view_of(distances_));
         executor_.for_each("certify", uncertain,
                            stages::Certify{scene.bodies, view_of(directed_), view_of(sources_), view_of(full_slots_),
                                            view_of(uncertain_), view_of(full_rays_), view_of(full_hits_),
-                                           view_of(depths_), view_of(records_)});
+                                           view_of(distances_), view_of(records_)});
     }
 
     // Stage 12. What the step did; sums in contact order.
@@ -388,7 +390,8 @@ private:
     Buffer<Found> found_;
     Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_;
     Buffer<stages::WalkCount> walk_counts_;
-    Buffer<double> depths_;
+    Buffer<stages::Meeting> meetings_;
+    Buffer<double> distances_;
     Buffer<Contact> contacts_;
 
     // What steps remember, and last step's.

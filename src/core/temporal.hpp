@@ -22,6 +22,7 @@ enum class Pass : std::uint8_t {
 /// A pair's memory.
 struct PairMemory {
     Frame relative;              ///< the fit of a to that of b
+    double step = 0;             ///< [length] by how much the odometer went on in this step
     double odometer = 0;         ///< [length] no point of a or b has moved further relative to the other since memory began
     double at_full = 0;          ///< the odometer at the last full pass
     std::uint32_t since_full = 0;  ///< steps

@@ -1,6 +1,7 @@
 #include "pierce/core/triangle_rings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "pierce/core/bvh/box_tree.hpp"
@@ -68,25 +69,91 @@ bool goes_around_once(const MeshView& mesh, std::uint32_t v, Vec3d axis) {
     return std::abs(turn - 2 * std::numbers::pi) < std::numbers::pi;
 }
 
+/// True if an edge of `a` passes through `b`, ends and border of `b` left aside if they may share vertices.
+bool edge_pierces(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b, bool may_share = false) {
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d edge = a[(k + 1) % 3] - a[k];
+        const double size = length(edge);
+        if (!(size > 0)) continue;
+        const Crossing crossing = cross_triangle({a[k], (1 / size) * edge}, b[0], b[1], b[2]);
+        if (!crossing || crossing.t < 0 || crossing.t > size) continue;
+        const double inset = may_share ? constants::touch_tolerance : 0;
+        if (may_share && !(crossing.t > inset * size && crossing.t < (1 - inset) * size)) continue;
+        if (crossing.weight[0] >= inset && crossing.weight[1] >= inset && crossing.weight[2] >= inset) return true;
+    }
+    return false;
+}
+
+double triangle_distance(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b) {
+    if (edge_pierces(a, b) || edge_pierces(b, a)) return 0;
+    double best = length(a[0] - closest_on_triangle(a[0], b[0], b[1], b[2]));
+    for (int i = 0; i < 3; ++i) {
+        best = std::min(best, length(a[i] - closest_on_triangle(a[i], b[0], b[1], b[2])));
+        best = std::min(best, length(b[i] - closest_on_triangle(b[i], a[0], a[1], a[2])));
+        for (int j = 0; j < 3; ++j) best = std::min(best, segment_distance(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]));
+    }
+    return best;
+}
+
+/// No point x of `other`, which shares vertices with `own`, is closer to a point Q of `own` than this times Q's distance to the
+/// border of `own`. Beyond a shared edge lies a half plane: its distance from Q is that to the edge, or the dihedral angle's
+/// sine of it. At a shared vertex lies a wedge: unit vectors along the sides of one are that far from the other.
+double openness_towards(const MeshView& mesh, const Triangle& own, const Triangle& other) {
+    const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
+    std::vector<std::uint32_t> shared, own_rest, other_rest;
+    for (std::uint32_t v : own.vertex)
+        (std::ranges::find(other.vertex, v) != std::end(other.vertex) ? shared : own_rest).push_back(v);
+    for (std::uint32_t v : other.vertex)
+        if (std::ranges::find(own.vertex, v) == std::end(own.vertex)) other_rest.push_back(v);
+    if (shared.size() == 2) {
+        const Vec3d edge = normalized(at(shared[1]) - at(shared[0]));
+        const auto across = [&](std::uint32_t v) {
+            const Vec3d d = at(v) - at(shared[0]);
+            return normalized(d - dot(d, edge) * edge);
+        };
+        const Vec3d u = across(own_rest[0]), w = across(other_rest[0]);
+        return dot(u, w) <= 0 ? 1 : length(cross(u, w));
+    }
+    if (shared.size() != 1) return 0;
+    constexpr double far = 0x1p20;  // long enough for a triangle to stand for a wedge
+    const Vec3d apex = at(shared[0]);
+    const auto along = [&](std::uint32_t v) { return normalized(at(v) - apex); };
+    double least = 1;
+    for (int side = 0; side < 2; ++side) {
+        const auto& from = side == 0 ? own_rest : other_rest;
+        const auto& to = side == 0 ? other_rest : own_rest;
+        for (std::uint32_t v : from) {
+            const Vec3d closest = closest_on_triangle(along(v), {}, far * along(to[0]), far * along(to[1]));
+            least = std::min(least, length(along(v) - closest));
+        }
+    }
+    return least;
+}
+
 }  // namespace
 
 std::vector<TriangleRing> rings_of(const MeshView& mesh) {
     const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
-    const auto corner = [&](std::uint32_t t, int k) { return at(mesh.triangles[t].vertex[k]); };
+    const auto corners = [&](std::uint32_t t) {
+        const auto& [v] = mesh.triangles[t];
+        return std::array<Vec3d, 3>{at(v[0]), at(v[1]), at(v[2])};
+    };
     std::vector<Box> boxes(mesh.triangles.size);
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
-        for (int k = 0; k < 3; ++k) boxes[t].extend(corner(t, k));
-    const BoxTree tree(std::move(boxes));
+        for (Vec3d p : corners(t)) boxes[t].extend(p);
+    const BoxTree tree(boxes);
     const double rounding = constants::touch_tolerance * mesh.box.extent();
 
     std::vector<TriangleRing> rings(mesh.triangles.size);
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t) {
         TriangleRing& ring = rings[t];
-        const Vec3d center = (1.0 / 3) * (corner(t, 0) + corner(t, 1) + corner(t, 2));
+        const std::array<Vec3d, 3> own = corners(t);
+        const Vec3d center = (1.0 / 3) * (own[0] + own[1] + own[2]);
+        const double radius = std::max({length(own[0] - center), length(own[1] - center), length(own[2] - center)});
 
-        // The cone around the ring's normals, and where the rest of the surface begins.
+        // The cone around the ring's normals, and how far the rest of the surface is: twice the ring's size need not be exceeded.
         Vec3d sum;
-        double reach = 0;
+        double gap = 0;
         std::vector<Vec3d> normals;
         bool sound = true;
         for (std::uint32_t v : mesh.triangles[t].vertex)
@@ -95,16 +162,22 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
                 sound &= !is_degenerate(at(v), a, b);
                 normals.push_back(normalized(cross(a - at(v), b - at(v))));
                 sum += normals.back();
-                reach = std::max({reach, length(a - center), length(b - center)});
+                gap = std::max({gap, length(a - center), length(b - center)});
             }
-        Box region;
-        region.extend(center);
-        tree.for_each_in(region.inflated(reach), [&](std::uint32_t other) {
-            if (touches(mesh.triangles[t], mesh.triangles[other])) return;
-            const Vec3d closest = closest_on_triangle(center, corner(other, 0), corner(other, 1), corner(other, 2));
-            reach = std::min(reach, length(closest - center));
+        double openness = 1;
+        tree.for_each_in(boxes[t].inflated(gap), [&](std::uint32_t other) {
+            if (other == t) return;
+            const std::array<Vec3d, 3> its = corners(other);
+            if (touches(mesh.triangles[t], mesh.triangles[other])) {
+                const bool crosses = edge_pierces(own, its, true) || edge_pierces(its, own, true);
+                openness = crosses ? 0 : std::min(openness, openness_towards(mesh, mesh.triangles[t], mesh.triangles[other]));
+                return;
+            }
+            if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >= gap) return;
+            gap = std::min(gap, triangle_distance(own, its));
         });
-        ring.reach = round_down(std::max(reach - rounding, 0.0));
+        ring.gap = round_down(std::max(gap - rounding, 0.0));
+        ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
 
         const Vec3d axis = normalized(sum);
         double cosine = 1;

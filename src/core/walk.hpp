@@ -65,19 +65,25 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
 /// True if `crossing`, of `ray` with `triangle`, is certainly the ray's first crossing of the surface and leads out of it, so
 /// that a tracer would return this triangle. `corner` are the triangle's.
 ///
-/// Proof. Let Q be the point met, t its distance and c the triangle's centroid. Whatever the ray crosses up to t lies within t of
-/// Q, so within |Q - c| + t of c. No triangle outside the ring (those that share a vertex with this one) comes so close to c.
-/// The ring's triangles all face the way the ray goes, and each of the three fans it is made of goes around its vertex once:
+/// Proof. Let Q be the point met and t its distance. Whatever the ray crosses between a touch tolerance behind its
+/// origin and one beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No triangle outside the
+/// ring (those that share a vertex with this one) comes so close to any point of this triangle.
+/// If none of the ring comes so close to Q either, there is nothing else to cross. Otherwise, let the ring's triangles all face the
+/// way the ray goes, and each of the three fans it is made of go around its vertex once:
 /// seen along the ray, triangles of a fan do not cover each other. So a line through the inside of this triangle meets no other
 /// of the ring.
 PIERCE_HD inline bool is_only_crossing(const Ray& ray, const TriangleRing& ring, const Vec3d corner[3],
                                        const Crossing& crossing, double touch) {
-    if (crossing.kind != Crossing::transversal || !(crossing.sign > 0) || !(crossing.t > touch)) return false;
+    if (crossing.kind != Crossing::transversal || !(crossing.sign > 0) || !(crossing.t >= -touch)) return false;
     if (!(crossing.weight[0] > 0) || !(crossing.weight[1] > 0) || !(crossing.weight[2] > 0)) return false;
-    if (!(dot(to_double(ring.axis), ray.direction) > static_cast<double>(ring.sine))) return false;
-    const Vec3d center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
-    const Vec3d met = ray.origin + crossing.t * ray.direction;
-    return length(met - center) + crossing.t + 2 * touch < static_cast<double>(ring.reach);
+    const double near = std::fabs(crossing.t) + 2 * touch;
+    if (!(near < static_cast<double>(ring.gap))) return false;
+    if (dot(to_double(ring.axis), ray.direction) > static_cast<double>(ring.sine)) return true;
+    const double area = length(cross(corner[1] - corner[0], corner[2] - corner[0]));
+    double border = crossing.weight[0] * area / length(corner[2] - corner[1]);
+    for (int k = 1; k < 3; ++k)
+        border = min_of(crossing.weight[k] * area / length(corner[(k + 2) % 3] - corner[(k + 1) % 3]), border);
+    return near < static_cast<double>(ring.openness) * border;
 }
 
 }  // namespace pierce

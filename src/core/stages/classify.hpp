@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pierce/core/stages/ray_gen.hpp"
+#include "pierce/core/temporal.hpp"
 
 /// Stage 9, classify: which hits are contacts. Rules of Hermann, Faure and Raffin (2008), in the form
 ///   R1  the ray leaves the target at its first crossing, so the vertex was inside;
@@ -16,13 +17,8 @@ struct Meeting {
     bool exit = false;  ///< leaves the target, or touches its surface
 };
 
-/// Recomputes the meeting from the triangle itself, so that no tracer's arithmetic reaches a result.
-PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    const Vec3d a = to_double(surface.positions[t.vertex[0]]);
-    const Vec3d b = to_double(surface.positions[t.vertex[1]]);
-    const Vec3d c = to_double(surface.positions[t.vertex[2]]);
-    const Crossing crossing = cross_triangle({ray.origin, ray.direction}, a, b, c);
+/// The meeting of a ray with a triangle it crosses, or lies in.
+PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Vec3d a, Vec3d b, Vec3d c, double touch) {
     Meeting m;
     if (crossing.kind == Crossing::coplanar) {
         // The origin lies in the triangle: barycentrics by areas.
@@ -34,26 +30,37 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
         m.exit = true;
         return m;
     }
-    m.t = crossing.t > surface.touch ? crossing.t : 0.0;
+    m.t = crossing.t > touch ? crossing.t : 0.0;
     for (int k = 0; k < 3; ++k) m.barycentric[k] = crossing.weight[k];
     m.exit = crossing.sign > 0;
     return m;
 }
 
-/// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere, and the depth there.
+/// Computed from the triangle itself, so that no tracer's arithmetic reaches a result.
+PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    const Vec3d a = to_double(surface.positions[t.vertex[0]]);
+    const Vec3d b = to_double(surface.positions[t.vertex[1]]);
+    const Vec3d c = to_double(surface.positions[t.vertex[2]]);
+    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c, surface.touch);
+}
+
+/// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere, and how its ray leaves the
+/// target there. Walks have met their triangle already.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
     View<const Hit> hits;
+    View<const Route> routes;  ///< empty if steps do not remember
     View<std::uint32_t> inside;
-    View<double> depths;  ///< [length] written where inside
+    View<Meeting> meetings;  ///< written where inside
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         inside[i] = 0;
         if (hits[i].triangle == no_triangle || hits[i].predicted) return;
-        const Meeting m = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
-        inside[i] = m.exit;
-        depths[i] = m.t;
+        if (routes.size == 0 || routes[i] != Route::walked)
+            meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
+        inside[i] = meetings[i].exit;
     }
 };
 
@@ -83,7 +90,7 @@ struct GenerateOwnRays {
     View<const Pair> pairs;
     View<const Ray> rays;
     View<const RaySource> sources;
-    View<const double> depths;
+    View<const Meeting> meetings;
     View<const std::uint32_t> candidates;
     View<Ray> own_rays;
     View<std::uint32_t> starts_inside;
@@ -102,7 +109,7 @@ struct GenerateOwnRays {
             ray.target = body_index;
             ray.excluded_vertex = source.vertex;
             starts_inside[i] = leads_inside(body.mesh, body.positions, source.vertex, ray.direction);
-            const double depth = depths[candidates[i]];
+            const double depth = meetings[candidates[i]].t;
             if (!starts_inside[i])
                 ray.t_max = body.fit_box.extent();
             else if (!is_free(body, source.vertex, depth))
@@ -118,7 +125,7 @@ struct GenerateOwnRays {
 struct TestOwnExit {
     View<const BodyView> bodies;
     View<const Ray> rays;
-    View<const double> depths;
+    View<const Meeting> meetings;
     View<const std::uint32_t> candidates;
     View<const Ray> own_rays;  ///< empty if no source deforms
     View<const Hit> own_hits;
@@ -136,7 +143,7 @@ struct TestOwnExit {
         }
         const std::uint32_t r = candidates[i];
         const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(), own_hits[i].triangle);
-        keep[i] = own.exit && depths[r] <= own.t + bodies[rays[r].target].touch;
+        keep[i] = own.exit && meetings[r].t <= own.t + bodies[rays[r].target].touch;
     }
 };
 

@@ -38,6 +38,7 @@ struct FillContact {
     View<const Ray> rays;
     View<const RaySource> sources;
     View<const Hit> hits;
+    View<const Meeting> meetings;
     View<const std::uint32_t> candidates, order;
     View<const Route> routes;  ///< empty if steps do not remember
     View<const Found> found;   ///< per ray, where it was walked
@@ -55,7 +56,7 @@ struct FillContact {
         const BodyView& source = bodies[pair.source(from.side)];
         const BodyView& target = bodies[ray.target];
         const Surface surface = target.surface();
-        const Meeting m = meet(ray, surface, hits[r].triangle);
+        const Meeting& m = meetings[r];
         const Triangle& t = surface.triangles[hits[r].triangle];
         const Vec3d corner[3] = {to_double(surface.positions[t.vertex[0]]), to_double(surface.positions[t.vertex[1]]),
                                  to_double(surface.positions[t.vertex[2]])};

@@ -28,7 +28,8 @@ struct MeasureDisplacement {
             const double moved = max_of(largest_motion(before.relative, m.relative, a.fit_box),
                                         largest_motion(before.relative.inverse(), m.relative.inverse(), b.fit_box));
             const double rounding = constants::double_rounding * (a.world_box.max_coordinate() + b.world_box.max_coordinate());
-            m.odometer = before.odometer + moved + a.shape_motion + b.shape_motion + rounding;
+            m.step = moved + a.shape_motion + b.shape_motion + rounding;
+            m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;
             m.since_full = before.since_full + 1;
             // float32 records tell odometers apart only so far; by then all of them have expired.

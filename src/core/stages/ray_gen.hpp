@@ -72,10 +72,7 @@ struct GenerateRays {
                 const VertexRecord* record = last.vertex(before, k);
                 records[slot] = record != nullptr ? *record : VertexRecord{};
                 if (settings.temporal == Temporal::certified && record != nullptr && record->expiry > d.odometer) {
-                    routes[slot] = Route::skip;
-                    rays[slot] = {};
-                    rays[slot].t_max = -1;
-                    rays[slot].target = d.target;
+                    routes[slot] = Route::skip;  // and the ray is nobody's to read
                     continue;
                 }
             }

@@ -88,13 +88,13 @@ struct Certify {
         const std::uint32_t slot = slots[uncertain[i]];
         const BodyView& target = bodies[prolonged[i].target];
         const RaySource from = sources[slot];
-        const float now = directed[2 * from.pair + from.side].odometer;
+        const DirectedPair& d = directed[2 * from.pair + from.side];
         VertexRecord& record = records[slot];
-        record.expiry = now;
-        record.retry = now + static_cast<float>(constants::certificate_retry * target.mesh.mean_edge_length);
-        if (hits[i].triangle != no_triangle) return;
-        record.expiry = now + static_cast<float>(max_of(distances[i] - 2 * target.touch, 0.0));
-        record.retry = record.expiry;
+        const bool outside = hits[i].triangle == no_triangle;
+        const double free = outside ? max_of(distances[i] - 2 * target.touch, 0.0) : 0.0;
+        record.expiry = d.odometer + static_cast<float>(free);
+        // A proof costs as much as a few rays: one that would hold for less is not worth it.
+        record.retry = d.odometer + max_of(static_cast<float>(free), constants::certificate_steps * d.step);
     }
 };
 

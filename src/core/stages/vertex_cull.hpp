@@ -17,6 +17,7 @@ struct DirectedPair {
     Frame to_space;  ///< source space to target space
     double reach = 0;     ///< [length] vertices this far outside are wanted too
     float odometer = 0;   ///< the pair's
+    float step = 0;       ///< by how much it went on in this step
     Pass pass = Pass::full;
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
 };
@@ -44,6 +45,7 @@ struct DirectPair {
         if (memory.size > 0) {
             const PairMemory& m = memory[i / 2];
             d.odometer = static_cast<float>(m.odometer);
+            d.step = static_cast<float>(m.step);
             d.pass = m.pass;
             if (m.known) d.last_blocks = last[links[i / 2]].first_block[i % 2];
         }
@@ -74,56 +76,53 @@ struct ListBlocks {
     }
 };
 
-/// Balls seen from a target: how far outside of its solid each of them lies at least, and which ones may not be outside.
-struct Nearness {
+/// Balls as a target sees them: how far outside of its box they are, and how far outside of its solid by the clearance of their
+/// centres, less its deviation. Their centres are `center` and offsets from it, turned and placed by `to_fit`; `span` is how far
+/// the balls go from `center` at most. They are points if `radius` is null, and larger by `extra`.
+struct BallsNearby {
+    float beyond_squared[Offsets::count] = {};
     float clearance[Offsets::count];
-    std::uint32_t mask = 0;  ///< a bit for every ball with no clearance
-};
+    float size[Offsets::count];
+    std::uint32_t near = 0;  ///< a bit for every ball that may reach the solid or touch it
 
-/// Measures balls against a target: against its box, and by the clearance of their centres less the target's deviation. Their
-/// centres are `center` and offsets from it, turned and placed by `to_fit`; `span` is how far the balls go from `center` at
-/// most. Points, if `radius` is null. `extra` is taken off.
-PIERCE_HD inline Nearness measure_balls(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
-                                        const float* radius, double span, double extra) {
-    const ClearanceGridView& grid = target.mesh.clearance;
-    const Vec3d corner = grid.box.lower;
-    const Vec3d in_grid = to_fit.to_parent(center) - corner;
-    const Vec3f c = to_float(in_grid);
-    const TurnedOffsets turned(offsets, to_fit.rotation);
-    // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of their size each at most.
-    const double rounding =
-        4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + span);
-    const auto margin = static_cast<float>(2 * target.touch + rounding + extra);
-    const Vec3f low = to_float(target.fit_box.lower - corner), high = to_float(target.fit_box.upper - corner);
-    const auto per_length = static_cast<float>(grid.per_length);
-    float beyond[Offsets::count] = {}, steps[Offsets::count];
-    std::int32_t cell[3][Offsets::count];
-    for (int r = 0; r < 3; ++r) {
-        const float last = static_cast<float>(grid.size[r]) - 1.0f;
-        PIERCE_VECTOR_LOOP
+    PIERCE_HD BallsNearby(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
+                          const float* radius, double span, double extra) {
+        const ClearanceGridView& grid = target.mesh.clearance;
+        const Vec3d corner = grid.box.lower;
+        const Vec3d in_grid = to_fit.to_parent(center) - corner;
+        const Vec3f c = to_float(in_grid);
+        const TurnedOffsets turned(offsets, to_fit.rotation);
+        // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of their size each at most.
+        const double rounding =
+            4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + span);
+        const auto margin = static_cast<float>(2 * target.touch + rounding + extra);
+        const Vec3f low = to_float(target.fit_box.lower - corner), high = to_float(target.fit_box.upper - corner);
+        const auto per_length = static_cast<float>(grid.per_length);
+        std::int32_t cell[3][Offsets::count];
+        for (int r = 0; r < 3; ++r) {
+            const float last = static_cast<float>(grid.size[r]) - 1.0f;
+            PIERCE_VECTOR_LOOP
+            for (std::uint32_t k = 0; k < Offsets::count; ++k) {
+                const float x = c[r] + turned.at[r][k];
+                cell[r][k] = static_cast<std::int32_t>(clamp_to(x * per_length, 0.0f, last));
+                const float gap = max_of(max_of(low[r] - x, x - high[r]), 0.0f);
+                beyond_squared[k] += gap * gap;
+            }
+        }
+        const auto deviation = static_cast<float>(target.deviation);
+        const auto step = static_cast<float>(grid.step);
+        for (std::uint32_t k = 0; k < Offsets::count; ++k) size[k] = (radius != nullptr ? radius[k] : 0.0f) + margin;
         for (std::uint32_t k = 0; k < Offsets::count; ++k) {
-            const float x = c[r] + turned.at[r][k];
-            cell[r][k] = static_cast<std::int32_t>(clamp_to(x * per_length, 0.0f, last));
-            const float gap = max_of(max_of(low[r] - x, x - high[r]), 0.0f);
-            beyond[k] += gap * gap;
+            clearance[k] = 0;
+            if (beyond_squared[k] > size[k] * size[k]) continue;  // the box decides: spares fetching the cell
+            clearance[k] = step * static_cast<float>(grid.steps_at(cell[0][k], cell[1][k], cell[2][k])) - deviation;
+            near |= static_cast<std::uint32_t>(!(clearance[k] > size[k])) << k;
         }
     }
-    for (std::uint32_t k = 0; k < Offsets::count; ++k)
-        steps[k] = static_cast<float>(grid.steps_at(cell[0][k], cell[1][k], cell[2][k]));
-    const auto deviation = static_cast<float>(target.deviation);
-    const auto step = static_cast<float>(grid.step);
-    Nearness nearness;
-    PIERCE_VECTOR_LOOP
-    for (std::uint32_t k = 0; k < Offsets::count; ++k)
-        nearness.clearance[k] = max_of(std::sqrt(beyond[k]), steps[k] * step - deviation) - margin;
-    if (radius != nullptr) {
-        PIERCE_VECTOR_LOOP
-        for (std::uint32_t k = 0; k < Offsets::count; ++k) nearness.clearance[k] -= radius[k];
-    }
-    for (std::uint32_t k = 0; k < Offsets::count; ++k)
-        nearness.mask |= static_cast<std::uint32_t>(!(nearness.clearance[k] > 0)) << k;
-    return nearness;
-}
+
+    /// The k-th ball is at least this far from the solid; not positive if it is near.
+    PIERCE_HD float gap(std::uint32_t k) const { return max_of(std::sqrt(beyond_squared[k]), clearance[k]) - size[k]; }
+};
 
 /// The lowest `count` bits.
 PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) { return count < 32 ? (1u << count) - 1u : ~0u; }
@@ -152,13 +151,13 @@ struct CullBlock {
             for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
         } else {
             const PatchBlock& block = source.blocks[blocks[i].index];
-            const Nearness near = measure_balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
-                                                static_cast<double>(block.reach), d.reach);
-            mask = near.mask & all;
+            const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
+                                    static_cast<double>(block.reach), d.reach);
+            mask = balls.near & all;
             if (temporal == Temporal::certified) {
                 if (before != nullptr) mask &= expired(*before, d.odometer, all);
                 for (std::uint32_t k = 0; k < constants::block_size; ++k) {
-                    const float until = d.odometer + near.clearance[k];
+                    const float until = d.odometer + balls.gap(k);
                     records[i].expiry[k] = before != nullptr ? max_of(before->expiry[k], until) : until;
                 }
             }
@@ -221,13 +220,13 @@ struct CullVertices {
             }
         } else {
             const PatchBlock& block = source.blocks[p / constants::block_size];
-            const Nearness near = measure_balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p],
-                                                nullptr, static_cast<double>(block.radius[p % constants::block_size]), d.reach);
+            const BallsNearby balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p], nullptr,
+                                    static_cast<double>(block.radius[p % constants::block_size]), d.reach);
             const std::uint32_t all = first_bits(patch_length(source.mesh, p));
-            mask = near.mask & all;
+            mask = balls.near & all;
             if (temporal == Temporal::certified && mask == 0) {
-                float least = near.clearance[0];
-                for (std::uint32_t k = 1; k < patch_length(source.mesh, p); ++k) least = min_of(near.clearance[k], least);
+                float least = balls.gap(0);
+                for (std::uint32_t k = 1; k < patch_length(source.mesh, p); ++k) least = min_of(balls.gap(k), least);
                 records[block_offsets[patches[i].directed] + p / constants::block_size].expiry[p % constants::block_size] =
                     d.odometer + least;
             }

@@ -49,6 +49,7 @@ struct Walk {
     View<Route> routes;
     View<VertexRecord> records;
     View<Found> found;  ///< per ray
+    View<Meeting> meetings;
     View<WalkCount> counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -57,30 +58,42 @@ struct Walk {
         const BodyView& target = bodies[ray.target];
         VertexRecord& record = records[slot];
         const ShearedRay line(ray.origin, ray.direction);
-        const WalkEnd end = walk(target.mesh, target.positions, line, record.triangle, constants::walk_steps);
-        counts[i] = {end.steps, true};
         found[slot] = Found::walk;
+        counts[i] = {0, true};
         routes[slot] = Route::full;
-        if (end.kind != WalkEnd::found) return;
-        const Triangle& t = target.mesh.triangles[end.triangle];
-        const Vec3d corner[3] = {to_double(target.positions[t.vertex[0]]), to_double(target.positions[t.vertex[1]]),
-                                 to_double(target.positions[t.vertex[2]])};
-        const Crossing crossing = cross_triangle(line, corner[0], corner[1], corner[2]);
+        std::uint32_t at = record.triangle;
+        Vec3d corner[3];
+        Crossing crossing = cross(target, line, at, corner);
+        if (crossing.kind == Crossing::none) {
+            const WalkEnd end = walk(target.mesh, target.positions, line, at, constants::walk_steps);
+            counts[i].steps = end.steps;
+            if (end.kind != WalkEnd::found) return;
+            at = end.triangle;
+            crossing = cross(target, line, at, corner);
+        }
         if (temporal == Temporal::certified) {
-            if (!is_only_crossing(ray, target.mesh.rings[end.triangle], corner, crossing, target.touch)) return;
+            if (!is_only_crossing(ray, target.mesh.rings[at], corner, crossing, target.touch)) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
-            if (crossing.t <= ray.t_max) hits[slot].triangle = end.triangle;
+            if (crossing.t <= ray.t_max) hits[slot].triangle = at;
         } else {
             if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
             if (crossing.t < -(ray.outward + target.touch)) return;
             const bool ahead = crossing.t >= -target.touch;
             if (record.predicted) found[slot] = Found::prediction;
             record.predicted = !ahead;
-            if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = end.triangle;
+            if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = at;
         }
         counts[i].lost = false;
         routes[slot] = Route::walked;
-        record.triangle = end.triangle;
+        record.triangle = at;
+        meetings[slot] = meeting_of(crossing, ray, corner[0], corner[1], corner[2], target.touch);
+    }
+
+private:
+    PIERCE_HD static Crossing cross(const BodyView& body, const ShearedRay& line, std::uint32_t triangle, Vec3d corner[3]) {
+        const Triangle& t = body.mesh.triangles[triangle];
+        for (int k = 0; k < 3; ++k) corner[k] = to_double(body.positions[t.vertex[k]]);
+        return cross_triangle(line, corner[0], corner[1], corner[2]);
     }
 };
 
