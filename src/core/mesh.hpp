@@ -84,6 +84,8 @@ struct TriangleRing {
     float gap = 0;    ///< [length] no other triangle comes closer to any point of the triangle
     float openness = 0;  ///< no triangle of the ring comes closer to a point of the triangle than this part of the point's
                          ///< distance to the triangle's border
+    float height[3] = {};  ///< [length] of the triangle over its edges, opposite vertex k
+    float tilt = 0;        ///< [1 / length] the sine by which a normal of the ring turns is below this times how far vertices move
 };
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numbers>
 
 #include "pierce/core/bvh/box_tree.hpp"
@@ -155,12 +156,15 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
         Vec3d sum;
         double gap = 0;
         std::vector<Vec3d> normals;
+        double lowest = std::numeric_limits<double>::infinity();
         bool sound = true;
         for (std::uint32_t v : mesh.triangles[t].vertex)
             for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
                 const Vec3d a = at(mesh.corners[i].next), b = at(mesh.corners[i].previous);
                 sound &= !is_degenerate(at(v), a, b);
                 normals.push_back(normalized(cross(a - at(v), b - at(v))));
+                const double longest = std::max({length(a - at(v)), length(b - at(v)), length(b - a)});
+                lowest = std::min(lowest, length(cross(a - at(v), b - at(v))) / longest);
                 sum += normals.back();
                 gap = std::max({gap, length(a - center), length(b - center)});
             }
@@ -176,6 +180,13 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
             if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >= gap) return;
             gap = std::min(gap, triangle_distance(own, its));
         });
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
+            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) / length(edge));
+        }
+        // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at most, over its length, longest times
+        // lowest: the sine of its turn is below 8 d / lowest while d is below the longest edge, and 8 d / lowest above 1 beyond.
+        ring.tilt = round_up(8 / lowest);
         ring.gap = round_down(std::max(gap - rounding, 0.0));
         ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
 

@@ -62,27 +62,28 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
     }
 }
 
-/// True if `crossing`, of `ray` with `triangle`, is certainly the ray's first crossing of the surface and leads out of it, so
-/// that a tracer would return this triangle. `corner` are the triangle's.
+/// True if `crossing`, of a ray with a triangle, is certainly the ray's first crossing of the surface and leads out of it, so
+/// that a tracer would return this triangle. `ring` is the triangle's in the rest shape, `direction` the ray's as the rest shape
+/// sees it; no vertex is further than `deviation` from its place there.
 ///
-/// Proof. Let Q be the point met and t its distance. Whatever the ray crosses between a touch tolerance behind its
-/// origin and one beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No triangle outside the
-/// ring (those that share a vertex with this one) comes so close to any point of this triangle.
-/// If none of the ring comes so close to Q either, there is nothing else to cross. Otherwise, let the ring's triangles all face the
-/// way the ray goes, and each of the three fans it is made of go around its vertex once:
-/// seen along the ray, triangles of a fan do not cover each other. So a line through the inside of this triangle meets no other
-/// of the ring.
-PIERCE_HD inline bool is_only_crossing(const Ray& ray, const TriangleRing& ring, const Vec3d corner[3],
-                                       const Crossing& crossing, double touch) {
+/// Proof. Let Q be the point met and t its distance. Whatever the ray crosses between a touch tolerance behind its origin and one
+/// beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No triangle outside the ring (those
+/// that share a vertex with this one) comes so close to any point of this triangle. If none of the ring comes so close to Q
+/// either, there is nothing else to cross. Otherwise, let the ring's triangles all face the way the ray goes, and each of the
+/// three fans it is made of go around its vertex once: seen along the ray, triangles of a fan do not cover each other. So a line
+/// through the inside of this triangle meets no other of the ring. Vertices that have moved take their deviation off each
+/// distance, twice, and turn each normal by `tilt` times it; on the way there no triangle of a fan turned over, so fans go
+/// around as often as before.
+PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing& crossing, Vec3d direction, double deviation,
+                                       double touch) {
     if (crossing.kind != Crossing::transversal || !(crossing.sign > 0) || !(crossing.t >= -touch)) return false;
     if (!(crossing.weight[0] > 0) || !(crossing.weight[1] > 0) || !(crossing.weight[2] > 0)) return false;
-    const double near = std::fabs(crossing.t) + 2 * touch;
+    const double near = std::fabs(crossing.t) + 2 * (touch + deviation);
     if (!(near < static_cast<double>(ring.gap))) return false;
-    if (dot(to_double(ring.axis), ray.direction) > static_cast<double>(ring.sine)) return true;
-    const double area = length(cross(corner[1] - corner[0], corner[2] - corner[0]));
-    double border = crossing.weight[0] * area / length(corner[2] - corner[1]);
-    for (int k = 1; k < 3; ++k)
-        border = min_of(crossing.weight[k] * area / length(corner[(k + 2) % 3] - corner[(k + 1) % 3]), border);
+    const double sine = static_cast<double>(ring.sine) + static_cast<double>(ring.tilt) * deviation;
+    if (dot(to_double(ring.axis), direction) > sine) return true;
+    double border = crossing.weight[0] * static_cast<double>(ring.height[0]);
+    for (int k = 1; k < 3; ++k) border = min_of(crossing.weight[k] * static_cast<double>(ring.height[k]), border);
     return near < static_cast<double>(ring.openness) * border;
 }
 

@@ -98,8 +98,7 @@ private:
         const BodyView& target = bodies[d.target];
         if (!(ray.t_max >= 0)) return Route::skip;
         if (record.triangle == no_triangle) return Route::full;
-        if (settings.temporal == Temporal::certified)
-            return target.motion == Motion::deforming ? Route::full : Route::walk;  // rings are of the rest shape
+        if (settings.temporal == Temporal::certified) return Route::walk;
         if (d.pass == Pass::full) return Route::full;
         const bool deforms = target.motion == Motion::deforming || bodies[d.source].motion == Motion::deforming;
         if (!deforms) return Route::walk;

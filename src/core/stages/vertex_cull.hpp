@@ -147,7 +147,10 @@ struct CullBlock {
         std::uint32_t mask = 0;
         if (temporal == Temporal::paper && d.pass == Pass::walk) {
             mask = before->kept;
-        } else if (temporal == Temporal::certified && before != nullptr && expired(*before, d.odometer, all) == 0) {
+        } else if (temporal == Temporal::certified && before != nullptr &&
+                   (expired(*before, d.odometer, all) & ~before->kept) == 0) {
+            // Nothing new: what was near is looked at vertex by vertex, the rest is still outside.
+            mask = expired(*before, d.odometer, all);
             for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
         } else {
             const PatchBlock& block = source.blocks[blocks[i].index];

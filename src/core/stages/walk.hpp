@@ -72,7 +72,8 @@ struct Walk {
             crossing = cross(target, line, at, corner);
         }
         if (temporal == Temporal::certified) {
-            if (!is_only_crossing(ray, target.mesh.rings[at], corner, crossing, target.touch)) return;
+            const Vec3d in_fit = target.motion == Motion::deforming ? target.fit.rotation.transposed() * ray.direction : ray.direction;
+            if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation, target.touch)) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
             if (crossing.t <= ray.t_max) hits[slot].triangle = at;
         } else {
