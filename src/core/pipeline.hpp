@@ -78,13 +78,12 @@ private:
         std::swap(ages_, last_ages_);
         std::swap(memory_, last_memory_);
         std::swap(block_records_, last_block_records_);
-        std::swap(patch_masks_, last_patch_masks_);
-        std::swap(patch_offsets_, last_patch_offsets_);
+        std::swap(patch_records_, last_patch_records_);
         std::swap(records_, last_records_);
         if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
             seen_bodies_.resize(scene.bodies.size, stages::SeenBody{});
-        last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_masks_)),
-                 view_of(std::as_const(last_patch_offsets_)), view_of(std::as_const(last_records_))};
+        last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
+                 view_of(std::as_const(last_records_))};
     }
 
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
@@ -183,28 +182,26 @@ private:
                            stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_),
                                                view_of(block_records_), view_of(patches_)});
 
-        patch_masks_.resize(kept);
+        patch_records_.resize(kept);
         counts_.resize(kept);
         executor_.for_each("cull_vertices", kept,
                            stages::CullVertices{bodies, view_of(directed_), view_of(patches_), temporal, last_,
-                                                view_of(block_offsets_), view_of(block_records_), view_of(patch_masks_),
+                                                view_of(block_offsets_), view_of(block_records_), view_of(patch_records_),
                                                 view_of(counts_)});
     }
 
     // Stage 5. A ray per vertex left, or what stands in for it.
     void ray_gen(const Scene& scene) {
         const bool remembers = scene.plan->temporal != Temporal::off;
-        patch_offsets_.resize(counts_.size());
-        const std::uint32_t total =
-            executor_.exclusive_scan("ray_scan", view_of(std::as_const(counts_)), view_of(patch_offsets_));
+        const std::uint32_t total = place("ray_scan");
         rays_.resize(total);
         sources_.resize(total);
         hits_.resize(total);
         routes_.resize(remembers ? total : 0);
         records_.resize(remembers ? total : 0);
         executor_.for_each("generate_rays", static_cast<std::uint32_t>(patches_.size()),
-                           stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(patch_masks_),
-                                                view_of(patch_offsets_), scene.settings, last_, view_of(rays_),
+                           stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
+                                                view_of(patch_records_), scene.settings, last_, view_of(rays_),
                                                 view_of(sources_), view_of(hits_), view_of(routes_), view_of(records_)});
     }
 
@@ -398,7 +395,7 @@ private:
     Buffer<stages::SeenBody> seen_bodies_;
     Buffer<PairMemory> memory_, last_memory_;
     Buffer<BlockRecord> block_records_, last_block_records_;
-    Buffer<std::uint32_t> patch_masks_, last_patch_masks_, patch_offsets_, last_patch_offsets_;
+    Buffer<PatchRecord> patch_records_, last_patch_records_;
     Buffer<VertexRecord> records_, last_records_;
     RecordsView last_;
 };

@@ -38,6 +38,13 @@ struct BlockRecord {
     std::uint32_t first_patch = 0;             ///< where those begin
 };
 
+/// A patch whose vertices were looked at: 12 bytes.
+struct PatchRecord {
+    std::uint32_t mask = 0;          ///< a bit for every vertex that was near the target
+    std::uint32_t first_vertex = 0;  ///< where their records begin
+    float expiry = 0;                ///< the others are outside until the odometer stands there
+};
+
 /// A vertex that was near the target: 40 bytes.
 struct VertexRecord {
     std::uint32_t triangle = no_triangle;  ///< its ray's last hit, or the triangle it is predicted to enter through
@@ -53,24 +60,23 @@ struct VertexRecord {
 /// Last step's records, found without a search: a block knows which patches it kept, a patch which vertices.
 struct RecordsView {
     View<const BlockRecord> blocks;
-    View<const std::uint32_t> patch_masks, patch_offsets;
+    View<const PatchRecord> patches;
     View<const VertexRecord> vertices;
 
-    /// The index of the patch's mask, or no_record.
-    PIERCE_HD std::uint32_t patch(std::uint32_t first_block, std::uint32_t patch) const {
-        if (first_block == no_record) return no_record;
+    /// The record of a patch, or null.
+    PIERCE_HD const PatchRecord* patch(std::uint32_t first_block, std::uint32_t patch) const {
+        if (first_block == no_record) return nullptr;
         const BlockRecord& block = blocks[first_block + patch / constants::block_size];
         const std::uint32_t bit = 1u << patch % constants::block_size;
-        if (!(block.kept & bit)) return no_record;
-        return block.first_patch + static_cast<std::uint32_t>(std::popcount(block.kept & (bit - 1)));
+        if (!(block.kept & bit)) return nullptr;
+        return &patches[block.first_patch + static_cast<std::uint32_t>(std::popcount(block.kept & (bit - 1)))];
     }
 
     /// The record of the patch's k-th vertex, or null.
-    PIERCE_HD const VertexRecord* vertex(std::uint32_t patch_record, std::uint32_t k) const {
-        if (patch_record == no_record) return nullptr;
-        const std::uint32_t mask = patch_masks[patch_record], bit = 1u << k;
-        if (!(mask & bit)) return nullptr;
-        return &vertices[patch_offsets[patch_record] + static_cast<std::uint32_t>(std::popcount(mask & (bit - 1)))];
+    PIERCE_HD const VertexRecord* vertex(const PatchRecord* patch, std::uint32_t k) const {
+        const std::uint32_t bit = 1u << k;
+        if (patch == nullptr || !(patch->mask & bit)) return nullptr;
+        return &vertices[patch->first_vertex + static_cast<std::uint32_t>(std::popcount(patch->mask & (bit - 1)))];
     }
 };
 

@@ -43,12 +43,13 @@ PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView&
 }
 
 /// Per kept patch: writes its rays and, if steps remember, what becomes of them: nothing while a vertex is proved to be
-/// outside, a walk from its record, or a full ray. Reads masks and offsets, last step's masks and records.
+/// outside, a walk from its record, or a full ray. Reads offsets and last step's records; completes the patches' records.
 struct GenerateRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
-    View<const std::uint32_t> masks, offsets;
+    View<const std::uint32_t> offsets;
+    View<PatchRecord> patch_records;
     Settings settings;
     RecordsView last;
     View<Ray> rays;
@@ -61,9 +62,9 @@ struct GenerateRays {
         const CullItem item = patches[i];
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
-        const std::uint32_t before = routes.size > 0 ? last.patch(d.last_blocks, item.index) : no_record;
-        std::uint32_t slot = offsets[i];
-        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1, ++slot) {
+        const PatchRecord* before = routes.size > 0 ? last.patch(d.last_blocks, item.index) : nullptr;
+        std::uint32_t slot = patch_records[i].first_vertex = offsets[i];
+        for (std::uint32_t mask = patch_records[i].mask; mask != 0; mask &= mask - 1, ++slot) {
             const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
             const std::uint32_t v = source.mesh.patch_vertices[patch_begin(item.index) + k];
             sources[slot] = {item.directed / 2, item.directed % 2, v};

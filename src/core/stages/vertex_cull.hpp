@@ -197,9 +197,9 @@ struct ListPatches {
     }
 };
 
-/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number. With records: a patch
-/// all whose vertices turn out to be outside need not be looked at until one of them may be near; in a walk pass the vertices
-/// with a triangle are kept.
+/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number. With records: while the
+/// others are proved to be outside, the bits stay; a patch all whose vertices turn out to be outside need not be looked at until
+/// one of them may be near; in a walk pass the vertices with a triangle are kept. Writes patch records.
 struct CullVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -207,35 +207,45 @@ struct CullVertices {
     Temporal temporal = Temporal::off;
     RecordsView last;
     View<const std::uint32_t> block_offsets;  ///< per directed pair
-    View<BlockRecord> records;
-    View<std::uint32_t> masks, counts;
+    View<BlockRecord> block_records;
+    View<PatchRecord> records;
+    View<std::uint32_t> counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[patches[i].directed];
         const BodyView& source = bodies[d.source];
         const std::uint32_t p = patches[i].index;
-        std::uint32_t mask = 0;
+        PatchRecord record;
+        const PatchRecord* before = temporal == Temporal::off ? nullptr : last.patch(d.last_blocks, p);
         if (temporal == Temporal::paper && d.pass == Pass::walk) {
-            const std::uint32_t before = last.patch(d.last_blocks, p);
             for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
-                const VertexRecord* record = last.vertex(before, k);
-                mask |= static_cast<std::uint32_t>(record != nullptr && record->triangle != no_triangle) << k;
+                const VertexRecord* vertex = last.vertex(before, k);
+                record.mask |= static_cast<std::uint32_t>(vertex != nullptr && vertex->triangle != no_triangle) << k;
             }
+        } else if (temporal == Temporal::certified && before != nullptr && before->expiry > d.odometer) {
+            record = *before;
         } else {
             const PatchBlock& block = source.blocks[p / constants::block_size];
             const BallsNearby balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p], nullptr,
                                     static_cast<double>(block.radius[p % constants::block_size]), d.reach);
-            const std::uint32_t all = first_bits(patch_length(source.mesh, p));
-            mask = balls.near & all;
-            if (temporal == Temporal::certified && mask == 0) {
-                float least = balls.gap(0);
-                for (std::uint32_t k = 1; k < patch_length(source.mesh, p); ++k) least = min_of(balls.gap(k), least);
-                records[block_offsets[patches[i].directed] + p / constants::block_size].expiry[p % constants::block_size] =
-                    d.odometer + least;
+            record.mask = balls.near & first_bits(patch_length(source.mesh, p));
+            if (temporal == Temporal::certified) {
+                record.expiry = d.odometer + least_gap(balls, first_bits(patch_length(source.mesh, p)) & ~record.mask);
+                if (record.mask == 0)
+                    block_records[block_offsets[patches[i].directed] + p / constants::block_size]
+                        .expiry[p % constants::block_size] = record.expiry;
             }
         }
-        masks[i] = mask;
-        counts[i] = static_cast<std::uint32_t>(std::popcount(mask));
+        records[i] = record;
+        counts[i] = static_cast<std::uint32_t>(std::popcount(record.mask));
+    }
+
+private:
+    PIERCE_HD static float least_gap(const BallsNearby& balls, std::uint32_t mask) {
+        float least = INFINITY;
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k)
+            if (mask >> k & 1u) least = min_of(balls.gap(k), least);
+        return least;
     }
 };
 
