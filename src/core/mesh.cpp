@@ -1,6 +1,7 @@
 #include "pierce/core/mesh.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -92,6 +93,20 @@ std::vector<std::uint32_t> spatial_order(const MeshData& data, const Box& box) {
     return order;
 }
 
+/// True if every vertex of a triangle is reached from every other along edges.
+bool is_connected(const MeshData& data) {
+    std::vector<std::uint32_t> parent(data.positions.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root = [&](std::uint32_t v) {
+        while (parent[v] != v) v = parent[v] = parent[parent[v]];
+        return v;
+    };
+    for (const Triangle& t : data.triangles)
+        for (int k = 1; k < 3; ++k) parent[root(t.vertex[k])] = root(t.vertex[0]);
+    const std::uint32_t first = root(data.triangles[0].vertex[0]);
+    return std::ranges::all_of(data.triangles, [&](const Triangle& t) { return root(t.vertex[0]) == first; });
+}
+
 }  // namespace
 
 void check_finite(const std::string& name, std::span<const Vec3f> positions) {
@@ -116,6 +131,8 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     neighbors_ = neighbors_of(data_.triangles);
     if (traits_.closed()) {
         rings_ = rings_of(view());
+        simple_ = traits_.volume > 0 && is_connected(data_) &&
+                  std::ranges::all_of(rings_, [](const TriangleRing& r) { return r.gap > 0 && r.openness > 0; });
         star_clearance_ = star_clearance(view());
         clearance_ = build_clearance_grid(data_.positions, data_.triangles);
     }
@@ -146,7 +163,8 @@ MeshView Mesh::view() const {
             box_,
             centroid_,
             traits_.mean_edge_length,
-            traits_.closed()};
+            traits_.closed(),
+            simple_};
 }
 
 }  // namespace pierce

@@ -106,6 +106,7 @@ struct MeshView {
     Vec3d centroid;                            ///< mean of the rest positions
     double mean_edge_length = 0;
     bool closed = false;
+    bool simple = false;  ///< one closed surface that does not meet itself and has its inside inside
 };
 
 /// Topology and rest shape, checked once and then constant; any number of bodies share it.
@@ -136,6 +137,7 @@ private:
     std::vector<Offsets> patches_;
     std::vector<Neighbors> neighbors_;
     std::vector<TriangleRing> rings_;
+    bool simple_ = false;
     std::vector<float> star_clearance_;
     ClearanceGrid clearance_;
 };

@@ -62,11 +62,11 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
     }
 }
 
-/// True if `crossing`, of a ray with a triangle, is certainly the ray's first crossing of the surface and leads out of it, so
-/// that a tracer would return this triangle. `ring` is the triangle's in the rest shape, `direction` the ray's as the rest shape
+/// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only one between the ray's origin and
+/// the triangle, so that a tracer would return this triangle if it lies ahead. `ring` is the triangle's in the rest shape, `direction` the ray's as the rest shape
 /// sees it; no vertex is further than `deviation` from its place there.
 ///
-/// Proof. Let Q be the point met and t its distance. Whatever the ray crosses between a touch tolerance behind its origin and one
+/// Proof. Let Q be the point met and t its distance, ahead or behind. Whatever the ray crosses between a touch tolerance behind its origin and one
 /// beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No triangle outside the ring (those
 /// that share a vertex with this one) comes so close to any point of this triangle. If none of the ring comes so close to Q
 /// either, there is nothing else to cross. Otherwise, let the ring's triangles all face the way the ray goes, and each of the
@@ -76,7 +76,7 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
 /// around as often as before.
 PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing& crossing, Vec3d direction, double deviation,
                                        double touch) {
-    if (crossing.kind != Crossing::transversal || !(crossing.sign > 0) || !(crossing.t >= -touch)) return false;
+    if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return false;
     if (!(crossing.weight[0] > 0) || !(crossing.weight[1] > 0) || !(crossing.weight[2] > 0)) return false;
     const double near = std::fabs(crossing.t) + 2 * (touch + deviation);
     if (!(near < static_cast<double>(ring.gap))) return false;

@@ -80,6 +80,7 @@ struct GenerateRays {
             rays[slot] = make_ray(d, v);
             if (routes.size > 0) routes[slot] = route(d, rays[slot], records[slot]);
             if (settings.temporal == Temporal::paper && settings.predict) rays[slot].outward = d.reach;
+            if (settings.temporal == Temporal::certified) rays[slot].outward = search_range(d, records[slot]);
         }
     }
 
@@ -93,6 +94,13 @@ private:
         ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
         ray.target = d.target;
         return ray;
+    }
+
+    /// How far to look outward for a triangle to walk on from.
+    PIERCE_HD double search_range(const DirectedPair& d, const VertexRecord& record) const {
+        const BodyView& target = bodies[d.target];
+        const bool walks_outside = target.mesh.simple && target.motion != Motion::deforming;
+        return walks_outside && !(record.retry > d.odometer) ? constants::certificate_limit * target.mesh.mean_edge_length : 0;
     }
 
     PIERCE_HD Route route(const DirectedPair& d, const Ray& ray, const VertexRecord& record) const {

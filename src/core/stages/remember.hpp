@@ -50,7 +50,7 @@ struct SelectUncertain {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[i];
         const RaySource from = sources[slot];
-        flags[i] = hits[slot].triangle == no_triangle && rays[slot].t_max >= 0 &&
+        flags[i] = (hits[slot].triangle == no_triangle || hits[slot].predicted) && rays[slot].t_max >= 0 &&
                    !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
     }
 };

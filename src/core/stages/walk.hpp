@@ -74,8 +74,11 @@ struct Walk {
         if (temporal == Temporal::certified) {
             const Vec3d in_fit = target.motion == Motion::deforming ? target.fit.rotation.transposed() * ray.direction : ray.direction;
             if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation, target.touch)) return;
+            // Behind a simple target's only surface nearby lies its outside: no contact. Just beyond the ray's end, a tracer decides.
+            const bool behind = crossing.t < -target.touch;
+            if (behind && (!target.mesh.simple || target.motion == Motion::deforming)) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
-            if (crossing.t <= ray.t_max) hits[slot].triangle = at;
+            if (!behind && crossing.t <= ray.t_max) hits[slot].triangle = at;
         } else {
             if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
             if (crossing.t < -(ray.outward + target.touch)) return;
