@@ -5,6 +5,7 @@
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <fstream>
 #include <iostream>
@@ -14,13 +15,20 @@ using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
 
 constexpr std::size_t vertex_count = 453;
 constexpr float height = 4.0f;
+constexpr double largest_turn = 60;  // [degrees]
 
-/// Quadric edge collapses (Garland and Heckbert 1997) until `vertex_count` are left.
+/// Quadric edge collapses (Garland and Heckbert 1997) until `vertex_count` are left. Collapses that turn a face by more than
+/// `largest_turn` are left out: without that the ears end up crossing themselves.
 void reduce(Mesh& mesh) {
+    mesh.request_face_normals();
+    mesh.update_face_normals();
     OpenMesh::Decimater::DecimaterT<Mesh> decimater(mesh);
     OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;
     decimater.add(quadric);
     decimater.module(quadric).unset_max_err();
+    OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle flipping;
+    decimater.add(flipping);
+    decimater.module(flipping).set_max_normal_deviation(largest_turn);
     decimater.initialize();
     decimater.decimate_to(vertex_count);
     mesh.garbage_collection();
