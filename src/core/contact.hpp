@@ -21,9 +21,9 @@ enum class Side : std::uint8_t { a = 0, b = 1 };
 /// A vertex of one body inside another, and the point where its inward ray leaves that other body.
 /// Lengths in the caller's unit, everything in world space.
 struct Contact {
-    BodyId a, b;                 ///< a < b by index
-    Side source = Side::a;       ///< the body the vertex belongs to; the other one is the target
-    bool grazing = false;        ///< the ray meets the triangle so flatly that the depth is uncertain
+    BodyId a, b;            ///< a < b by index
+    Side source = Side::a;  ///< the body the vertex belongs to; the other one is the target
+    bool grazing = false;   ///< the ray meets the triangle so flatly that the depth is uncertain
     Found found = Found::full;
     std::uint32_t vertex = 0;    ///< of the source
     std::uint32_t triangle = 0;  ///< of the target

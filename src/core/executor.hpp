@@ -24,6 +24,10 @@ concept Executor = requires(E executor, std::uint32_t n, View<const std::uint32_
     typename E::template Buffer<float>;
     executor.for_each("stage", n, detail::AnyStage{});
     { executor.exclusive_scan("stage", in, out) } -> std::same_as<std::uint32_t>;
+    {
+        executor.select(
+            "stage", n, [](std::uint32_t) { return true; }, out)
+        } -> std::same_as<std::uint32_t>;
     executor.sort("stage", keys, out);
 };
 
@@ -77,6 +81,18 @@ public:
             sum += value;
         }
         return sum;
+    }
+
+    /// Writes the items for which `wanted(item)` holds, in order; returns how many there are. `out` has room for all.
+    template <class F>
+    std::uint32_t select(const char*, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+        std::uint32_t count = 0;
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const bool take = wanted(i);
+            out[count] = i;  // before it is known whether it stays: no branch to predict
+            count += take;
+        }
+        return count;
     }
 
     /// Sorts keys and moves their values along; stable.

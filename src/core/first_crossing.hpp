@@ -142,7 +142,8 @@ PIERCE_HD inline bool leads_out(const Ray& ray, const Surface& surface, std::uin
 /// Distance from `p` to a triangle of the surface.
 PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32_t triangle) {
     const Triangle& t = surface.triangles[triangle];
-    return length(p - closest_on_triangle(p, to_double(surface.positions[t.vertex[0]]), to_double(surface.positions[t.vertex[1]]),
+    return length(p - closest_on_triangle(p, to_double(surface.positions[t.vertex[0]]),
+                                          to_double(surface.positions[t.vertex[1]]),
                                           to_double(surface.positions[t.vertex[2]])));
 }
 

@@ -79,13 +79,13 @@ struct Neighbors {
 
 /// The triangles that share a vertex with a triangle, itself among them.
 struct TriangleRing {
-    Vec3f axis;       ///< a cone around it holds all their normals
-    float sine = 2;   ///< of the cone's half angle; 2 if they face different ways, or do not lie side by side around it
-    float gap = 0;    ///< [length] no other triangle comes closer to any point of the triangle
-    float openness = 0;  ///< no triangle of the ring comes closer to a point of the triangle than this part of the point's
-                         ///< distance to the triangle's border
+    Vec3f axis;            ///< a cone around it holds all their normals
+    float sine = 2;        ///< of the cone's half angle; 2 if they face different ways, or do not lie side by side around it
+    float gap = 0;         ///< [length] no other triangle comes closer to any point of the triangle
+    float openness = 0;    ///< no triangle of the ring comes closer to a point of the triangle than this part of the point's
+                           ///< distance to the triangle's border
     float height[3] = {};  ///< [length] of the triangle over its edges, opposite vertex k
-    float tilt = 0;        ///< [1 / length] the sine by which a normal of the ring turns is below this times how far vertices move
+    float tilt = 0;  ///< [1 / length] the sine by which a normal of the ring turns is below this times how far vertices move
 };
 
 /// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.

@@ -140,8 +140,8 @@ private:
             stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_), view_of(values_)});
         executor_.sort("pair_sort", view_of(keys_), view_of(values_));
         executor_.for_each("link_pair", total,
-                           stages::LinkPair{bodies, scene.ids, view_of(keys_), view_of(last_identities_),
-                                            view_of(pairs_), view_of(identities_), view_of(links_)});
+                           stages::LinkPair{bodies, scene.ids, view_of(keys_), view_of(last_identities_), view_of(pairs_),
+                                            view_of(identities_), view_of(links_)});
     }
 
     // Stage 3. How far pairs have moved.
@@ -149,8 +149,8 @@ private:
         const auto pair_count = static_cast<std::uint32_t>(pairs_.size());
         memory_.resize(pair_count);
         executor_.for_each("measure_displacement", pair_count,
-                           stages::MeasureDisplacement{scene.bodies, view_of(pairs_), view_of(links_),
-                                                       view_of(last_memory_), scene.settings, view_of(memory_)});
+                           stages::MeasureDisplacement{scene.bodies, view_of(pairs_), view_of(links_), view_of(last_memory_),
+                                                       scene.settings, view_of(memory_)});
     }
 
     // Stage 4. Patches, then vertices, that may be inside the other body.
@@ -179,15 +179,15 @@ private:
         const std::uint32_t kept = place("patch_scan");
         patches_.resize(kept);
         executor_.for_each("list_patches", block_count,
-                           stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_),
-                                               view_of(block_records_), view_of(patches_)});
+                           stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(block_records_),
+                                               view_of(patches_)});
 
         patch_records_.resize(kept);
         counts_.resize(kept);
-        executor_.for_each("cull_vertices", kept,
-                           stages::CullVertices{bodies, view_of(directed_), view_of(patches_), temporal, last_,
-                                                view_of(block_offsets_), view_of(block_records_), view_of(patch_records_),
-                                                view_of(counts_)});
+        executor_.for_each(
+            "cull_vertices", kept,
+            stages::CullVertices{bodies, view_of(directed_), view_of(patches_), temporal, last_, view_of(block_offsets_),
+                                 view_of(block_records_), view_of(patch_records_), view_of(counts_)});
     }
 
     // Stage 5. A ray per vertex left, or what stands in for it.
@@ -205,28 +205,28 @@ private:
                                                 view_of(sources_), view_of(hits_), view_of(routes_), view_of(records_)});
     }
 
-    /// Lists the rays of a route; returns how many there are.
-    std::uint32_t list_route(Route route, Buffer<std::uint32_t>& slots) {
-        const auto ray_count = static_cast<std::uint32_t>(rays_.size());
-        counts_.resize(ray_count);
-        executor_.for_each("select_route", ray_count, stages::SelectRoute{view_of(routes_), route, view_of(counts_)});
-        slots.resize(place("route_scan"));
-        executor_.for_each("list_slots", ray_count,
-                           stages::ListSlots{view_of(counts_), view_of(offsets_), view_of(slots)});
-        return static_cast<std::uint32_t>(slots.size());
+    /// Lists the items that are wanted; returns how many there are.
+    template <class F>
+    std::uint32_t list(const char* name, std::size_t count, const F& wanted, Buffer<std::uint32_t>& items) {
+        items.resize(count);
+        const std::uint32_t found = executor_.select(name, static_cast<std::uint32_t>(count), wanted, view_of(items));
+        items.resize(found);
+        return found;
     }
 
     // Stage 6. Walks; the lost ones join the full rays.
     void walk(const Scene& scene) {
-        const std::uint32_t walks = list_route(Route::walk, walk_slots_);
+        const std::uint32_t walks =
+            list("walk_list", rays_.size(), stages::HasRoute{view_of(routes_), Route::walk}, walk_slots_);
         walk_counts_.resize(walks);
         found_.resize(rays_.size());
         meetings_.resize(rays_.size());
-        executor_.for_each("walk", walks,
-                           stages::Walk{scene.bodies, view_of(rays_), view_of(walk_slots_), scene.plan->temporal,
-                                        view_of(hits_), view_of(routes_), view_of(records_), view_of(found_),
-                                        view_of(meetings_), view_of(walk_counts_)});
-        const std::uint32_t full = list_route(Route::full, full_slots_);
+        executor_.for_each(
+            "walk", walks,
+            stages::Walk{scene.bodies, view_of(rays_), view_of(walk_slots_), scene.plan->temporal, view_of(hits_),
+                         view_of(routes_), view_of(records_), view_of(found_), view_of(meetings_), view_of(walk_counts_)});
+        const std::uint32_t full =
+            list("full_list", rays_.size(), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
         full_rays_.resize(full);
         full_hits_.resize(full);
         executor_.for_each("gather_rays", full,
@@ -252,13 +252,10 @@ private:
         meetings_.resize(ray_count);
         executor_.for_each("test_inside", ray_count,
                            stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(routes_), view_of(counts_),
-                                               view_of(meetings_)});
-        const std::uint32_t total = place("inside_scan");
-        candidates_.resize(total);
+                                              view_of(meetings_)});
+        list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, candidates_);
         own_rays_.clear();
         own_hits_.clear();
-        executor_.for_each("list_inside", ray_count,
-                           stages::ListInside{view_of(counts_), view_of(offsets_), view_of(candidates_)});
     }
 
     void generate_own_rays(View<const BodyView> bodies) {
@@ -293,28 +290,25 @@ private:
         executor_.sort("contact_sort", view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
-            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_), view_of(meetings_),
-                                view_of(candidates_), view_of(order_), view_of(routes_), view_of(found_), view_of(links_), view_of(last_contact_keys_),
-                                view_of(last_ages_), view_of(ages_), view_of(contacts_)});
+            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
+                                view_of(meetings_), view_of(candidates_), view_of(order_), view_of(routes_), view_of(found_),
+                                view_of(links_), view_of(last_contact_keys_), view_of(last_ages_), view_of(ages_),
+                                view_of(contacts_)});
     }
 
     // Stage 11. What the next step needs to know.
     void remember(const Scene& scene) {
         const auto full = static_cast<std::uint32_t>(full_slots_.size());
-        executor_.for_each("remember", full,
-                           stages::Remember{scene.bodies, view_of(rays_), view_of(hits_), view_of(full_slots_),
-                                            view_of(records_)});
+        executor_.for_each(
+            "remember", full,
+            stages::Remember{scene.bodies, view_of(rays_), view_of(hits_), view_of(full_slots_), view_of(records_)});
         uncertain_.clear();
         if (scene.plan->temporal != Temporal::certified) return;
 
-        counts_.resize(full);
-        executor_.for_each("select_uncertain", full,
-                           stages::SelectUncertain{view_of(directed_), view_of(rays_), view_of(sources_), view_of(hits_),
-                                                   view_of(full_slots_), view_of(records_), view_of(counts_)});
-        const std::uint32_t uncertain = place("uncertain_scan");
-        uncertain_.resize(uncertain);
-        executor_.for_each("list_uncertain", full,
-                           stages::ListSlots{view_of(counts_), view_of(offsets_), view_of(uncertain_)});
+        const std::uint32_t uncertain = list("uncertain_list", full,
+                                             stages::IsUncertain{view_of(directed_), view_of(rays_), view_of(sources_),
+                                                                 view_of(hits_), view_of(full_slots_), view_of(records_)},
+                                             uncertain_);
         full_rays_.resize(uncertain);
         full_hits_.resize(uncertain);
         distances_.resize(uncertain);
@@ -324,10 +318,10 @@ private:
         update(scene.bodies, view_of(full_rays_));
         tracer_.closest_hits(executor_, "prove", scene.bodies, view_of(full_rays_), view_of(full_hits_));
         tracer_.distances(executor_, "distances", scene.bodies, view_of(full_rays_), view_of(distances_));
-        executor_.for_each("certify", uncertain,
-                           stages::Certify{scene.bodies, view_of(directed_), view_of(sources_), view_of(full_slots_),
-                                           view_of(uncertain_), view_of(full_rays_), view_of(full_hits_),
-                                           view_of(distances_), view_of(records_)});
+        executor_.for_each(
+            "certify", uncertain,
+            stages::Certify{scene.bodies, view_of(directed_), view_of(sources_), view_of(full_slots_), view_of(uncertain_),
+                            view_of(full_rays_), view_of(full_hits_), view_of(distances_), view_of(records_)});
     }
 
     // Stage 12. What the step did; sums in contact order.

@@ -16,8 +16,8 @@ struct Plan {
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
     Temporal temporal = Temporal::off;
-    std::vector<std::string> stages;    ///< names, in the order they run
-    std::vector<std::string> notes;     ///< rules that do not apply to some body, and why
+    std::vector<std::string> stages;  ///< names, in the order they run
+    std::vector<std::string> notes;   ///< rules that do not apply to some body, and why
 };
 
 }  // namespace pierce

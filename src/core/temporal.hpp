@@ -21,13 +21,13 @@ enum class Pass : std::uint8_t {
 
 /// A pair's memory.
 struct PairMemory {
-    Frame relative;              ///< the fit of a to that of b
-    double step = 0;             ///< [length] by how much the odometer went on in this step
-    double odometer = 0;         ///< [length] no point of a or b has moved further relative to the other since memory began
-    double at_full = 0;          ///< the odometer at the last full pass
+    Frame relative;       ///< the fit of a to that of b
+    double step = 0;      ///< [length] by how much the odometer went on in this step
+    double odometer = 0;  ///< [length] no point of a or b has moved further relative to the other since memory began
+    double at_full = 0;   ///< the odometer at the last full pass
     std::uint32_t since_full = 0;  ///< steps
     Pass pass = Pass::full;
-    bool known = false;               ///< last step's records hold
+    bool known = false;                 ///< last step's records hold
     std::uint32_t first_block[2] = {};  ///< where the block records of its two directions begin
 };
 

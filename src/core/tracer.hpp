@@ -22,8 +22,8 @@ PIERCE_HD inline double distance_limit(const BodyView& target) {
     return constants::certificate_limit * target.mesh.mean_edge_length;
 }
 
-/// A ray through `first` (Ray -> Hit: its first crossing); where that leads out of nothing, the outward ray in the same task: an
-/// entry within `ray.outward` is a prediction.
+/// A ray through `first` (Ray -> Hit: its first crossing); where that leads out of nothing, the outward ray in the same
+/// task: an entry within `ray.outward` is a prediction.
 template <class First>
 PIERCE_HD Hit hit_or_prediction(const Ray& ray, const Surface& surface, First first) {
     const Hit hit = first(ray);

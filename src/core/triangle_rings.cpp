@@ -41,7 +41,8 @@ std::vector<Neighbors> neighbors_of(std::span<const Triangle> triangles) {
 namespace {
 
 bool touches(const Triangle& t, const Triangle& other) {
-    return std::ranges::any_of(t.vertex, [&](std::uint32_t v) { return std::ranges::find(other.vertex, v) != std::end(other.vertex); });
+    return std::ranges::any_of(
+        t.vertex, [&](std::uint32_t v) { return std::ranges::find(other.vertex, v) != std::end(other.vertex); });
 }
 
 /// True if the triangles around `v` form one closed fan that, seen along `axis`, goes once around it.
@@ -96,9 +97,9 @@ double triangle_distance(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 
     return best;
 }
 
-/// No point x of `other`, which shares vertices with `own`, is closer to a point Q of `own` than this times Q's distance to the
-/// border of `own`. Beyond a shared edge lies a half plane: its distance from Q is that to the edge, or the dihedral angle's
-/// sine of it. At a shared vertex lies a wedge: unit vectors along the sides of one are that far from the other.
+/// No point x of `other`, which shares vertices with `own`, is closer to a point Q of `own` than this times Q's distance to
+/// the border of `own`. Beyond a shared edge lies a half plane: its distance from Q is that to the edge, or the dihedral
+/// angle's sine of it. At a shared vertex lies a wedge: unit vectors along the sides of one are that far from the other.
 double openness_towards(const MeshView& mesh, const Triangle& own, const Triangle& other) {
     const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
     std::vector<std::uint32_t> shared, own_rest, other_rest;
@@ -152,7 +153,8 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
         const Vec3d center = (1.0 / 3) * (own[0] + own[1] + own[2]);
         const double radius = std::max({length(own[0] - center), length(own[1] - center), length(own[2] - center)});
 
-        // The cone around the ring's normals, and how far the rest of the surface is: twice the ring's size need not be exceeded.
+        // The cone around the ring's normals, and how far the rest of the surface is: twice the ring's size need not be
+        // exceeded.
         Vec3d sum;
         double gap = 0;
         std::vector<Vec3d> normals;
@@ -174,7 +176,8 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
             const std::array<Vec3d, 3> its = corners(other);
             if (touches(mesh.triangles[t], mesh.triangles[other])) {
                 const bool crosses = edge_pierces(own, its, true) || edge_pierces(its, own, true);
-                openness = crosses ? 0 : std::min(openness, openness_towards(mesh, mesh.triangles[t], mesh.triangles[other]));
+                openness =
+                    crosses ? 0 : std::min(openness, openness_towards(mesh, mesh.triangles[t], mesh.triangles[other]));
                 return;
             }
             if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >= gap) return;
@@ -184,8 +187,9 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
             const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
             ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) / length(edge));
         }
-        // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at most, over its length, longest times
-        // lowest: the sine of its turn is below 8 d / lowest while d is below the longest edge, and 8 d / lowest above 1 beyond.
+        // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at most, over its length,
+        // longest times lowest: the sine of its turn is below 8 d / lowest while d is below the longest edge, and 8 d /
+        // lowest above 1 beyond.
         ring.tilt = round_up(8 / lowest);
         ring.gap = round_down(std::max(gap - rounding, 0.0));
         ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));

@@ -62,18 +62,18 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
     }
 }
 
-/// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only one between the ray's origin and
-/// the triangle, so that a tracer would return this triangle if it lies ahead. `ring` is the triangle's in the rest shape, `direction` the ray's as the rest shape
-/// sees it; no vertex is further than `deviation` from its place there.
+/// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only one between the ray's
+/// origin and the triangle, so that a tracer would return this triangle if it lies ahead. `ring` is the triangle's in the
+/// rest shape, `direction` the ray's as the rest shape sees it; no vertex is further than `deviation` from its place there.
 ///
-/// Proof. Let Q be the point met and t its distance, ahead or behind. Whatever the ray crosses between a touch tolerance behind its origin and one
-/// beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No triangle outside the ring (those
-/// that share a vertex with this one) comes so close to any point of this triangle. If none of the ring comes so close to Q
-/// either, there is nothing else to cross. Otherwise, let the ring's triangles all face the way the ray goes, and each of the
-/// three fans it is made of go around its vertex once: seen along the ray, triangles of a fan do not cover each other. So a line
-/// through the inside of this triangle meets no other of the ring. Vertices that have moved take their deviation off each
-/// distance, twice, and turn each normal by `tilt` times it; on the way there no triangle of a fan turned over, so fans go
-/// around as often as before.
+/// Proof. Let Q be the point met and t its distance, ahead or behind. Whatever the ray crosses between a touch tolerance
+/// behind its origin and one beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No
+/// triangle outside the ring (those that share a vertex with this one) comes so close to any point of this triangle. If none
+/// of the ring comes so close to Q either, there is nothing else to cross. Otherwise, let the ring's triangles all face the
+/// way the ray goes, and each of the three fans it is made of go around its vertex once: seen along the ray, triangles of a
+/// fan do not cover each other. So a line through the inside of this triangle meets no other of the ring. Vertices that have
+/// moved take their deviation off each distance, twice, and turn each normal by `tilt` times it; on the way there no
+/// triangle of a fan turned over, so fans go around as often as before.
 PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing& crossing, Vec3d direction, double deviation,
                                        double touch) {
     if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return false;

@@ -206,8 +206,8 @@ void World::State::make_plan() {
     plan.temporal = settings.temporal;
     plan.stages = {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts"};
     if (settings.temporal != Temporal::off)
-        plan.stages = {"bounds", "pairs", "displacement", "vertex_cull", "ray_gen", "walk", "update", "trace", "classify",
-                       "contacts", "remember"};
+        plan.stages = {"bounds", "pairs", "displacement", "vertex_cull", "ray_gen", "walk",
+                       "update", "trace", "classify",     "contacts",    "remember"};
     planned = true;
 }
 

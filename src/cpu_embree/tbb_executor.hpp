@@ -71,6 +71,12 @@ public:
         return serial_.exclusive_scan(name, in, out);
     }
 
+    /// Serial: one or two nanoseconds an item.
+    template <class F>
+    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+        return serial_.select(name, n, wanted, out);
+    }
+
     /// Serial too: keys are few.
     void sort(const char* name, View<std::uint64_t> keys, View<std::uint32_t> values) { serial_.sort(name, keys, values); }
 

@@ -64,16 +64,11 @@ struct TestInside {
     }
 };
 
-/// Per ray: lists the ones inside. Reads flags and offsets; writes ray indices.
-struct ListInside {
-    View<const std::uint32_t> inside, offsets;
-    View<std::uint32_t> candidates;
+/// True for rays that passed R1.
+struct IsInside {
+    View<const std::uint32_t> inside;
 
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        if (inside[i]) candidates[offsets[i]] = i;
-    }
+    PIERCE_HD bool operator()(std::uint32_t i) const { return inside[i] != 0; }
 };
 
 /// True if a ray from `vertex` meets no triangle of its own body within `depth`, those around the vertex left aside: they

@@ -27,7 +27,8 @@ struct MeasureDisplacement {
             const PairMemory& before = last[links[i]];
             const double moved = max_of(largest_motion(before.relative, m.relative, a.fit_box),
                                         largest_motion(before.relative.inverse(), m.relative.inverse(), b.fit_box));
-            const double rounding = constants::double_rounding * (a.world_box.max_coordinate() + b.world_box.max_coordinate());
+            const double rounding =
+                constants::double_rounding * (a.world_box.max_coordinate() + b.world_box.max_coordinate());
             m.step = moved + a.shape_motion + b.shape_motion + rounding;
             m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;

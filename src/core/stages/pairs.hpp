@@ -26,7 +26,8 @@ struct SweepKey {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& body = bodies[i];
         order[i] = i;
-        keys[i] = body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch - body.reach)) : ~std::uint64_t{0};
+        keys[i] =
+            body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch - body.reach)) : ~std::uint64_t{0};
     }
 };
 
@@ -47,7 +48,8 @@ struct GatherSweep {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& body = bodies[order[i]];
-        items[i] = {body.active ? body.world_box.inflated(body.touch + body.reach) : Box{}, order[i], body.motion != Motion::fixed};
+        items[i] = {body.active ? body.world_box.inflated(body.touch + body.reach) : Box{}, order[i],
+                    body.motion != Motion::fixed};
     }
 };
 

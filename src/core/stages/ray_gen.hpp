@@ -100,7 +100,8 @@ private:
     PIERCE_HD double search_range(const DirectedPair& d, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];
         const bool walks_outside = target.mesh.simple && target.motion != Motion::deforming;
-        return walks_outside && !(record.retry > d.odometer) ? constants::certificate_limit * target.mesh.mean_edge_length : 0;
+        return walks_outside && !(record.retry > d.odometer) ? constants::certificate_limit * target.mesh.mean_edge_length
+                                                             : 0;
     }
 
     PIERCE_HD Route route(const DirectedPair& d, const Ray& ray, const VertexRecord& record) const {

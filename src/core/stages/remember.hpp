@@ -34,29 +34,26 @@ struct Remember {
     }
 };
 
-/// Per full ray: 1 where it is worth while to prove that its vertex is outside: the ray met nothing, and the last attempt was
-/// long ago. Reads hits and records.
-struct SelectUncertain {
+/// True for full rays whose vertex is worth a proof that it is outside: the ray met nothing, and the last attempt was long
+/// ago.
+struct IsUncertain {
     View<const DirectedPair> directed;
     View<const Ray> rays;
     View<const RaySource> sources;
     View<const Hit> hits;
     View<const std::uint32_t> slots;
     View<const VertexRecord> records;
-    View<std::uint32_t> flags;
 
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD bool operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[i];
         const RaySource from = sources[slot];
-        flags[i] = (hits[slot].triangle == no_triangle || hits[slot].predicted) && rays[slot].t_max >= 0 &&
-                   !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
+        return (hits[slot].triangle == no_triangle || hits[slot].predicted) && rays[slot].t_max >= 0 &&
+               !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
     }
 };
 
-/// Per uncertain vertex: its ray, as long as the target's box. If that, too, meets nothing, no surface lies between the vertex
-/// and the far outside.
+/// Per uncertain vertex: its ray, as long as the target's box. If that, too, meets nothing, no surface lies between the
+/// vertex and the far outside.
 struct ProlongRay {
     View<const BodyView> bodies;
     View<const Ray> rays;

@@ -13,11 +13,11 @@ namespace pierce::stages {
 struct DirectedPair {
     std::uint32_t source = 0;
     std::uint32_t target = 0;
-    Frame to_fit;    ///< source space to the target's fit frame
-    Frame to_space;  ///< source space to target space
-    double reach = 0;     ///< [length] vertices this far outside are wanted too
-    float odometer = 0;   ///< the pair's
-    float step = 0;       ///< by how much it went on in this step
+    Frame to_fit;        ///< source space to the target's fit frame
+    Frame to_space;      ///< source space to target space
+    double reach = 0;    ///< [length] vertices this far outside are wanted too
+    float odometer = 0;  ///< the pair's
+    float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
 };
@@ -76,9 +76,9 @@ struct ListBlocks {
     }
 };
 
-/// Balls as a target sees them: how far outside of its box they are, and how far outside of its solid by the clearance of their
-/// centres, less its deviation. Their centres are `center` and offsets from it, turned and placed by `to_fit`; `span` is how far
-/// the balls go from `center` at most. They are points if `radius` is null, and larger by `extra`.
+/// Balls as a target sees them: how far outside of its box they are, and how far outside of its solid by the clearance of
+/// their centres, less its deviation. Their centres are `center` and offsets from it, turned and placed by `to_fit`; `span`
+/// is how far the balls go from `center` at most. They are points if `radius` is null, and larger by `extra`.
 struct BallsNearby {
     float beyond_squared[Offsets::count] = {};
     float clearance[Offsets::count];
@@ -197,9 +197,9 @@ struct ListPatches {
     }
 };
 
-/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number. With records: while the
-/// others are proved to be outside, the bits stay; a patch all whose vertices turn out to be outside need not be looked at until
-/// one of them may be near; in a walk pass the vertices with a triangle are kept. Writes patch records.
+/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number. With records: while
+/// the others are proved to be outside, the bits stay; a patch all whose vertices turn out to be outside need not be looked
+/// at until one of them may be near; in a walk pass the vertices with a triangle are kept. Writes patch records.
 struct CullVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;

@@ -8,27 +8,12 @@
 /// Stage 6, walk: answers from last step's triangle; a lost walk becomes a full ray of the same step.
 namespace pierce::stages {
 
-/// Per ray: 1 where its route is `wanted`. Reads routes.
-struct SelectRoute {
+/// True for rays of a route.
+struct HasRoute {
     View<const Route> routes;
     Route wanted = Route::full;
-    View<std::uint32_t> flags;
 
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const { flags[i] = routes[i] == wanted; }
-};
-
-/// Per ray: lists those that are flagged.
-struct ListSlots {
-    View<const std::uint32_t> flags, offsets;
-    View<std::uint32_t> slots;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        if (flags[i]) slots[offsets[i]] = i;
-    }
+    PIERCE_HD bool operator()(std::uint32_t i) const { return routes[i] == wanted; }
 };
 
 /// What a walk did.
@@ -72,9 +57,11 @@ struct Walk {
             crossing = cross(target, line, at, corner);
         }
         if (temporal == Temporal::certified) {
-            const Vec3d in_fit = target.motion == Motion::deforming ? target.fit.rotation.transposed() * ray.direction : ray.direction;
+            const Vec3d in_fit =
+                target.motion == Motion::deforming ? target.fit.rotation.transposed() * ray.direction : ray.direction;
             if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation, target.touch)) return;
-            // Behind a simple target's only surface nearby lies its outside: no contact. Just beyond the ray's end, a tracer decides.
+            // Behind a simple target's only surface nearby lies its outside: no contact. Just beyond the ray's end, a tracer
+            // decides.
             const bool behind = crossing.t < -target.touch;
             if (behind && (!target.mesh.simple || target.motion == Motion::deforming)) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
