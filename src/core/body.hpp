@@ -39,6 +39,10 @@ struct BodyView {
     bool active = true;  ///< false: left out of this step (not finite)
 
     PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
+
+    /// True if it is certain that every point is outside of this body or inside, once: then no ray from an outside point can
+    /// leave the body before it enters. A deforming body may cross itself.
+    PIERCE_HD bool is_simple() const { return mesh.simple && motion != Motion::deforming; }
 };
 
 /// Two bodies whose boxes overlap, a < b.

@@ -52,6 +52,9 @@ inline constexpr std::uint32_t grid_resolution = 64;
 /// Clearance is stored in one byte, in steps of this part of a cell [1 / cell].
 inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 
+/// Diagonal of a cube [edge length].
+inline constexpr double cell_diagonal = 1.7320508075688774;
+
 /// Iterations that turn last step's rotation into the best fit of this step's vertices. Any rotation gives the same
 /// contacts; a better one only culls more, and steps go on from where the last one ended.
 inline constexpr std::uint32_t frame_fit_iterations = 8;

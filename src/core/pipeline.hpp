@@ -306,7 +306,7 @@ private:
         if (scene.plan->temporal != Temporal::certified) return;
 
         const std::uint32_t uncertain = list("uncertain_list", full,
-                                             stages::IsUncertain{view_of(directed_), view_of(rays_), view_of(sources_),
+                                             stages::IsUncertain{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_),
                                                                  view_of(hits_), view_of(full_slots_), view_of(records_)},
                                              uncertain_);
         full_rays_.resize(uncertain);

@@ -99,16 +99,19 @@ private:
     /// How far to look outward for a triangle to walk on from.
     PIERCE_HD double search_range(const DirectedPair& d, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];
-        const bool walks_outside = target.mesh.simple && target.motion != Motion::deforming;
-        return walks_outside && !(record.retry > d.odometer) ? constants::certificate_limit * target.mesh.mean_edge_length
-                                                             : 0;
+        return target.is_simple() && !(record.retry > d.odometer)
+                   ? constants::certificate_limit * target.mesh.mean_edge_length
+                   : 0;
     }
 
     PIERCE_HD Route route(const DirectedPair& d, const Ray& ray, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];
         if (!(ray.t_max >= 0)) return Route::skip;
         if (record.triangle == no_triangle) return Route::full;
-        if (settings.temporal == Temporal::certified) return Route::walk;
+        // A walk is of use if it can be certified: not where the target has changed its shape too much.
+        if (settings.temporal == Temporal::certified)
+            return 2 * target.deviation < static_cast<double>(target.mesh.rings[record.triangle].gap) ? Route::walk
+                                                                                                      : Route::full;
         if (d.pass == Pass::full) return Route::full;
         const bool deforms = target.motion == Motion::deforming || bodies[d.source].motion == Motion::deforming;
         if (!deforms) return Route::walk;

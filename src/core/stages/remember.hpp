@@ -37,6 +37,7 @@ struct Remember {
 /// True for full rays whose vertex is worth a proof that it is outside: the ray met nothing, and the last attempt was long
 /// ago.
 struct IsUncertain {
+    View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const Ray> rays;
     View<const RaySource> sources;
@@ -47,8 +48,8 @@ struct IsUncertain {
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[i];
         const RaySource from = sources[slot];
-        return (hits[slot].triangle == no_triangle || hits[slot].predicted) && rays[slot].t_max >= 0 &&
-               !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
+        return bodies[rays[slot].target].is_simple() && (hits[slot].triangle == no_triangle || hits[slot].predicted) &&
+               rays[slot].t_max >= 0 && !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
     }
 };
 

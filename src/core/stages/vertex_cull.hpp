@@ -83,6 +83,7 @@ struct BallsNearby {
     float beyond_squared[Offsets::count] = {};
     float clearance[Offsets::count];
     float size[Offsets::count];
+    float jump = 0;          ///< by how much the clearance found may drop without the ball moving
     std::uint32_t near = 0;  ///< a bit for every ball that may reach the solid or touch it
 
     PIERCE_HD BallsNearby(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
@@ -109,6 +110,9 @@ struct BallsNearby {
                 beyond_squared[k] += gap * gap;
             }
         }
+        // From one cell to the next the bound may lose both their diagonals. What is true stays true; but where it matters
+        // that the bound itself still holds, it is found again only if it was larger by that.
+        if (!target.is_simple()) jump = static_cast<float>(2 * constants::cell_diagonal * grid.cell);
         const auto deviation = static_cast<float>(target.deviation);
         const auto step = static_cast<float>(grid.step);
         for (std::uint32_t k = 0; k < Offsets::count; ++k) size[k] = (radius != nullptr ? radius[k] : 0.0f) + margin;
@@ -120,8 +124,11 @@ struct BallsNearby {
         }
     }
 
-    /// The k-th ball is at least this far from the solid; not positive if it is near.
-    PIERCE_HD float gap(std::uint32_t k) const { return max_of(std::sqrt(beyond_squared[k]), clearance[k]) - size[k]; }
+    /// How far the k-th ball may move, or the target, and still not be near: from a simple target, because it is that far
+    /// outside; from any other, because it would still be found to be that far.
+    PIERCE_HD float gap(std::uint32_t k) const {
+        return max_of(std::sqrt(beyond_squared[k]), clearance[k] - jump) - size[k];
+    }
 };
 
 /// The lowest `count` bits.
@@ -148,7 +155,7 @@ struct CullBlock {
         if (temporal == Temporal::paper && d.pass == Pass::walk) {
             mask = before->kept;
         } else if (temporal == Temporal::certified && before != nullptr &&
-                   (expired(*before, d.odometer, all) & ~before->kept) == 0) {
+                   (expired(*before, d.odometer, all) & ~(bodies[d.target].is_simple() ? before->kept : 0u)) == 0) {
             // Nothing new: what was near is looked at vertex by vertex, the rest is still outside.
             mask = expired(*before, d.odometer, all);
             for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
@@ -222,7 +229,8 @@ struct CullVertices {
                 const VertexRecord* vertex = last.vertex(before, k);
                 record.mask |= static_cast<std::uint32_t>(vertex != nullptr && vertex->triangle != no_triangle) << k;
             }
-        } else if (temporal == Temporal::certified && before != nullptr && before->expiry > d.odometer) {
+        } else if (temporal == Temporal::certified && before != nullptr && before->expiry > d.odometer &&
+                   bodies[d.target].is_simple()) {
             record = *before;
         } else {
             const PatchBlock& block = source.blocks[p / constants::block_size];

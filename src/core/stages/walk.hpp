@@ -63,7 +63,7 @@ struct Walk {
             // Behind a simple target's only surface nearby lies its outside: no contact. Just beyond the ray's end, a tracer
             // decides.
             const bool behind = crossing.t < -target.touch;
-            if (behind && (!target.mesh.simple || target.motion == Motion::deforming)) return;
+            if (behind && !target.is_simple()) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
             if (!behind && crossing.t <= ray.t_max) hits[slot].triangle = at;
         } else {

@@ -1,0 +1,358 @@
+// Steps that remember: the certified mode against tracing everything, the paper's mode where it must and where it may
+// differ.
+#include <gtest/gtest.h>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/detector.hpp"
+#include "pierce/scenes/recording.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "pierce/scenes/simulation.hpp"
+#include "support/backends.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+Settings with(Temporal temporal, bool predict = false) {
+    Settings settings;
+    settings.temporal = temporal;
+    settings.predict = predict;
+    return settings;
+}
+
+class TemporalTest : public testing::TestWithParam<test::NamedBackend> {};
+
+/// Bodies that creep, slide, spin, jump, deform, vanish, break and change their triangles, in two worlds alike.
+class TwoWorlds {
+public:
+    TwoWorlds(const test::NamedBackend& backend, Settings settings, test::Random& random)
+        : random_(random), plain_(backend.make()), remembering_(backend.make(), settings) {
+        for (int i = 0; i < 5; ++i) add_body();
+    }
+
+    World& plain() { return plain_; }
+    World& remembering() { return remembering_; }
+
+    void step() {
+        const double size = std::pow(10.0, random_.uniform(-5, -1));
+        for (Body& body : bodies_) {
+            const Vec3d turn = size * random_.in_box(0.3);
+            body.pose.position += size * random_.in_box(1);
+            const Quaternion q = body.pose.rotation;
+            body.pose.rotation = {q.x + turn.x, q.y + turn.y, q.z + turn.z, q.w};
+            if (random_.integer(0, 60) == 0) body.pose = {random_.in_box(0.9), random_.rotation()};
+            body.bend += size * random_.uniform(-0.5, 0.5);
+            put(body, random_.integer(0, 40) == 0);
+        }
+        if (random_.integer(0, 20) == 0) {
+            const auto i = static_cast<std::size_t>(random_.integer(0, static_cast<int>(bodies_.size()) - 1));
+            for (World* world : {&plain_, &remembering_}) world->remove_body(bodies_[i].id);
+            bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(i));
+            add_body();
+        }
+        plain_.detect();
+        remembering_.detect();
+    }
+
+private:
+    struct Body {
+        BodyId id;
+        MeshData data;
+        Pose pose;
+        double bend = 0;
+        bool deforms = false;
+    };
+
+    void add_body() {
+        Body body{{}, test::random_closed_mesh(random_), {random_.in_box(0.8), random_.rotation()}, 0, false};
+        const int kind = random_.integer(0, 3);
+        body.deforms = kind >= 2;
+        for (World* world : {&plain_, &remembering_}) {
+            const MeshId mesh = world->add_mesh("body", body.data);
+            body.id = body.deforms ? world->add_deforming_body(mesh)
+                      : kind == 0  ? world->add_fixed_body(mesh)
+                                   : world->add_rigid_body(mesh);
+        }
+        bodies_.push_back(body);
+        put(bodies_.back(), false);
+    }
+
+    void put(Body& body, bool special) {
+        if (!body.deforms) {
+            Pose pose = body.pose;
+            if (special) pose.position.x = std::nan("");  // left out for a step
+            for (World* world : {&plain_, &remembering_}) world->set_pose(body.id, pose);
+            return;
+        }
+        if (special) {
+            body.data = test::random_closed_mesh(random_);
+            body.bend = 0;
+        }
+        MeshData bent = body.data;
+        for (Vec3f& p : bent.positions) p.z += static_cast<float>(body.bend) * p.x * p.x;
+        const std::vector<Vec3f> positions = test::placed(bent, body.pose);
+        for (World* world : {&plain_, &remembering_}) {
+            if (special)
+                world->set_mesh(body.id, world->add_mesh("other", body.data), positions);
+            else
+                world->set_positions(body.id, positions);
+        }
+    }
+
+    test::Random& random_;
+    World plain_, remembering_;
+    std::vector<Body> bodies_;
+};
+
+TEST_P(TemporalTest, CertifiedIsTracingEverything) {
+    test::Random random(21);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::uint64_t contacts = 0, certified = 0, walks = 0, full = 0, plain = 0;
+    for (int scene = 0; scene < 8; ++scene) {
+        TwoWorlds worlds(GetParam(), with(Temporal::certified), random);
+        for (int step = 0; step < 60; ++step) {
+            worlds.step();
+            ASSERT_EQ(contact_hash(worlds.remembering().contacts()), contact_hash(worlds.plain().contacts()))
+                << "scene " << scene << " step " << step;
+            const StepStats& stats = worlds.remembering().stats();
+            contacts += stats.contacts;
+            certified += stats.certified;
+            walks += stats.walks;
+            full += stats.rays;
+            plain += worlds.plain().stats().rays;
+        }
+    }
+    EXPECT_GT(contacts, 20000u);
+    EXPECT_GT(certified, 500u);
+    EXPECT_GT(walks, 10000u);
+    EXPECT_LT(full, plain) << "it saves rays";
+}
+
+TEST_P(TemporalTest, PaperModeHoldsNothingStale) {
+    test::Random random(22);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (bool predict : {false, true})
+        for (int scene = 0; scene < 3; ++scene) {
+            TwoWorlds worlds(GetParam(), with(Temporal::paper, predict), random);
+            for (int step = 0; step < 60; ++step) {
+                worlds.step();
+                for (const Contact& c : worlds.remembering().contacts()) {
+                    // Whatever it missed, what it reports is there: on the hit triangle, at the depth it says.
+                    const BodyId target = c.source == Side::a ? c.b : c.a;
+                    const Mesh& mesh = worlds.remembering().mesh(worlds.remembering().mesh_of(target));
+                    ASSERT_LT(c.triangle, mesh.triangles().size());
+                    Vec3d q;
+                    for (int k = 0; k < 3; ++k)
+                        q += c.barycentric[k] *
+                             worlds.remembering().vertex_position(target, mesh.triangles()[c.triangle].vertex[k]);
+                    EXPECT_NEAR(length(q - (c.source == Side::a ? c.point_b : c.point_a)), 0, 1e-6);
+                    EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-5);
+                }
+            }
+        }
+}
+
+/// A ball that sinks into a plate. The paper's mode does not see vertices that enter between full passes; prediction does.
+struct Sinking {
+    World world;
+    BodyId ball;
+
+    explicit Sinking(const test::NamedBackend& backend, Settings settings, bool deforming = false)
+        : world(backend.make(), settings) {
+        world.add_fixed_body(world.add_mesh("plate", scenes::box({-5, -5, -1}, {5, 5, 0})));
+        const MeshId mesh = world.add_mesh("ball", scenes::sphere(1, 3));
+        ball = deforming ? world.add_deforming_body(mesh) : world.add_rigid_body(mesh);
+    }
+
+    std::size_t at(double height) {
+        if (world.motion_of(ball) == Motion::deforming)
+            world.set_positions(ball, test::placed(scenes::sphere(1, 3), {{0, 0, height}, {}}));
+        else
+            world.set_pose(ball, {{0, 0, height}, {}});
+        world.detect();
+        return world.contacts().size();
+    }
+};
+
+TEST_P(TemporalTest, PredictionSeesVerticesEnterBetweenFullPasses) {
+    for (bool deforming : {false, true}) {
+        std::size_t missed = 0, missed_with_prediction = 0, total = 0;
+        std::uint32_t came_true = 0;
+        Sinking plain(GetParam(), {}, deforming), paper(GetParam(), with(Temporal::paper), deforming),
+            predicting(GetParam(), with(Temporal::paper, true), deforming);
+        for (int i = 0; i < 60; ++i) {
+            const double height = 1.02 - 0.002 * i;
+            const std::size_t expected = plain.at(height);
+            total += expected;
+            missed += expected - paper.at(height);
+            const std::size_t found = predicting.at(height);
+            missed_with_prediction += expected - found;
+            came_true += predicting.world.stats().predictions_true;
+        }
+        EXPECT_GT(total, 500u);
+        EXPECT_GT(missed, 20u);
+        EXPECT_EQ(missed_with_prediction, 0u);
+        EXPECT_GT(came_true, 20u);
+    }
+}
+
+TEST_P(TemporalTest, FullPassesComeEveryKSteps) {
+    Settings settings = with(Temporal::paper);
+    settings.full_every = 4;
+    Sinking scene(GetParam(), settings);
+    int full = 0;
+    for (int i = 0; i < 40; ++i) {
+        scene.at(0.95 - 1e-4 * i);
+        full += static_cast<int>(scene.world.stats().full_passes);
+    }
+    EXPECT_NEAR(full, 10, 1);
+    // A displacement of more than two edges forces one at once.
+    for (int i = 0; i < 8; ++i) {
+        scene.at(0.3 + 0.65 * (i % 2));
+        EXPECT_EQ(scene.world.stats().full_passes, 1u);
+    }
+}
+
+TEST_P(TemporalTest, B4ANearerSheetIsSeenByTheNextFullPass) {
+    // A flat plate comes up inside the ball's vertex' way to the far side of a box: the walk stays on the far side.
+    Settings settings = with(Temporal::paper);
+    settings.full_every = 5;
+    World world(GetParam().make(), settings), plain(GetParam().make());
+    MeshData fold = scenes::box({-2, -2, -2}, {2, 2, 0.5});
+    // A slot cut by hand: the inner walls of a thin box, turned inside out, inside the block.
+    const MeshData slot = scenes::box({-1.5, -1.5, -0.2}, {1.5, 1.5, -0.19});
+    for (Triangle t : slot.triangles) fold.triangles.push_back({{t.vertex[0] + 8, t.vertex[2] + 8, t.vertex[1] + 8}});
+    fold.positions.insert(fold.positions.end(), slot.positions.begin(), slot.positions.end());
+    for (World* w : {&world, &plain}) {
+        w->add_deforming_body(w->add_mesh("fold", fold));
+        w->add_rigid_body(w->add_mesh("spike", scenes::box({-0.1, -0.1, -0.3}, {0.1, 0.1, 3})));
+    }
+    int late = 0, differ = 0;
+    for (int i = 0; i < 20; ++i) {
+        // The slot's walls move up past the spike's end, so that they come between it and the block's top.
+        std::vector<Vec3f> positions = fold.positions;
+        for (std::size_t v = 8; v < positions.size(); ++v) positions[v].z += 0.01f * static_cast<float>(i) - 0.2f;
+        for (World* w : {&world, &plain}) {
+            w->set_positions({0, 1}, positions);
+            w->detect();
+        }
+        const bool same = contact_hash(world.contacts()) == contact_hash(plain.contacts());
+        late = same ? 0 : late + 1;
+        differ += !same;
+        EXPECT_LT(late, 5) << "a full pass must have come in between";
+    }
+    EXPECT_GT(differ, 0) << "and this is a case in which it matters";
+}
+
+TEST_P(TemporalTest, B5ClothSlidingInItsPlaneHasNoContacts) {
+    for (Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified}) {
+        World world(GetParam().make(), with(temporal, true));
+        MeshData sheet{{}, {}};
+        for (int y = 0; y < 6; ++y)
+            for (int x = 0; x < 6; ++x)
+                sheet.positions.push_back({0.2f * static_cast<float>(x), 0.2f * static_cast<float>(y), 0});
+        for (std::uint32_t y = 0; y < 5; ++y)
+            for (std::uint32_t x = 0; x < 5; ++x) {
+                const std::uint32_t v = 6 * y + x;
+                sheet.triangles.push_back({{v, v + 1, v + 6}});
+                sheet.triangles.push_back({{v + 1, v + 7, v + 6}});
+            }
+        const MeshId mesh = world.add_mesh("sheet", sheet);
+        const BodyId a = world.add_deforming_body(mesh);
+        world.add_deforming_body(mesh);
+        for (int i = 0; i < 12; ++i) {
+            std::vector<Vec3f> positions = sheet.positions;
+            for (Vec3f& p : positions) p.x += 0.01f * static_cast<float>(i);
+            world.set_positions(a, positions);
+            world.detect();
+            EXPECT_TRUE(world.contacts().empty());
+        }
+    }
+}
+
+TEST_P(TemporalTest, B6B7RecordsDieWithTopologyAndBodies) {
+    for (Temporal temporal : {Temporal::paper, Temporal::certified}) {
+        Sinking scene(GetParam(), with(temporal, true), true);
+        const std::size_t before = scene.at(0.9);
+        EXPECT_GT(before, 0u);
+        EXPECT_EQ(scene.at(0.9), before);
+        // Other triangles: fewer vertices than the records name.
+        const MeshData coarse = scenes::sphere(1, 1);
+        scene.world.set_mesh(scene.ball, scene.world.add_mesh("coarse", coarse), test::placed(coarse, {{0, 0, 0.9}, {}}));
+        scene.world.detect();
+        for (const Contact& c : scene.world.contacts()) {
+            EXPECT_LT(c.vertex, coarse.positions.size());
+            EXPECT_EQ(c.age, 0u);
+            EXPECT_EQ(c.found, Found::full);
+        }
+        scene.world.remove_body(scene.ball);
+        scene.world.detect();
+        EXPECT_TRUE(scene.world.contacts().empty());
+        const MeshId mesh = scene.world.add_mesh("ball", scenes::sphere(1, 3));
+        scene.ball = scene.world.add_rigid_body(mesh);
+        EXPECT_EQ(scene.at(0.9), before);
+        for (const Contact& c : scene.world.contacts()) EXPECT_EQ(c.age, 0u) << "another body in the same slot";
+    }
+}
+
+TEST_P(TemporalTest, BodiesThatJumpOrPartLeaveNothingBehind) {
+    for (Temporal temporal : {Temporal::paper, Temporal::certified}) {
+        Sinking scene(GetParam(), with(temporal, true)), plain(GetParam(), {});
+        for (double height : {0.9, 0.9, 0.5, 3.0, 0.9, 0.9, 20.0, 20.0, 0.8}) {
+            const std::size_t expected = plain.at(height);
+            EXPECT_EQ(scene.at(height), expected) << "height " << height;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, TemporalTest, testing::ValuesIn(test::backends()), test::backend_name);
+
+/// Certified against off on every frame of simulated scenes.
+TEST(TemporalScenesTest, CertifiedGivesTheSameHashOnEveryFrame) {
+    using namespace scenes;
+    for (const char* name : {"tori", "bunnies"})
+        for (bool soft : {false, true}) {
+            const SceneSetup scene = make_scene(name, {12, soft, 3});
+            Simulation simulation(scene, Method::rays, {"embree", 2});
+            Recording recording = start_recording(scene, 1.0 / 60);
+            for (int i = 0; i < 300; ++i) {
+                simulation.record(recording);
+                simulation.step(1.0 / 60);
+            }
+            for (bool vertices : {false, true}) {
+                if (vertices && soft) continue;
+                const Recording played = vertices ? as_deforming(recording) : recording;
+                RaySettings off{"embree", 2}, certified{"embree", 2};
+                certified.world.temporal = Temporal::certified;
+                const auto a = make_detector(scene_of(played), Method::rays, off);
+                const auto b = make_detector(scene_of(played), Method::rays, certified);
+                std::uint64_t rays[2] = {};
+                for (std::uint32_t f = 0; f < played.frame_count; ++f) {
+                    put_frame(*a, played, f);
+                    put_frame(*b, played, f);
+                    const FrameResult expected = a->detect(), found = b->detect();
+                    ASSERT_EQ(found.hash, expected.hash) << name << " frame " << f;
+                    rays[0] += expected.rays;
+                    rays[1] += found.rays;
+                }
+                EXPECT_LE(rays[1], rays[0]) << name;
+            }
+        }
+}
+
+TEST(TemporalSettingsTest, RefusesNonsense) {
+    Settings settings;
+    settings.full_every = 0;
+    EXPECT_THROW(World(reference_backend(), settings), InputError);
+    settings = {};
+    settings.walk_threshold = -1;
+    EXPECT_THROW(World(reference_backend(), settings), InputError);
+    settings = {};
+    settings.prediction_distance = std::nan("");
+    EXPECT_THROW(World(reference_backend(), settings), InputError);
+}
+
+}  // namespace
+}  // namespace pierce
