@@ -25,8 +25,13 @@ using scenes::FrameResult;
 
 constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo short
 
+constexpr const char* temporal_names[] = {"off", "paper", "certified"};
+
 json detection_json(const DetectionOptions& options) {
-    return {{"method", options.method}, {"backend", options.rays.backend}, {"threads", options.rays.threads}};
+    const Settings& settings = options.rays.world;
+    return {{"method", options.method},        {"backend", options.rays.backend},
+            {"threads", options.rays.threads}, {"temporal", temporal_names[static_cast<int>(settings.temporal)]},
+            {"predict", settings.predict},     {"full_every", settings.full_every}};
 }
 
 /// A file that is to be written at the end is opened now, so that a long run does not end in an error.
@@ -92,6 +97,10 @@ int show_plan(const RunOptions& options) {
                                                            : "one static tree per mesh, built once");
     fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources"
                                                        : "own exits looked up: they were traced once per mesh");
+    fmt::print("remembers {}\n", plan.temporal == Temporal::off ? "nothing: every step stands alone"
+                                 : plan.temporal == Temporal::paper
+                                     ? "hits, and walks on from them between full passes"
+                                     : "hits and proofs, and leaves out what they make needless");
     for (const std::string& note : plan.notes) fmt::print("note      {}\n", note);
     return 0;
 }

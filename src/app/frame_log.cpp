@@ -62,6 +62,29 @@ std::vector<std::string> FrameLog::stage_names() const {
     return names;
 }
 
+namespace {
+
+/// The counts of a frame, as the table and the JSON name them.
+struct Count {
+    const char* label;
+    const char* key;
+    std::uint32_t FrameResult::*member;
+    bool always;  ///< in the table even if it is zero throughout
+};
+
+constexpr Count counts[] = {{"pairs", "pairs", &FrameResult::pairs, true},
+                            {"full rays", "rays", &FrameResult::rays, true},
+                            {"hits", "hits", &FrameResult::hits, true},
+                            {"certified", "certified", &FrameResult::certified, false},
+                            {"walks", "walks", &FrameResult::walks, false},
+                            {"walk steps", "walk_steps", &FrameResult::walk_steps, false},
+                            {"lost walks", "lost_walks", &FrameResult::lost_walks, false},
+                            {"predictions", "predictions", &FrameResult::predictions, false},
+                            {"predictions true", "predictions_true", &FrameResult::predictions_true, false},
+                            {"contacts", "contacts", &FrameResult::contacts, true}};
+
+}  // namespace
+
 void FrameLog::print() const {
     const auto row = [](const std::string& name, Spread s) {
         fmt::print("  {:<20} {:>10.3f} {:>10.3f} {:>10.3f}\n", name, s.median, s.p95, s.max);
@@ -72,10 +95,10 @@ void FrameLog::print() const {
     fmt::print("  {:<20} {:>10} {:>10} {:>10}\n", fmt::format("{} frames", size()), "median", "p95", "max");
     for (const std::string& name : stage_names()) row(name + " [ms]", spread_of(stage(name)));
     row("total [ms]", spread_of(column(&FrameResult::total_ms)));
-    count("pairs", spread_of(column(&FrameResult::pairs)));
-    count("rays", spread_of(column(&FrameResult::rays)));
-    count("hits", spread_of(column(&FrameResult::hits)));
-    count("contacts", spread_of(column(&FrameResult::contacts)));
+    for (const Count& c : counts) {
+        const Spread spread = spread_of(column(c.member));
+        if (c.always || spread.max > 0) count(c.label, spread);
+    }
     count("colliding pairs", spread_of(touching_pairs()));
     row("penetration mean", spread_of(column(&FrameResult::penetration_mean)));
     row("penetration max", spread_of(column(&FrameResult::penetration_max)));
@@ -124,10 +147,7 @@ void FrameLog::write_json(const std::filesystem::path& file, const json& setting
     json summary;
     for (const std::string& name : stage_names()) summary["ms"][name] = spread_json(spread_of(stage(name)));
     summary["ms"]["total"] = spread_json(spread_of(column(&FrameResult::total_ms)));
-    summary["pairs"] = spread_json(spread_of(column(&FrameResult::pairs)));
-    summary["rays"] = spread_json(spread_of(column(&FrameResult::rays)));
-    summary["hits"] = spread_json(spread_of(column(&FrameResult::hits)));
-    summary["contacts"] = spread_json(spread_of(column(&FrameResult::contacts)));
+    for (const Count& c : counts) summary[c.key] = spread_json(spread_of(column(c.member)));
     summary["colliding_pairs"] = spread_json(spread_of(touching_pairs()));
     summary["penetration_mean"] = spread_json(spread_of(column(&FrameResult::penetration_mean)));
     summary["penetration_max"] = spread_json(spread_of(column(&FrameResult::penetration_max)));
@@ -141,13 +161,13 @@ void FrameLog::write_json(const std::filesystem::path& file, const json& setting
         frames.push_back({{"index", i},
                           {"ms", ms},
                           {"pairs", f.touching},
-                          {"rays", f.rays},
-                          {"hits", f.hits},
-                          {"contacts", f.contacts},
                           {"penetration_mean", f.penetration_mean},
                           {"penetration_max", f.penetration_max},
                           {"status", f.status},
                           {"hash", fmt::format("{:016x}", f.hash)}});
+        // "pairs" of a frame are the ones that touch; their number before that is in the summary.
+        for (const Count& c : counts)
+            if (!frames.back().contains(c.key)) frames.back()[c.key] = f.*c.member;
     }
     write_json_file(file, {{"machine", machine_json()},
                            {"versions", versions_json()},

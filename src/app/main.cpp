@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <map>
 
 #include "commands.hpp"
 #include "pierce/core/error.hpp"
@@ -21,11 +22,32 @@ const CLI::Validator positive_number(
     },
     "POSITIVE");
 
+void add_temporal(CLI::App& command, pierce::Settings& settings) {
+    using pierce::Temporal;
+    static const std::map<std::string, Temporal> modes{
+        {"off", Temporal::off}, {"paper", Temporal::paper}, {"certified", Temporal::certified}};
+    static const std::map<std::string, bool> switches{{"on", true}, {"off", false}};
+    command
+        .add_option_function<std::string>(
+            "--temporal", [&settings](const std::string& mode) { settings.temporal = modes.at(mode); },
+            "what rays remember of the last step: off, paper or certified (the default)")
+        ->check(CLI::IsMember({"off", "paper", "certified"}));
+    command
+        .add_option_function<std::string>(
+            "--predict", [&settings](const std::string& mode) { settings.predict = switches.at(mode); },
+            "with --temporal paper, look ahead for vertices about to enter: on or off")
+        ->check(CLI::IsMember({"on", "off"}));
+    command.add_option("--full-every", settings.full_every, "with --temporal paper, steps between full passes of a pair")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+}
+
 void add_detection(CLI::App& command, DetectionOptions& options) {
     command.add_option("--method", options.method, "rays, gjk-epa, gjk-hull or gimpact")->capture_default_str();
     command.add_option("--backend", options.rays.backend, "embree or reference, for rays")->capture_default_str();
     command.add_option("--threads", options.rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
+    add_temporal(command, options.rays.world);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")->type_name("FILE");
 }
 
@@ -49,6 +71,7 @@ int main(int argc, char** argv) {
     RunOptions plan_options;
     CLI::App* plan_command = app.add_subcommand("plan", "print which stages a scene's steps run");
     add_scene(*plan_command, plan_options);
+    add_temporal(*plan_command, plan_options.detection.rays.world);
     plan_command->callback([&] { code = show_plan(plan_options); });
 
     RunOptions run_options;

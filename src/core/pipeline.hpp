@@ -299,16 +299,17 @@ private:
     // Stage 11. What the next step needs to know.
     void remember(const Scene& scene) {
         const auto full = static_cast<std::uint32_t>(full_slots_.size());
-        executor_.for_each(
-            "remember", full,
-            stages::Remember{scene.bodies, view_of(rays_), view_of(hits_), view_of(full_slots_), view_of(records_)});
+        executor_.for_each("remember", full,
+                           stages::Remember{scene.bodies, view_of(rays_), view_of(hits_), view_of(meetings_),
+                                            view_of(full_slots_), view_of(records_)});
         uncertain_.clear();
         if (scene.plan->temporal != Temporal::certified) return;
 
-        const std::uint32_t uncertain = list("uncertain_list", full,
-                                             stages::IsUncertain{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_),
-                                                                 view_of(hits_), view_of(full_slots_), view_of(records_)},
-                                             uncertain_);
+        const std::uint32_t uncertain =
+            list("uncertain_list", full,
+                 stages::IsUncertain{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_), view_of(hits_),
+                                     view_of(full_slots_), view_of(records_)},
+                 uncertain_);
         full_rays_.resize(uncertain);
         full_hits_.resize(uncertain);
         distances_.resize(uncertain);

@@ -18,7 +18,7 @@ struct Settings {
     /// Rays of bodies without an inside reach this far [mean edge length of the body's mesh].
     double open_body_range = constants::open_body_range;
 
-    Temporal temporal = Temporal::off;
+    Temporal temporal = Temporal::certified;
     /// Temporal::paper looks ahead along outward rays for vertices that are about to enter.
     bool predict = true;
     /// How far it looks [length]; negative: as far as the bodies move until the next full pass, two edges at most.

@@ -105,7 +105,8 @@ private:
 
 }  // namespace
 
-SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings) : world(make_backend(settings), settings.world) {
+SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings)
+    : world(make_backend(settings), settings.world) {
     std::vector<MeshId> meshes;
     for (const SceneMesh& mesh : scene.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
     for (const SceneBody& body : scene.bodies) {
@@ -139,6 +140,12 @@ FrameResult SceneWorld::result() const {
     result.rays = stats.rays;
     result.hits = stats.hits;
     result.contacts = stats.contacts;
+    result.certified = stats.certified;
+    result.walks = stats.walks;
+    result.walk_steps = stats.walk_steps;
+    result.lost_walks = stats.lost_walks;
+    result.predictions = stats.predictions;
+    result.predictions_true = stats.predictions_true;
     result.status = stats.status;
     result.penetration_mean = stats.penetration_mean;
     result.penetration_max = stats.penetration_max;

@@ -28,7 +28,7 @@ class TemporalTest : public testing::TestWithParam<test::NamedBackend> {};
 class TwoWorlds {
 public:
     TwoWorlds(const test::NamedBackend& backend, Settings settings, test::Random& random)
-        : random_(random), plain_(backend.make()), remembering_(backend.make(), settings) {
+        : random_(random), plain_(backend.make(), with(Temporal::off)), remembering_(backend.make(), settings) {
         for (int i = 0; i < 5; ++i) add_body();
     }
 
@@ -180,7 +180,7 @@ TEST_P(TemporalTest, PredictionSeesVerticesEnterBetweenFullPasses) {
     for (bool deforming : {false, true}) {
         std::size_t missed = 0, missed_with_prediction = 0, total = 0;
         std::uint32_t came_true = 0;
-        Sinking plain(GetParam(), {}, deforming), paper(GetParam(), with(Temporal::paper), deforming),
+        Sinking plain(GetParam(), with(Temporal::off), deforming), paper(GetParam(), with(Temporal::paper), deforming),
             predicting(GetParam(), with(Temporal::paper, true), deforming);
         for (int i = 0; i < 60; ++i) {
             const double height = 1.02 - 0.002 * i;
@@ -219,7 +219,7 @@ TEST_P(TemporalTest, B4ANearerSheetIsSeenByTheNextFullPass) {
     // A flat plate comes up inside the ball's vertex' way to the far side of a box: the walk stays on the far side.
     Settings settings = with(Temporal::paper);
     settings.full_every = 5;
-    World world(GetParam().make(), settings), plain(GetParam().make());
+    World world(GetParam().make(), settings), plain(GetParam().make(), with(Temporal::off));
     MeshData fold = scenes::box({-2, -2, -2}, {2, 2, 0.5});
     // A slot cut by hand: the inner walls of a thin box, turned inside out, inside the block.
     const MeshData slot = scenes::box({-1.5, -1.5, -0.2}, {1.5, 1.5, -0.19});
@@ -299,7 +299,7 @@ TEST_P(TemporalTest, B6B7RecordsDieWithTopologyAndBodies) {
 
 TEST_P(TemporalTest, BodiesThatJumpOrPartLeaveNothingBehind) {
     for (Temporal temporal : {Temporal::paper, Temporal::certified}) {
-        Sinking scene(GetParam(), with(temporal, true)), plain(GetParam(), {});
+        Sinking scene(GetParam(), with(temporal, true)), plain(GetParam(), with(Temporal::off));
         for (double height : {0.9, 0.9, 0.5, 3.0, 0.9, 0.9, 20.0, 20.0, 0.8}) {
             const std::size_t expected = plain.at(height);
             EXPECT_EQ(scene.at(height), expected) << "height " << height;
@@ -325,6 +325,7 @@ TEST(TemporalScenesTest, CertifiedGivesTheSameHashOnEveryFrame) {
                 if (vertices && soft) continue;
                 const Recording played = vertices ? as_deforming(recording) : recording;
                 RaySettings off{"embree", 2}, certified{"embree", 2};
+                off.world.temporal = Temporal::off;
                 certified.world.temporal = Temporal::certified;
                 const auto a = make_detector(scene_of(played), Method::rays, off);
                 const auto b = make_detector(scene_of(played), Method::rays, certified);

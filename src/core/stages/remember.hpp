@@ -11,6 +11,7 @@ struct Remember {
     View<const BodyView> bodies;
     View<const Ray> rays;  ///< all
     View<const Hit> hits;
+    View<const Meeting> meetings;
     View<const std::uint32_t> slots;
     View<VertexRecord> records;
 
@@ -24,7 +25,7 @@ struct Remember {
         const BodyView& target = bodies[rays[slot].target];
         Ray ray = rays[slot];
         if (hit.predicted) ray.direction = -ray.direction;
-        const Meeting m = meet(ray, target.surface(), hit.triangle);
+        const Meeting m = hit.predicted ? meet(ray, target.surface(), hit.triangle) : meetings[slot];
         if (m.exit == hit.predicted) return;
         record.triangle = record.seen_triangle = hit.triangle;
         record.predicted = hit.predicted;
