@@ -5,6 +5,7 @@
 #include <map>
 
 #include "commands.hpp"
+#include "paper_report.hpp"
 #include "pierce/core/error.hpp"
 
 namespace {
@@ -109,6 +110,26 @@ int main(int argc, char** argv) {
     CLI::App* demo_command = app.add_subcommand("demo", "100 tori by rays and by GJK/EPA, with a picture");
     demo_command->add_option("--png", demo_png, "picture of the last frame")->capture_default_str();
     demo_command->callback([&] { code = demo(demo_png); });
+
+    PaperReportOptions report_options;
+    CLI::App* report_command = app.add_subcommand("report", "run a set of experiments and write a page about them");
+    report_command->require_subcommand(1);
+    CLI::App* paper_command =
+        report_command->add_subcommand("paper", "the paper's experiments, with its figures beside ours");
+    paper_command->add_option("--out", report_options.out, "folder for the page, its pictures and CSV files")
+        ->required()
+        ->type_name("DIR");
+    paper_command->add_option("--count", report_options.count, "falling bodies")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    paper_command->add_option("--seconds", report_options.seconds, "simulated time")
+        ->capture_default_str()
+        ->check(positive_number);
+    paper_command->add_option("--dt", report_options.dt, "time step in seconds")
+        ->capture_default_str()
+        ->check(positive_number);
+    paper_command->add_option("--seed", report_options.seed, "of the bodies' rotations")->capture_default_str();
+    paper_command->callback([&] { code = report_paper(report_options); });
 
     try {
         app.parse(argc, argv);

@@ -1,0 +1,93 @@
+#include "plot.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "pierce/core/error.hpp"
+
+namespace pierce::app {
+
+namespace fs = std::filesystem;
+
+void Table::write_csv(const fs::path& file) const {
+    std::ofstream out(file);
+    for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << names[c];
+    out << '\n';
+    for (const auto& row : rows) {
+        for (std::size_t c = 0; c < row.size(); ++c) out << (c > 0 ? "," : "") << fmt::format("{:.6g}", row[c]);
+        out << '\n';
+    }
+    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+}
+
+namespace {
+
+/// Text in gnuplot's quotes.
+std::string quoted(const std::string& text) {
+    std::string result = "'";
+    for (char c : text) {
+        if (c == '\'') result += '\'';
+        result += c;
+    }
+    return result + "'";
+}
+
+bool run_gnuplot(const std::string& script) {
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return false;
+    std::FILE* pipe = popen("gnuplot", "w");
+    if (pipe == nullptr) return false;
+    std::fputs(script.c_str(), pipe);
+    return pclose(pipe) == 0;
+}
+
+std::string head(const std::string& title, const std::string& x, const std::string& y, const fs::path& svg) {
+    return "set terminal svg size 720,440 font 'sans,13' background 'white'\nset output " + quoted(svg.string()) +
+           "\nset datafile separator ','\nset title " + quoted(title) + " noenhanced\nset xlabel " + quoted(x) +
+           " noenhanced\nset ylabel " + quoted(y) + " noenhanced\n";
+}
+
+}  // namespace
+
+bool write_plot(const Curves& curves, const fs::path& folder, const std::string& name) {
+    const fs::path csv = folder / (name + ".csv");
+    curves.table.write_csv(csv);
+    std::string script = head(curves.title, curves.x, curves.y, folder / (name + ".svg")) +
+                         "set key outside bottom center horizontal noenhanced\nset grid\nset yrange [0:*]\n";
+    if (curves.log_x) script += "set logscale x 2\n";
+    script += "plot ";
+    for (std::size_t c = 1; c < curves.table.names.size(); ++c)
+        script += fmt::format("{}{} using 1:{} with lines lw 2 title {}", c > 1 ? ", " : "", quoted(csv.string()), c + 1,
+                              quoted(curves.table.names[c]));
+    return run_gnuplot(script + "\n");
+}
+
+bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& name) {
+    const fs::path csv = folder / (name + ".csv");
+    map.table.write_csv(csv);
+    // Places, not values, along the axes: the values are powers of two and zero.
+    std::vector<double> xs, ys;
+    for (const auto& row : map.table.rows) {
+        if (xs.empty() || row[1] == map.table.rows[0][1]) xs.push_back(row[0]);
+        if (row[0] == map.table.rows[0][0]) ys.push_back(row[1]);
+    }
+    std::string script =
+        head(map.title, map.x, map.y, folder / (name + ".svg")) + "set cblabel " + quoted(map.value) +
+        " noenhanced\nset palette defined (0 'white', 1 'orange', 2 'dark-red')\nset cbrange [0:*]\nunset key\n";
+    const auto ticks = [&](const char* axis, const std::vector<double>& values) {
+        script += fmt::format("set {}tics (", axis);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            script += fmt::format("{}'{:g}' {}", i > 0 ? ", " : "", values[i], i);
+        script += ")\n";
+    };
+    ticks("x", xs);
+    ticks("y", ys);
+    script += "$map << EOD\n";
+    for (std::size_t i = 0; i < map.table.rows.size(); ++i)
+        script += fmt::format("{},{},{:.6g}\n", i % xs.size(), i / xs.size(), map.table.rows[i][2]);
+    script += "EOD\nplot $map using 1:2:3 with image, $map using 1:2:(sprintf('%.3g', $3)) with labels\n";
+    return run_gnuplot(script);
+}
+
+}  // namespace pierce::app

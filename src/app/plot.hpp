@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pierce::app {
+
+/// Columns of numbers under their names.
+struct Table {
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> rows;
+
+    /// Comma-separated, with a line of names. Throws InputError if the file cannot be written.
+    void write_csv(const std::filesystem::path& file) const;
+};
+
+/// One curve per column after the first, over the first.
+struct Curves {
+    std::string title, x, y;
+    Table table;
+    bool log_x = false;
+};
+
+/// Rows are (x, y, value), x changing fastest.
+struct HeatMap {
+    std::string title, x, y, value;
+    Table table;
+};
+
+/// Writes NAME.csv and, if gnuplot is installed, NAME.svg into `folder`. Returns true if there is a picture.
+bool write_plot(const Curves& curves, const std::filesystem::path& folder, const std::string& name);
+bool write_plot(const HeatMap& map, const std::filesystem::path& folder, const std::string& name);
+
+}  // namespace pierce::app
