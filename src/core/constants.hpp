@@ -77,6 +77,10 @@ inline constexpr std::uint32_t walk_steps = 10;
 /// Predictions reach this far at most [mean edge length].
 inline constexpr double prediction_limit = 2.0;
 
+/// A predicted vertex is looked at again when the bodies have moved by this part of its distance to the plane it may enter
+/// through: half, as the surface need not be flat [1].
+inline constexpr double prediction_wait = 0.5;
+
 /// A vertex is proved to be outside up to this distance at most [mean edge length of the target]: looking further costs
 /// more than it saves.
 inline constexpr double certificate_limit = 1.0;

@@ -55,7 +55,7 @@ public:
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });
 
-        count(before, stats);
+        count(before, scene.plan->temporal, stats);
     }
 
     View<const Contact> contacts() const { return view_of(contacts_); }
@@ -221,10 +221,10 @@ private:
         walk_counts_.resize(walks);
         found_.resize(rays_.size());
         meetings_.resize(rays_.size());
-        executor_.for_each(
-            "walk", walks,
-            stages::Walk{scene.bodies, view_of(rays_), view_of(walk_slots_), scene.plan->temporal, view_of(hits_),
-                         view_of(routes_), view_of(records_), view_of(found_), view_of(meetings_), view_of(walk_counts_)});
+        executor_.for_each("walk", walks,
+                           stages::Walk{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_),
+                                        view_of(walk_slots_), scene.plan->temporal, view_of(hits_), view_of(routes_),
+                                        view_of(records_), view_of(found_), view_of(meetings_), view_of(walk_counts_)});
         const std::uint32_t full =
             list("full_list", rays_.size(), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
         full_rays_.resize(full);
@@ -299,9 +299,10 @@ private:
     // Stage 11. What the next step needs to know.
     void remember(const Scene& scene) {
         const auto full = static_cast<std::uint32_t>(full_slots_.size());
-        executor_.for_each("remember", full,
-                           stages::Remember{scene.bodies, view_of(rays_), view_of(hits_), view_of(meetings_),
-                                            view_of(full_slots_), view_of(records_)});
+        executor_.for_each(
+            "remember", full,
+            stages::Remember{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_), scene.plan->temporal,
+                             view_of(hits_), view_of(meetings_), view_of(full_slots_), view_of(records_)});
         uncertain_.clear();
         if (scene.plan->temporal != Temporal::certified) return;
 
@@ -326,10 +327,10 @@ private:
     }
 
     // Stage 12. What the step did; sums in contact order.
-    void count(const TracerCounts& before, StepStats& stats) const {
+    void count(const TracerCounts& before, Temporal temporal, StepStats& stats) const {
         const TracerCounts after = tracer_.counts();
         stats.pairs = static_cast<std::uint32_t>(pairs_.size());
-        const bool remembers = !routes_.empty();
+        const bool remembers = temporal != Temporal::off;
         stats.rays = static_cast<std::uint32_t>(remembers ? full_slots_.size() : rays_.size());
         for (const Ray& ray : own_rays_) stats.own_rays += ray.t_max >= 0;
         stats.contacts = static_cast<std::uint32_t>(contacts_.size());
@@ -337,7 +338,7 @@ private:
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);
         stats.triangle_tests = after.triangle_tests - before.triangle_tests;
         for (const Hit& hit : hits_) stats.hits += hit.triangle != no_triangle && !hit.predicted;
-        if (remembers) count_remembered(stats);
+        if (remembers) count_remembered(temporal, stats);
         double sum = 0;
         for (std::size_t i = 0; i < contacts_.size(); ++i) {
             const Contact& c = contacts_[i];
@@ -348,13 +349,14 @@ private:
         if (!contacts_.empty()) stats.penetration_mean = sum / static_cast<double>(contacts_.size());
     }
 
-    void count_remembered(StepStats& stats) const {
+    void count_remembered(Temporal temporal, StepStats& stats) const {
         stats.walks = static_cast<std::uint32_t>(walk_slots_.size());
         for (const stages::WalkCount& walk : walk_counts_) {
             stats.walk_steps += walk.steps;
             stats.lost_walks += walk.lost;
         }
-        for (Route route : routes_) stats.certified += route == Route::skip;
+        if (temporal == Temporal::certified)
+            for (Route route : routes_) stats.certified += route == Route::skip;
         for (const VertexRecord& record : records_) stats.predictions += record.predicted;
         for (const PairMemory& memory : memory_) stats.full_passes += memory.pass == Pass::full;
         for (const Contact& c : contacts_) stats.predictions_true += c.found == Found::prediction;

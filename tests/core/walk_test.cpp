@@ -93,11 +93,11 @@ TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
     test::Random random(12);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     int proved = 0, behind = 0, tried = 0;
-    for (int m = 0; m < 60; ++m) {
+    for (int m = 0; m < 120; ++m) {
         const Mesh shape("any", test::random_closed_mesh(random));
         const MeshView mesh = shape.view();
         const double touch = constants::touch_tolerance * mesh.box.extent();
-        const double deviation = m % 2 == 0 ? 0 : random.uniform(0, 0.02);
+        const double deviation = m % 2 == 0 ? 0 : random.uniform(0, 0.1);
         std::vector<Vec3f> moved;
         for (Vec3f p : shape.positions()) moved.push_back(to_float(to_double(p) + deviation * 0.57 * random.in_box(1)));
         const View<const Vec3f> positions = view_of(std::as_const(moved));

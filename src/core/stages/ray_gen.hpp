@@ -72,7 +72,7 @@ struct GenerateRays {
             if (routes.size > 0) {
                 const VertexRecord* record = last.vertex(before, k);
                 records[slot] = record != nullptr ? *record : VertexRecord{};
-                if (settings.temporal == Temporal::certified && record != nullptr && record->expiry > d.odometer) {
+                if (record != nullptr && record->expiry > d.odometer && d.waits(settings.temporal)) {
                     routes[slot] = Route::skip;  // and the ray is nobody's to read
                     continue;
                 }

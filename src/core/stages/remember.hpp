@@ -9,7 +9,10 @@ namespace pierce::stages {
 /// Per full ray: writes its vertex's record. Reads rays and hits.
 struct Remember {
     View<const BodyView> bodies;
+    View<const DirectedPair> directed;
     View<const Ray> rays;  ///< all
+    View<const RaySource> sources;
+    Temporal temporal = Temporal::paper;
     View<const Hit> hits;
     View<const Meeting> meetings;
     View<const std::uint32_t> slots;
@@ -29,6 +32,14 @@ struct Remember {
         if (m.exit == hit.predicted) return;
         record.triangle = record.seen_triangle = hit.triangle;
         record.predicted = hit.predicted;
+        if (temporal == Temporal::paper) {
+            const Triangle& t = target.mesh.triangles[hit.triangle];
+            const Vec3d corner[3] = {to_double(target.positions[t.vertex[0]]), to_double(target.positions[t.vertex[1]]),
+                                     to_double(target.positions[t.vertex[2]])};
+            const RaySource from = sources[slot];
+            record.expiry =
+                hit.predicted ? wait_until(directed[2 * from.pair + from.side], m.t, ray.direction, corner) : 0.0f;
+        }
         for (int k = 0; k < 2; ++k) record.seen_weight[k] = static_cast<float>(m.barycentric[k]);
         const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{}).transposed();
         record.seen_offset = to_float(m.t * (to_fit * ray.direction));

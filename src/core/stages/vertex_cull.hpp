@@ -20,6 +20,9 @@ struct DirectedPair {
     float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
+
+    /// True if vertices with an unexpired record are left alone in this step.
+    PIERCE_HD bool waits(Temporal temporal) const { return temporal == Temporal::certified || pass == Pass::walk; }
 };
 
 /// Per directed pair (pair * 2 + side): the frames, and how many blocks of patches there are to test; none if the target

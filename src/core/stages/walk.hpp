@@ -2,6 +2,7 @@
 
 #include "pierce/core/contact.hpp"
 #include "pierce/core/stages/classify.hpp"
+#include "pierce/core/stages/vertex_cull.hpp"
 #include "pierce/core/temporal.hpp"
 #include "pierce/core/walk.hpp"
 
@@ -16,6 +17,12 @@ struct HasRoute {
     PIERCE_HD bool operator()(std::uint32_t i) const { return routes[i] == wanted; }
 };
 
+/// Until when a vertex `t` in front of a triangle is left alone, at a small risk.
+PIERCE_HD inline float wait_until(const DirectedPair& d, double t, Vec3d direction, const Vec3d corner[3]) {
+    const Vec3d normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+    return d.odometer + static_cast<float>(constants::prediction_wait * t * std::fabs(dot(normal, direction)));
+}
+
 /// What a walk did.
 struct WalkCount {
     std::uint32_t steps = 0;
@@ -27,7 +34,9 @@ struct WalkCount {
 /// and records.
 struct Walk {
     View<const BodyView> bodies;
+    View<const DirectedPair> directed;
     View<const Ray> rays;
+    View<const RaySource> sources;
     View<const std::uint32_t> slots;
     Temporal temporal = Temporal::paper;
     View<Hit> hits;
@@ -72,6 +81,8 @@ struct Walk {
             const bool ahead = crossing.t >= -target.touch;
             if (record.predicted) found[slot] = Found::prediction;
             record.predicted = !ahead;
+            const RaySource from = sources[slot];
+            record.expiry = ahead ? 0 : wait_until(directed[2 * from.pair + from.side], -crossing.t, ray.direction, corner);
             if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = at;
         }
         counts[i].lost = false;
