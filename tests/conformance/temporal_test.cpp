@@ -130,6 +130,31 @@ TEST_P(TemporalTest, CertifiedIsTracingEverything) {
     EXPECT_LT(full, plain) << "it saves rays";
 }
 
+TEST_P(TemporalTest, ABodyThatGrowsASpikeIsSeenToTouch) {
+    // Its frame hardly moves and most of it stays as it is: only the motion of the shape itself tells.
+    World certified(GetParam().make(), with(Temporal::certified)), plain(GetParam().make(), with(Temporal::off));
+    const MeshData ball = scenes::sphere(1, 4);
+    for (World* world : {&certified, &plain}) {
+        world->add_fixed_body(world->add_mesh("plate", scenes::box({-5, -5, -1}, {5, 5, 0})));
+        world->add_deforming_body(world->add_mesh("ball", ball));
+    }
+    std::size_t most = 0;
+    for (int i = 0; i < 60; ++i) {
+        MeshData now = ball;
+        for (Vec3f& p : now.positions) {
+            const float below = std::max(-p.z - 0.95f, 0.0f) / 0.05f;
+            p.z += 1.9f - 0.02f * static_cast<float>(i) * below;
+        }
+        for (World* world : {&certified, &plain}) {
+            world->set_positions({1, 1}, now.positions);
+            world->detect();
+        }
+        most = std::max(most, plain.contacts().size());
+        ASSERT_EQ(contact_hash(certified.contacts()), contact_hash(plain.contacts())) << "step " << i;
+    }
+    EXPECT_GT(most, 3u);
+}
+
 TEST_P(TemporalTest, PaperModeHoldsNothingStale) {
     test::Random random(22);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
@@ -278,6 +303,12 @@ TEST_P(TemporalTest, B6B7RecordsDieWithTopologyAndBodies) {
         const std::size_t before = scene.at(0.9);
         EXPECT_GT(before, 0u);
         EXPECT_EQ(scene.at(0.9), before);
+        // Triangles that only happen to be the same.
+        scene.world.set_mesh(scene.ball, scene.world.add_mesh("twin", scenes::sphere(1, 3)),
+                             test::placed(scenes::sphere(1, 3), {{0, 0, 0.9}, {}}));
+        scene.world.detect();
+        EXPECT_EQ(scene.world.contacts().size(), before);
+        for (const Contact& c : scene.world.contacts()) EXPECT_EQ(c.age, 0u);
         // Other triangles: fewer vertices than the records name.
         const MeshData coarse = scenes::sphere(1, 1);
         scene.world.set_mesh(scene.ball, scene.world.add_mesh("coarse", coarse), test::placed(coarse, {{0, 0, 0.9}, {}}));

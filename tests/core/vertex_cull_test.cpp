@@ -1,0 +1,81 @@
+// What balls near a target promise about later steps.
+#include "pierce/core/stages/vertex_cull.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pierce/core/first_crossing.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+/// A body of a mesh as a step would see it, in its rest shape.
+BodyView body_of(const Mesh& mesh, Motion motion) {
+    BodyView body;
+    body.mesh = mesh.view();
+    body.positions = body.mesh.positions;
+    body.blocks = body.mesh.blocks;
+    body.patches = body.mesh.patches;
+    body.fit_box = body.mesh.box;
+    body.touch = constants::touch_tolerance * body.mesh.box.extent();
+    body.motion = motion;
+    return body;
+}
+
+Offsets random_offsets(test::Random& random, double size) {
+    Offsets offsets;
+    for (std::uint32_t k = 0; k < Offsets::count; ++k) offsets.set(k, to_float(random.in_box(size)));
+    return offsets;
+}
+
+TEST(BallsNearbyTest, AGapHoldsWhileTheBallMovesByLess) {
+    test::Random random(41);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int held = 0;
+    for (int m = 0; m < 60; ++m) {
+        const Mesh mesh("any", test::random_closed_mesh(random));
+        // A deforming target proves nothing but what its grid says: it must say so again.
+        const BodyView target = body_of(mesh, Motion::deforming);
+        for (int i = 0; i < 300; ++i) {
+            const Offsets offsets = random_offsets(random, 0.2);
+            const Vec3d center = random.in_box(1.3);
+            const stages::BallsNearby before(target, {}, center, offsets, nullptr, 0.4, 0);
+            for (std::uint32_t k = 0; k < Offsets::count; ++k) {
+                if (!(before.gap(k) > 0)) continue;
+                const Vec3d way = random.uniform(0, 0.999) * static_cast<double>(before.gap(k)) * random.unit_vector();
+                const stages::BallsNearby after(target, {}, center + way, offsets, nullptr, 0.4, 0);
+                ++held;
+                ASSERT_FALSE(after.near >> k & 1u) << "mesh " << m << " try " << i << " ball " << k;
+            }
+        }
+    }
+    EXPECT_GT(held, 10000);
+}
+
+TEST(BallsNearbyTest, WhatIsNotNearIsOutside) {
+    test::Random random(42);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int m = 0; m < 30; ++m) {
+        const Mesh mesh("any", test::random_closed_mesh(random));
+        const BodyView target = body_of(mesh, Motion::rigid);
+        for (int i = 0; i < 100; ++i) {
+            const Offsets offsets = random_offsets(random, 0.2);
+            const Vec3d center = random.in_box(1.3);
+            const stages::BallsNearby balls(target, {}, center, offsets, nullptr, 0.4, 0);
+            for (std::uint32_t k = 0; k < Offsets::count; ++k) {
+                const Vec3d p = center + Vec3d{offsets.x[k], offsets.y[k], offsets.z[k]};
+                double nearest = 9;
+                for (std::uint32_t t = 0; t < target.mesh.triangles.size; ++t)
+                    nearest = std::min(nearest, distance_to(p, target.surface(), t));
+                if (!(balls.near >> k & 1u)) {
+                    ASSERT_GT(nearest, 0);
+                }
+                ASSERT_LE(balls.gap(k), nearest) << "a gap is a distance that is there";
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace pierce
