@@ -89,6 +89,44 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
     EXPECT_EQ(pierce("replay " + path("motion") + " --deforming").code, 0);
 }
 
+TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
+    ASSERT_EQ(pierce("run tori --count 6 --seconds 2 --record " + path("motion")).code, 0);
+    const auto replay = [&](const std::string& how) {
+        const Outcome outcome = pierce("replay " + path("motion") + " " + how + " --json " + path("replay.json"));
+        EXPECT_EQ(outcome.code, 0) << outcome.text;
+        return read("replay.json");
+    };
+    const auto hashes = [](const json& result) {
+        std::string all;
+        for (const json& f : result["frames"]) all += f["hash"].get<std::string>();
+        return all;
+    };
+    const json off = replay("--temporal off"), certified = replay("--temporal certified"),
+               paper = replay("--temporal paper --predict off --full-every 4"), predicting = replay("--temporal paper");
+    EXPECT_EQ(hashes(off), hashes(certified));
+    EXPECT_NE(hashes(off), hashes(paper)) << "the paper's mode misses some";
+    EXPECT_EQ(certified["settings"]["temporal"], "certified");
+    EXPECT_EQ(paper["settings"]["full_every"], 4);
+    EXPECT_EQ(off["summary"]["walks"]["max"], 0);
+    EXPECT_GT(paper["summary"]["walks"]["max"].get<int>(), 0);
+    EXPECT_EQ(paper["summary"]["predictions"]["max"], 0);
+    EXPECT_GT(predicting["summary"]["predictions"]["max"].get<int>(), 0);
+    EXPECT_GT(predicting["frames"][119]["ms"]["walk"].get<double>(), 0);
+    EXPECT_THAT(pierce("plan tori --temporal paper").text, HasSubstr("displacement"));
+    EXPECT_THAT(pierce("plan tori --temporal off").text, testing::Not(HasSubstr("displacement")));
+}
+
+TEST_F(AppTest, ReportsOnThePaper) {
+    const Outcome report = pierce("report paper --count 3 --seconds 1 --out " + path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    std::ifstream in(folder / "report" / "report.md");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9"})
+        EXPECT_THAT(page, HasSubstr(part));
+    for (const char* file : {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
+        EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
+}
+
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
     std::ofstream(folder / "a.off") << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
     std::ofstream(folder / "b.obj")
@@ -122,6 +160,11 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     refused("run tori --count 1 --json /nowhere/x.json", "/nowhere/x.json");
     refused("run tori --count 1 --method gimpact --png " + path("x.png"), "--png");
     refused("run tori --frobnicate", "--frobnicate");
+    refused("run tori --temporal always", "--temporal");
+    refused("run tori --predict maybe", "--predict");
+    refused("run tori --full-every 0", "--full-every");
+    refused("report paper --out /proc/nowhere", "/proc/nowhere");
+    refused("report", "subcommand");
     refused("replay " + path("nothing"), "nothing");
     refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");
     refused("detect " + path("a.obj"), "meshes");
