@@ -33,11 +33,13 @@ const Recording& pile(bool deforming) {
     return deforming ? soft : rigid;
 }
 
-void detect(benchmark::State& state, Method method, bool deforming, int threads) {
+void detect(benchmark::State& state, Method method, bool deforming, int threads, Temporal temporal = Temporal::off) {
     const Recording& recording = pile(deforming);
     SceneSetup scene = scene_of(recording);
     scene.meshes = make_scene("tori").meshes;  // with convex pieces
-    const auto detector = make_detector(scene, method, {"embree", threads});
+    Settings settings;
+    settings.temporal = temporal;
+    const auto detector = make_detector(scene, method, {"embree", threads, settings});
     std::uint32_t frame = 0;
     double pairs = 0, contacts = 0, update = 0, milliseconds = 0;
     for (auto _ : state) {
@@ -68,6 +70,10 @@ PIERCE_CASE(rays_rigid_1_thread, Method::rays, false, 1);
 PIERCE_CASE(rays_rigid_2_threads, Method::rays, false, 2);
 PIERCE_CASE(rays_deforming_1_thread, Method::rays, true, 1);
 PIERCE_CASE(rays_deforming_2_threads, Method::rays, true, 2);
+PIERCE_CASE(rays_rigid_certified_1_thread, Method::rays, false, 1, Temporal::certified);
+PIERCE_CASE(rays_rigid_certified_2_threads, Method::rays, false, 2, Temporal::certified);
+PIERCE_CASE(rays_deforming_certified_1_thread, Method::rays, true, 1, Temporal::certified);
+PIERCE_CASE(rays_deforming_certified_2_threads, Method::rays, true, 2, Temporal::certified);
 PIERCE_CASE(gjk_epa_rigid, Method::gjk_epa, false, 1);
 PIERCE_CASE(gjk_hull_rigid, Method::gjk_hull, false, 1);
 
