@@ -86,7 +86,7 @@ bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& n
     script += "$map << EOD\n";
     for (std::size_t i = 0; i < map.table.rows.size(); ++i)
         script += fmt::format("{},{},{:.6g}\n", i % xs.size(), i / xs.size(), map.table.rows[i][2]);
-    script += "EOD\nplot $map using 1:2:3 with image, $map using 1:2:(sprintf('%.3g', $3)) with labels\n";
+    script += "EOD\nplot $map using 1:2:3 with image pixels, $map using 1:2:(sprintf('%.3g', $3)) with labels\n";
     return run_gnuplot(script);
 }
 
