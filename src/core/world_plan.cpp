@@ -1,0 +1,135 @@
+#include <algorithm>
+
+#include "pierce/core/patch.hpp"
+#include "pierce/core/stages/classify.hpp"
+#include "pierce/core/world_state.hpp"
+
+namespace pierce {
+
+void World::State::add_chunks(std::uint32_t body) {
+    const std::uint32_t count = block_count(views[body].mesh);
+    stages::ChunkRange range{body, static_cast<std::uint32_t>(chunks.size()), 0};
+    for (std::uint32_t b = 0; b < count; b += constants::chunk_blocks)
+        chunks.push_back({body, b, std::min(b + constants::chunk_blocks, count)});
+    range.last = static_cast<std::uint32_t>(chunks.size());
+    ranges.push_back(range);
+}
+
+void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
+    plan.fixed_bodies += body.motion == Motion::fixed;
+    plan.rigid_bodies += body.motion == Motion::rigid;
+    plan.deforming_bodies += body.motion == Motion::deforming;
+    plan.open_bodies += !mesh.traits().closed();
+    const auto note = [&](const std::string& text) {
+        const std::string line = "mesh '" + mesh.name() + "': " + text;
+        if (std::ranges::find(plan.notes, line) == plan.notes.end()) plan.notes.push_back(line);
+    };
+    const MeshTraits& traits = mesh.traits();
+    if (!traits.closed())
+        note("open (" + std::to_string(traits.inconsistent_edges) +
+             " edges without a partner of opposite direction): it has no inside, so nothing penetrates it; its own rays "
+             "are limited in length and rules R2 and R3 do not apply");
+    else if (traits.volume < 0)
+        note("inside out (negative volume): its normals point inward, so rays start in the wrong direction");
+    if (traits.degenerate_triangles > 0)
+        note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
+}
+
+void World::State::find_own_exits(MeshEntry& entry, std::uint32_t index) {
+    const BodyView& body = views[index];
+    const MeshView& mesh = body.mesh;
+    std::vector<Ray> rays(mesh.positions.size);
+    for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
+        rays[v].origin = to_double(mesh.positions[v]);
+        rays[v].direction = stages::inward_direction(body, v);
+        rays[v].t_max = length_squared(rays[v].direction) > 0 ? body.fit_box.extent() : -1.0;
+        rays[v].target = index;
+        rays[v].excluded_vertex = v;
+    }
+    std::vector<Hit> hits(rays.size());
+    backend->closest_hits(view_of(views), view_of(std::as_const(rays)), view_of(hits));
+    entry.own_exit.assign(rays.size(), -1.0);
+    for (std::size_t v = 0; v < rays.size(); ++v) {
+        if (hits[v].triangle == no_triangle) continue;
+        const stages::Meeting exit = stages::meet(rays[v], body.surface(), hits[v].triangle);
+        if (exit.exit) entry.own_exit[v] = exit.t;
+    }
+}
+
+void World::State::make_plan() {
+    auto& slots = bodies.slots();
+    plan = {};
+    chunks.clear();
+    ranges.clear();
+    views.assign(slots.size(), {});
+    ids.assign(slots.size(), {});
+    blocks.assign(slots.size(), {});
+    patches.assign(slots.size(), {});
+    seen.assign(slots.size(), {});
+    rotations.resize(slots.size());
+
+    for (std::uint32_t i = 0; i < slots.size(); ++i) {
+        BodyView& view = views[i];
+        view.active = false;
+        if (!slots[i].used) continue;
+        BodyEntry& body = slots[i].thing;
+        MeshEntry& entry = meshes.get(body.mesh, "mesh");
+        ids[i] = {i, slots[i].generation};
+        view.mesh = entry.mesh->view();
+        view.mesh_key = entry.key;
+        view.motion = body.motion;
+        view.range = settings.open_body_range * view.mesh.mean_edge_length;
+        view.fit_box = view.mesh.box;
+        view.touch = constants::touch_tolerance * view.fit_box.extent();
+        describe(body, *entry.mesh);
+        if (body.motion == Motion::deforming) {
+            view.positions = view_of(std::as_const(body.positions));
+            body.blocks.resize(block_count(view.mesh));
+            body.patches.resize(patch_count(view.mesh));
+            view.blocks = blocks[i] = view_of(body.blocks);
+            view.patches = patches[i] = view_of(body.patches);
+            body.seen.resize(settings.temporal == Temporal::off ? 0 : patch_count(view.mesh));
+            seen[i] = view_of(body.seen);
+            add_chunks(i);
+        } else {
+            view.positions = view.mesh.positions;
+            view.blocks = view.mesh.blocks;
+            view.patches = view.mesh.patches;
+        }
+    }
+    for (std::uint32_t i = 0; i < slots.size(); ++i) {
+        if (!slots[i].used || views[i].motion == Motion::deforming) continue;
+        MeshEntry& entry = meshes.get(slots[i].thing.mesh, "mesh");
+        if (views[i].mesh.closed && entry.own_exit.empty()) find_own_exits(entry, i);
+        views[i].own_exit = view_of(std::as_const(entry.own_exit));
+    }
+
+    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;
+    plan.measures_deformation = plan.deforming_bodies > 0;
+    plan.traces_own_exits = plan.deforming_bodies > 0;
+    plan.temporal = settings.temporal;
+    plan.stages = {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts"};
+    if (settings.temporal != Temporal::off)
+        plan.stages = {"bounds", "pairs", "displacement", "vertex_cull", "ray_gen", "walk",
+                       "update", "trace", "classify",     "contacts",    "remember"};
+    planned = true;
+}
+
+void World::State::refresh_views() {
+    if (!planned) make_plan();
+    for (std::uint32_t i = 0; i < views.size(); ++i) {
+        if (!ids[i]) continue;
+        const BodyEntry& body = bodies.slots()[i].thing;
+        views[i].active = body.finite;
+        if (!body.finite) {
+            stats.status |= body_excluded;
+            ++stats.excluded_bodies;
+        }
+        if (body.motion == Motion::deforming)
+            views[i].positions_version = body.positions_version;
+        else if (body.finite)
+            views[i].fit = views[i].space = frame_of(body.pose);
+    }
+}
+
+}  // namespace pierce

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pierce/core/slot_map.hpp"
+#include "pierce/core/world.hpp"
+
+namespace pierce {
+
+/// A mesh of a world.
+struct MeshEntry {
+    std::unique_ptr<Mesh> mesh;
+    std::uint64_t key = 0;
+    std::vector<double> own_exit;  ///< of the rest shape; made when a fixed or rigid body first needs it
+};
+
+/// A body of a world.
+struct BodyEntry {
+    MeshId mesh;
+    Motion motion = Motion::fixed;
+    Pose pose;
+    std::vector<Vec3f> positions;    ///< of a deforming body
+    std::vector<PatchBlock> blocks;  ///< of a deforming body
+    std::vector<Offsets> patches;
+    std::vector<SeenPatch> seen;
+    std::uint64_t positions_version = 0;
+    bool finite = true;
+};
+
+/// What a World is made of; world.cpp changes it, world_plan.cpp makes of it what a step reads.
+struct World::State {
+    std::unique_ptr<Backend> backend;
+    Settings settings;
+    SlotMap<MeshTag, MeshEntry> meshes;
+    SlotMap<BodyTag, BodyEntry> bodies;
+    std::uint64_t next_key = 1;
+
+    // What a step reads; remade when bodies are added, removed or change kind.
+    bool planned = false;
+    Plan plan;
+    std::vector<BodyView> views;
+    std::vector<BodyId> ids;
+    std::vector<Quaternion> rotations;
+    std::vector<stages::Chunk> chunks;
+    std::vector<stages::ChunkRange> ranges;
+    std::vector<View<PatchBlock>> blocks;
+    std::vector<View<Offsets>> patches;
+    std::vector<View<SeenPatch>> seen;
+    StepStats stats;
+
+    const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
+
+    BodyId add(BodyEntry body) {
+        planned = false;
+        return bodies.add(std::move(body));
+    }
+
+    /// What does not change between steps.
+    void make_plan();
+    void add_chunks(std::uint32_t body);
+    void describe(const BodyEntry& body, const Mesh& mesh);
+    /// What may have changed since the last step.
+    void refresh_views();
+    /// Lengths of the inward rays of a mesh's rest shape inside itself; -1 where a ray does not start inside (R2).
+    void find_own_exits(MeshEntry& entry, std::uint32_t index);
+};
+
+}  // namespace pierce
