@@ -40,6 +40,8 @@ std::vector<Neighbors> neighbors_of(std::span<const Triangle> triangles) {
 
 namespace {
 
+using Corners = std::array<Vec3d, 3>;
+
 bool touches(const Triangle& t, const Triangle& other) {
     return std::ranges::any_of(
         t.vertex, [&](std::uint32_t v) { return std::ranges::find(other.vertex, v) != std::end(other.vertex); });
@@ -72,7 +74,7 @@ bool goes_around_once(const MeshView& mesh, std::uint32_t v, Vec3d axis) {
 }
 
 /// True if an edge of `a` passes through `b`, ends and border of `b` left aside if they may share vertices.
-bool edge_pierces(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b, bool may_share = false) {
+bool edge_pierces(const Corners& a, const Corners& b, bool may_share = false) {
     for (int k = 0; k < 3; ++k) {
         const Vec3d edge = a[(k + 1) % 3] - a[k];
         const double size = length(edge);
@@ -86,7 +88,7 @@ bool edge_pierces(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b, 
     return false;
 }
 
-double triangle_distance(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b) {
+double triangle_distance(const Corners& a, const Corners& b) {
     if (edge_pierces(a, b) || edge_pierces(b, a)) return 0;
     double best = length(a[0] - closest_on_triangle(a[0], b[0], b[1], b[2]));
     for (int i = 0; i < 3; ++i) {
@@ -132,48 +134,82 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
     return least;
 }
 
+Corners corners_of(const MeshView& mesh, std::uint32_t t) {
+    const auto& [v] = mesh.triangles[t];
+    return {to_double(mesh.positions[v[0]]), to_double(mesh.positions[v[1]]), to_double(mesh.positions[v[2]])};
+}
+
+Vec3d center_of(const Corners& c) { return (1.0 / 3) * (c[0] + c[1] + c[2]); }
+
+/// The triangles of the ring, one after the other, as often as they share a vertex.
+std::vector<Corners> ring_of(const MeshView& mesh, std::uint32_t t) {
+    const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
+    std::vector<Corners> ring;
+    for (std::uint32_t v : mesh.triangles[t].vertex)
+        for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
+            ring.push_back({at(v), at(mesh.corners[i].next), at(mesh.corners[i].previous)});
+    return ring;
+}
+
+/// The cone around the ring's normals, and by how much they may turn.
+void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Corners>& triangles, TriangleRing& ring) {
+    Vec3d sum;
+    std::vector<Vec3d> normals;
+    double lowest = std::numeric_limits<double>::infinity();
+    bool sound = true;
+    for (const Corners& c : triangles) {
+        const Vec3d normal = cross(c[1] - c[0], c[2] - c[0]);
+        lowest =
+            std::min(lowest, length(normal) / std::max({length(c[1] - c[0]), length(c[2] - c[0]), length(c[2] - c[1])}));
+        sound &= !is_degenerate(c[0], c[1], c[2]);
+        normals.push_back(normalized(normal));
+        sum += normals.back();
+    }
+    // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at most, over its length,
+    // longest times lowest: the sine of its turn is below 8 d / lowest while d is below the longest edge, and that above 1
+    // beyond.
+    ring.tilt = round_up(8 / lowest);
+
+    const Vec3d axis = normalized(sum);
+    double cosine = 1;
+    for (Vec3d n : normals) cosine = std::min(cosine, dot(axis, n));
+    sound &= cosine > 0;
+    for (std::uint32_t v : mesh.triangles[t].vertex) sound = sound && goes_around_once(mesh, v, axis);
+    if (!sound) return;
+    ring.axis = to_float(axis);
+    // Rounded up, so that a direction inside it faces every triangle of the ring for certain.
+    ring.sine = static_cast<float>(std::sqrt(1 - std::min(cosine * cosine, 1.0)) + constants::touch_tolerance);
+}
+
 }  // namespace
 
 std::vector<TriangleRing> rings_of(const MeshView& mesh) {
-    const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
-    const auto corners = [&](std::uint32_t t) {
-        const auto& [v] = mesh.triangles[t];
-        return std::array<Vec3d, 3>{at(v[0]), at(v[1]), at(v[2])};
-    };
     std::vector<Box> boxes(mesh.triangles.size);
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
-        for (Vec3d p : corners(t)) boxes[t].extend(p);
+        for (Vec3d p : corners_of(mesh, t)) boxes[t].extend(p);
     const BoxTree tree(boxes);
     const double rounding = constants::touch_tolerance * mesh.box.extent();
 
     std::vector<TriangleRing> rings(mesh.triangles.size);
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t) {
         TriangleRing& ring = rings[t];
-        const std::array<Vec3d, 3> own = corners(t);
-        const Vec3d center = (1.0 / 3) * (own[0] + own[1] + own[2]);
-        const double radius = std::max({length(own[0] - center), length(own[1] - center), length(own[2] - center)});
+        const Corners own = corners_of(mesh, t);
+        const Vec3d center = center_of(own);
+        const std::vector<Corners> triangles = ring_of(mesh, t);
+        measure_normals(mesh, t, triangles, ring);
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
+            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) / length(edge));
+        }
 
-        // The cone around the ring's normals, and how far the rest of the surface is: twice the ring's size need not be
-        // exceeded.
-        Vec3d sum;
-        double gap = 0;
-        std::vector<Vec3d> normals;
-        double lowest = std::numeric_limits<double>::infinity();
-        bool sound = true;
-        for (std::uint32_t v : mesh.triangles[t].vertex)
-            for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
-                const Vec3d a = at(mesh.corners[i].next), b = at(mesh.corners[i].previous);
-                sound &= !is_degenerate(at(v), a, b);
-                normals.push_back(normalized(cross(a - at(v), b - at(v))));
-                const double longest = std::max({length(a - at(v)), length(b - at(v)), length(b - a)});
-                lowest = std::min(lowest, length(cross(a - at(v), b - at(v))) / longest);
-                sum += normals.back();
-                gap = std::max({gap, length(a - center), length(b - center)});
-            }
-        double openness = 1;
+        // The rest of the surface is looked for as far as the ring reaches.
+        double gap = 0, radius = 0, openness = 1;
+        for (Vec3d p : own) radius = std::max(radius, length(p - center));
+        for (const Corners& c : triangles)
+            for (Vec3d p : c) gap = std::max(gap, length(p - center));
         tree.for_each_in(boxes[t].inflated(gap), [&](std::uint32_t other) {
             if (other == t) return;
-            const std::array<Vec3d, 3> its = corners(other);
+            const Corners its = corners_of(mesh, other);
             if (touches(mesh.triangles[t], mesh.triangles[other])) {
                 const bool crosses = edge_pierces(own, its, true) || edge_pierces(its, own, true);
                 openness =
@@ -183,26 +219,8 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
             if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >= gap) return;
             gap = std::min(gap, triangle_distance(own, its));
         });
-        for (int k = 0; k < 3; ++k) {
-            const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
-            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) / length(edge));
-        }
-        // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at most, over its length,
-        // longest times lowest: the sine of its turn is below 8 d / lowest while d is below the longest edge, and 8 d /
-        // lowest above 1 beyond.
-        ring.tilt = round_up(8 / lowest);
         ring.gap = round_down(std::max(gap - rounding, 0.0));
         ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
-
-        const Vec3d axis = normalized(sum);
-        double cosine = 1;
-        for (Vec3d n : normals) cosine = std::min(cosine, dot(axis, n));
-        sound &= cosine > 0;
-        for (std::uint32_t v : mesh.triangles[t].vertex) sound = sound && goes_around_once(mesh, v, axis);
-        if (!sound) continue;
-        ring.axis = to_float(axis);
-        // Rounded up, so that a direction inside it faces every triangle of the ring for certain.
-        ring.sine = static_cast<float>(std::sqrt(1 - std::min(cosine * cosine, 1.0)) + constants::touch_tolerance);
     }
     return rings;
 }
