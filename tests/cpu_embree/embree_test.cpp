@@ -1,6 +1,7 @@
 // What the Embree backend does with its trees, and that no answer depends on it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pierce/core/contact_hash.hpp"
@@ -87,6 +88,31 @@ TEST(RefitPolicyTest, RebuildsWhenTheExcessHasPaidForIt) {
     EXPECT_TRUE(policy.should_rebuild(100)) << "3000 tests in excess, a rebuild costs 2000";
     policy.restart();
     EXPECT_FALSE(policy.should_rebuild(100));
+}
+
+TEST(HostSortTest, IsStableForKeysInAnyOrder) {
+    test::Random random(5);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    HostSort sort;
+    for (int i = 0; i < 300; ++i) {
+        const int size = random.integer(0, 400), spread = random.integer(0, 3) == 0 ? 1 << 30 : random.integer(1, 50);
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> expected;
+        std::vector<std::uint64_t> keys;
+        std::vector<std::uint32_t> values;
+        for (int k = 0; k < size; ++k) {
+            const auto noise = static_cast<std::uint64_t>(random.integer(0, spread));
+            keys.push_back((static_cast<std::uint64_t>(i % 2 == 0 ? k : random.integer(0, 20)) << 40) +
+                           (noise << (i % 3 * 8)));
+            values.push_back(static_cast<std::uint32_t>(k));
+            expected.emplace_back(keys.back(), values.back());
+        }
+        std::ranges::stable_sort(expected, {}, &std::pair<std::uint64_t, std::uint32_t>::first);
+        sort(view_of(keys), view_of(values));
+        for (std::size_t k = 0; k < expected.size(); ++k) {
+            ASSERT_EQ(keys[k], expected[k].first);
+            ASSERT_EQ(values[k], expected[k].second);
+        }
+    }
 }
 
 TEST(TbbExecutorTest, RunsEveryItemOnceAndMatchesTheSerialOne) {
