@@ -55,6 +55,9 @@ inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 /// Diagonal of a cube [edge length].
 inline constexpr double cell_diagonal = 1.7320508075688774;
 
+/// A triangle with sides this long stands for a wedge seen from its tip [unit vectors].
+inline constexpr double wedge_length = 0x1p20;
+
 /// Iterations that turn last step's rotation into the best fit of this step's vertices. Any rotation gives the same
 /// contacts; a better one only culls more, and steps go on from where the last one ended.
 inline constexpr std::uint32_t frame_fit_iterations = 8;

@@ -23,11 +23,12 @@ struct StepStats {
     double milliseconds = 0;    ///< the whole step
     std::uint32_t status = step_ok;
     std::uint32_t excluded_bodies = 0;
-    std::uint32_t pairs = 0;             ///< bodies whose boxes overlap
-    std::uint32_t rays = 0;              ///< full rays
-    std::uint32_t hits = 0;              ///< full rays that meet the other body at all
-    std::uint32_t certified = 0;         ///< vertices that needed no ray: they were proved to be outside
-    std::uint32_t walks = 0;             ///< vertices walked on from their last triangle
+    std::uint32_t pairs = 0;  ///< bodies whose boxes overlap
+    std::uint32_t rays = 0;   ///< full rays
+    std::uint32_t hits = 0;   ///< full rays and walks that meet the other body
+    std::uint32_t certified =
+        0;                    ///< vertices near a target that needed no ray: proved to be outside, or without a direction
+    std::uint32_t walks = 0;  ///< vertices walked on from their last triangle
     std::uint32_t walk_steps = 0;        ///< from triangle to triangle, over all walks
     std::uint32_t lost_walks = 0;        ///< walks that found nothing and became full rays
     std::uint32_t full_passes = 0;       ///< pairs all of whose vertices were looked at

@@ -57,6 +57,8 @@ struct VertexRecord {
     Vec3f seen_offset;
 };
 
+static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 40);
+
 /// Last step's records, found without a search: a block knows which patches it kept, a patch which vertices.
 struct RecordsView {
     View<const BlockRecord> blocks;

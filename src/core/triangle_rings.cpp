@@ -119,7 +119,6 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
         return dot(u, w) <= 0 ? 1 : length(cross(u, w));
     }
     if (shared.size() != 1) return 0;
-    constexpr double far = 0x1p20;  // long enough for a triangle to stand for a wedge
     const Vec3d apex = at(shared[0]);
     const auto along = [&](std::uint32_t v) { return normalized(at(v) - apex); };
     double least = 1;
@@ -127,7 +126,8 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
         const auto& from = side == 0 ? own_rest : other_rest;
         const auto& to = side == 0 ? other_rest : own_rest;
         for (std::uint32_t v : from) {
-            const Vec3d closest = closest_on_triangle(along(v), {}, far * along(to[0]), far * along(to[1]));
+            const Vec3d closest = closest_on_triangle(along(v), {}, constants::wedge_length * along(to[0]),
+                                                      constants::wedge_length * along(to[1]));
             least = std::min(least, length(along(v) - closest));
         }
     }
