@@ -26,12 +26,19 @@ using scenes::FrameResult;
 constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo short
 
 constexpr const char* temporal_names[] = {"off", "paper", "certified"};
+constexpr const char* coverage_names[] = {"vertices", "complete"};
+constexpr const char* found_names[] = {"full", "walk", "prediction", "separation"};
 
 json detection_json(const DetectionOptions& options) {
     const Settings& settings = options.rays.world;
-    return {{"method", options.method},        {"backend", options.rays.backend},
-            {"threads", options.rays.threads}, {"temporal", temporal_names[static_cast<int>(settings.temporal)]},
-            {"predict", settings.predict},     {"full_every", settings.full_every}};
+    return {{"method", options.method},
+            {"backend", options.rays.backend},
+            {"threads", options.rays.threads},
+            {"temporal", temporal_names[static_cast<int>(settings.temporal)]},
+            {"predict", settings.predict},
+            {"full_every", settings.full_every},
+            {"coverage", coverage_names[static_cast<int>(settings.coverage)]},
+            {"reproject", settings.reproject}};
 }
 
 /// A file that is to be written at the end is opened now, so that a long run does not end in an error.
@@ -182,7 +189,7 @@ int replay(const ReplayOptions& options) {
 }
 
 int detect(const DetectOptions& options) {
-    World world(scenes::make_backend(options.detection.rays));
+    World world(scenes::make_backend(options.detection.rays), options.detection.rays.world);
     std::vector<std::string> names;
     for (const fs::path& file : options.meshes) {
         const MeshId mesh = world.add_mesh(file.string(), scenes::read_mesh(file));
@@ -206,7 +213,7 @@ int detect(const DetectOptions& options) {
                    names[contacts[begin].b.index], end - begin, sum / static_cast<double>(end - begin), deepest);
     }
     const auto xyz = [](Vec3d v) { return json{v.x, v.y, v.z}; };
-    for (const Contact& c : contacts)
+    for (const Contact& c : contacts) {
         list.push_back({{"a", c.a.index},
                         {"b", c.b.index},
                         {"source", c.source == Side::a ? "a" : "b"},
@@ -217,7 +224,11 @@ int detect(const DetectOptions& options) {
                         {"point_b", xyz(c.point_b)},
                         {"normal", xyz(c.normal)},
                         {"distance", c.distance},
-                        {"grazing", c.grazing}});
+                        {"grazing", c.grazing},
+                        {"reprojected", c.reprojected},
+                        {"found", found_names[static_cast<int>(c.found)]}});
+        if (c.is_edge()) list.back().update({{"edge_end", c.edge_end}, {"along", c.along}});
+    }
     fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n", stats.contacts, stats.touching_pairs,
                stats.pairs, stats.rays, stats.milliseconds, world.backend());
     if (!options.detection.json.empty())

@@ -23,11 +23,29 @@ const CLI::Validator positive_number(
     },
     "POSITIVE");
 
+const std::map<std::string, bool> switches{{"on", true}, {"off", false}};
+
+/// What is looked for, and where contacts end.
+void add_coverage(CLI::App& command, pierce::Settings& settings) {
+    using pierce::Coverage;
+    static const std::map<std::string, Coverage> coverages{{"vertices", Coverage::vertices},
+                                                           {"complete", Coverage::complete}};
+    command
+        .add_option_function<std::string>(
+            "--coverage", [&settings](const std::string& name) { settings.coverage = coverages.at(name); },
+            "what is looked for inside other bodies: vertices (the default), or complete, with edges and whole bodies")
+        ->check(CLI::IsMember({"vertices", "complete"}));
+    command
+        .add_option_function<std::string>(
+            "--reproject", [&settings](const std::string& name) { settings.reproject = switches.at(name); },
+            "move contacts to the closest point of the other surface nearby: on or off (the default)")
+        ->check(CLI::IsMember({"on", "off"}));
+}
+
 void add_temporal(CLI::App& command, pierce::Settings& settings) {
     using pierce::Temporal;
     static const std::map<std::string, Temporal> modes{
         {"off", Temporal::off}, {"paper", Temporal::paper}, {"certified", Temporal::certified}};
-    static const std::map<std::string, bool> switches{{"on", true}, {"off", false}};
     command
         .add_option_function<std::string>(
             "--temporal", [&settings](const std::string& mode) { settings.temporal = modes.at(mode); },
@@ -48,6 +66,7 @@ void add_detection(CLI::App& command, DetectionOptions& options) {
     command.add_option("--backend", options.rays.backend, "embree or reference, for rays")->capture_default_str();
     command.add_option("--threads", options.rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
+    add_coverage(command, options.rays.world);
     add_temporal(command, options.rays.world);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")->type_name("FILE");
 }
@@ -72,6 +91,7 @@ int main(int argc, char** argv) {
     RunOptions plan_options;
     CLI::App* plan_command = app.add_subcommand("plan", "print which stages a scene's steps run");
     add_scene(*plan_command, plan_options);
+    add_coverage(*plan_command, plan_options.detection.rays.world);
     add_temporal(*plan_command, plan_options.detection.rays.world);
     plan_command->callback([&] { code = show_plan(plan_options); });
 
@@ -103,6 +123,7 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
         ->check(CLI::Range(1, 1024));
+    add_coverage(*detect_command, detect_options.detection.rays.world);
     detect_command->add_option("--json", detect_options.detection.json, "write the contacts to FILE")->type_name("FILE");
     detect_command->callback([&] { code = detect(detect_options); });
 

@@ -16,8 +16,10 @@ struct FramedContact {
 
 /// Takes the target's face normal instead of the ray's direction: a flat target then pushes straight out, and not along
 /// the vertex normal of whatever stands on it. The depth becomes that of the vertex below the face's plane, and the
-/// target point its foot there.
+/// target point its foot there. A contact along a direction of separation keeps that: the face it leaves by says nothing.
 inline FramedContact face_frame(const Contact& contact) {
+    if (contact.found == Found::separation)
+        return {contact.point_a, contact.point_b, -contact.normal, contact.distance, contact.feature(), contact.age};
     const bool from_a = contact.source == Side::a;
     const Vec3d vertex = from_a ? contact.point_a : contact.point_b;
     const Vec3d on_target = from_a ? contact.point_b : contact.point_a;

@@ -2,6 +2,8 @@
 
 #include <BulletSoftBody/btSoftBodyInternals.h>
 
+#include <vector>
+
 #include "pierce/bullet/bullet_convert.hpp"
 
 namespace pierce::bullet {
@@ -9,6 +11,24 @@ namespace {
 
 Vec3d target_point(const Contact& c) { return c.source == Side::a ? c.point_b : c.point_a; }
 Vec3d source_point(const Contact& c) { return c.source == Side::a ? c.point_a : c.point_b; }
+
+/// A node that a contact's source point hangs on.
+struct SourceNode {
+    btSoftBody::Node* node;
+    btScalar weight;
+    Vec3d offset;  ///< of the node from the source point
+};
+
+std::vector<SourceNode> source_nodes(btSoftBody& source, const Contact& c) {
+    std::vector<SourceNode> nodes;
+    const std::uint32_t vertex[2] = {c.vertex, c.edge_end};
+    for (int k = 0; k < (c.is_edge() ? 2 : 1); ++k) {
+        btSoftBody::Node& node = source.m_nodes[static_cast<int>(vertex[k])];
+        nodes.push_back({&node, static_cast<btScalar>(c.source_weight(k)),
+                         c.is_edge() ? from_bullet(node.m_x) - source_point(c) : Vec3d{}});
+    }
+    return nodes;
+}
 
 /// Pushes `node` out of the half space below the plane through `through` with unit normal `normal`.
 void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisionObject& object, Vec3d normal,
@@ -45,29 +65,35 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
 }  // namespace
 
 void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contact) {
-    btSoftBody::Node& node = source.m_nodes[static_cast<int>(contact.vertex)];
     btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
     const btVector3 w = to_bullet(Vec3d{contact.barycentric[0], contact.barycentric[1], contact.barycentric[2]});
-    const btScalar node_share = node.m_im;
-    const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] + face.m_n[2]->m_im * w[2];
-    const btScalar both = node_share + face_share;
-    if (both <= 0) return;
-    btSoftBody::SContact soft{};
-    soft.m_node = &node;
-    soft.m_face = &face;
-    soft.m_weights = w;
-    // Along the ray: force and counterforce lie on one line, so angular momentum is kept too.
-    soft.m_normal = to_bullet(contact.source == Side::a ? -contact.normal : contact.normal);
-    soft.m_margin = 0;
-    soft.m_friction = btMax(source.m_cfg.kDF, target.m_cfg.kDF);
-    soft.m_cfm[0] = node_share / both * source.m_cfg.kSHR;
-    soft.m_cfm[1] = face_share / both * target.m_cfg.kSHR;
-    source.m_scontacts.push_back(soft);
+    for (const SourceNode& from : source_nodes(source, contact)) {
+        btSoftBody::Node& node = *from.node;
+        const btScalar node_share = node.m_im;
+        const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] + face.m_n[2]->m_im * w[2];
+        const btScalar both = node_share + face_share;
+        if (both <= 0) continue;
+        btSoftBody::SContact soft{};
+        soft.m_node = &node;
+        soft.m_face = &face;
+        soft.m_weights = w;
+        // Along the ray: force and counterforce lie on one line, so angular momentum is kept too.
+        soft.m_normal = to_bullet(contact.source == Side::a ? -contact.normal : contact.normal);
+        soft.m_margin = static_cast<btScalar>(dot(from_bullet(soft.m_normal), from.offset));
+        soft.m_friction = btMax(source.m_cfg.kDF, target.m_cfg.kDF);
+        soft.m_cfm[0] = from.weight * node_share / both * source.m_cfg.kSHR;
+        soft.m_cfm[1] = from.weight * face_share / both * target.m_cfg.kSHR;
+        source.m_scontacts.push_back(soft);
+    }
 }
 
 void add_soft_rigid(btSoftBody& source, const btCollisionObject& target, const Contact& contact) {
     const Vec3d hit = target_point(contact);
-    add_plane_contact(source, source.m_nodes[static_cast<int>(contact.vertex)], target, contact.face_normal, hit, hit, 1);
+    const Vec3d normal = contact.found != Found::separation ? contact.face_normal
+                         : contact.source == Side::a        ? -contact.normal
+                                                            : contact.normal;
+    for (const SourceNode& from : source_nodes(source, contact))
+        add_plane_contact(source, *from.node, target, normal, hit + from.offset, hit, from.weight);
 }
 
 void add_rigid_soft(const btCollisionObject& source, btSoftBody& target, const Contact& contact) {

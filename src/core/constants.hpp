@@ -36,6 +36,19 @@ inline constexpr double crossing_weight = 0.5;
 /// thousand times faster than the vertex moves.
 inline constexpr double grazing_sine = 1e-3;
 
+/// Vertices, and edges, a mesh may have: contacts are sorted by keys that keep thirty bits for them.
+inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
+
+/// A segment that may come near a solid is shortened by what is proved to be outside, as long as one look-up proves this
+/// part of the rest [1].
+inline constexpr double march_share = 0.125;
+
+/// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
+inline constexpr std::uint32_t separation_vertices = 4;
+
+/// Triangles a re-projection looks at on its way to the closest point at most: the paper's walks are as long.
+inline constexpr std::uint32_t reprojection_steps = 32;
+
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
 

@@ -13,31 +13,46 @@ enum class Found : std::uint8_t {
     full,        ///< by a ray through the target's tree
     walk,        ///< by walking on from last step's triangle
     prediction,  ///< by a walk to a triangle it was predicted to enter through
+    separation,  ///< the pair has no contact along an inward ray: along the direction in which the two separate soonest
 };
 
 /// Which of a contact's two bodies the ray started from.
 enum class Side : std::uint8_t { a = 0, b = 1 };
 
-/// A vertex of one body inside another, and the point where its inward ray leaves that other body.
+/// A point of one body inside another, and the point where its inward ray leaves that other body. It is a vertex, or the
+/// middle of that part of an edge which is inside.
 /// Lengths in the caller's unit, everything in world space.
 struct Contact {
     BodyId a, b;            ///< a < b by index
     Side source = Side::a;  ///< the body the vertex belongs to; the other one is the target
     bool grazing = false;   ///< the ray meets the triangle so flatly that the depth is uncertain
     Found found = Found::full;
-    std::uint32_t vertex = 0;    ///< of the source
-    std::uint32_t triangle = 0;  ///< of the target
-    std::uint32_t age = 0;       ///< steps in a row this vertex has been in contact with this body; 0: new
-    double barycentric[3] = {};  ///< of the target point in the triangle; sums to 1
-    Vec3d point_a, point_b;      ///< on body a and on body b: the vertex and the target point
-    Vec3d normal;                ///< unit, from a to b: the line of the ray, so (point_b - point_a) . normal = distance
-    Vec3d face_normal;           ///< unit, outward, of the target triangle
-    double distance = 0;         ///< signed, negative where the bodies overlap, zero where they touch
+    bool reprojected = false;  ///< it ends where the target's surface is closest nearby, not where the inward ray does
+    std::uint32_t vertex = 0;  ///< of the source; of an edge, the first of its two
+    std::uint32_t edge_end = no_vertex;  ///< second vertex of the source's edge; no_vertex if a vertex is in contact
+    std::uint32_t edge = 0;              ///< of the source's mesh, if an edge is in contact
+    std::uint32_t chord = 0;             ///< which of the edge's parts inside the target, counted from its first vertex
+    double along = 0;                    ///< where on the edge: 0 at its first vertex, 1 at its second
+    std::uint32_t triangle = 0;          ///< of the target
+    std::uint32_t age = 0;               ///< steps in a row this vertex or edge has been in contact with this body; 0: new
+    double barycentric[3] = {};          ///< of the target point in the triangle; sums to 1
+    Vec3d point_a, point_b;              ///< on body a and on body b: the vertex and the target point
+    Vec3d normal;         ///< unit, from a to b: the line of the ray, so (point_b - point_a) . normal = distance
+    Vec3d face_normal;    ///< unit, outward, of the target triangle
+    double distance = 0;  ///< signed, negative where the bodies overlap, zero where they touch
 
     double penetration_depth() const { return max_of(-distance, 0.0); }
 
-    /// The same for the same vertex and pair in every step, unique within the pair.
-    std::uint64_t feature() const { return (std::uint64_t{vertex} << 1) | static_cast<std::uint64_t>(source); }
+    bool is_edge() const { return edge_end != no_vertex; }
+    /// The part of the source's vertices in the source point: of `vertex` (k = 0) and `edge_end` (k = 1).
+    double source_weight(int k) const { return k == 0 ? 1 - along : along; }
+
+    /// The same for the same vertex, or edge's part, and pair in every step; unique within the pair.
+    std::uint64_t feature() const {
+        const std::uint64_t side = static_cast<std::uint64_t>(source);
+        return is_edge() ? std::uint64_t{edge} << 32 | std::uint64_t{chord} << 2 | 2 | side
+                         : std::uint64_t{vertex} << 2 | side;
+    }
 };
 
 }  // namespace pierce

@@ -23,11 +23,15 @@ struct Surface {
 /// out of the surface, the origin touches it from inside and that triangle is the hit; if they lead in, they do not count.
 /// Then comes the first window [t, t + touch] whose signed crossings do not cancel: its net sign decides, and the
 /// triangle of that sign with the smallest id is the hit. Cancelling windows are grazed edges and coincident sheets.
+/// A ray with a `t_min` has no start: what it crosses up to there is left out.
 class CrossingSearch {
 public:
     PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
-        : surface_(surface), ray_(ray.origin, ray.direction), excluded_(ray.excluded_vertex), t_max_(ray.t_max) {
-        after_ = surface.touch;
+        : surface_(surface), ray_(ray.origin, ray.direction), t_max_(ray.t_max) {
+        excluded_[0] = ray.excluded[0];
+        excluded_[1] = ray.excluded[1];
+        first_pass_ = !(ray.t_min > 0);
+        after_ = first_pass_ ? surface.touch : ray.t_min;
     }
 
     /// Triangles beyond this need not be shown any more. It only shrinks.
@@ -37,7 +41,7 @@ public:
 
     PIERCE_HD void test(std::uint32_t triangle) {
         const Triangle& t = surface_.triangles[triangle];
-        if (t.vertex[0] == excluded_ || t.vertex[1] == excluded_ || t.vertex[2] == excluded_) return;
+        if (has_vertex(t, excluded_[0]) && has_vertex(t, excluded_[1])) return;
         const Vec3d a = to_double(surface_.positions[t.vertex[0]]);
         const Vec3d b = to_double(surface_.positions[t.vertex[1]]);
         const Vec3d c = to_double(surface_.positions[t.vertex[2]]);
@@ -116,7 +120,7 @@ private:
 
     Surface surface_;
     ShearedRay ray_;
-    std::uint32_t excluded_ = no_vertex;
+    std::uint32_t excluded_[2];
     double t_max_ = 0;
     double after_ = 0;
     double nearest_ = std::numeric_limits<double>::infinity();
@@ -126,7 +130,7 @@ private:
     std::uint32_t hit_ = no_triangle;
     Window start_, window_;
     bool nearest_clean_ = false;
-    bool first_pass_ = true;
+    bool first_pass_;
     bool summing_ = false;
 };
 

@@ -16,6 +16,10 @@ struct Id {
     friend auto operator<=>(const Id&, const Id&) = default;
 };
 
+/// In place of a vertex or triangle where there is none.
+inline constexpr std::uint32_t no_vertex = 0xffffffffu;
+inline constexpr std::uint32_t no_triangle = 0xffffffffu;
+
 using MeshId = Id<struct MeshTag>;
 using BodyId = Id<struct BodyTag>;
 

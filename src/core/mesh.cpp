@@ -1,13 +1,13 @@
 #include "pierce/core/mesh.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "pierce/core/bvh/morton.hpp"
 #include "pierce/core/constants.hpp"
 #include "pierce/core/error.hpp"
+#include "pierce/core/mesh_edges.hpp"
 #include "pierce/core/patch.hpp"
 #include "pierce/core/star_clearance.hpp"
 #include "pierce/core/triangle.hpp"
@@ -93,20 +93,6 @@ std::vector<std::uint32_t> spatial_order(const MeshData& data, const Box& box) {
     return order;
 }
 
-/// True if every vertex of a triangle is reached from every other along edges.
-bool is_connected(const MeshData& data) {
-    std::vector<std::uint32_t> parent(data.positions.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
-    for (const Triangle& t : data.triangles)
-        for (int k = 1; k < 3; ++k) parent[root(t.vertex[k])] = root(t.vertex[0]);
-    const std::uint32_t first = root(data.triangles[0].vertex[0]);
-    return std::ranges::all_of(data.triangles, [&](const Triangle& t) { return root(t.vertex[0]) == first; });
-}
-
 }  // namespace
 
 void check_finite(const std::string& name, std::span<const Vec3f> positions) {
@@ -118,6 +104,9 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     if (data_.triangles.empty()) throw InputError("mesh '" + name_ + "' has no triangles");
     check_finite(name_, data_.positions);
     check_indices(name_, data_);
+    if (std::max(data_.positions.size(), 3 * data_.triangles.size()) > constants::max_elements)
+        throw InputError("mesh '" + name_ + "' has more than " + std::to_string(constants::max_elements) +
+                         " vertices or corners");
 
     Vec3d sum;
     for (Vec3f p : data_.positions) {
@@ -128,10 +117,15 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     traits_ = traits_of(data_, centroid_);
     std::tie(corner_offsets_, corners_) = corners_of(data_);
     patch_vertices_ = spatial_order(data_, box_);
+    MeshEdges edges = edges_of(view());
+    edges_ = std::move(edges.edges);
+    edge_offsets_ = std::move(edges.offsets);
+    edge_reach_ = std::move(edges.reach);
+    parts_ = parts_of(view());
     neighbors_ = neighbors_of(data_.triangles);
     if (traits_.closed()) {
         rings_ = rings_of(view());
-        simple_ = traits_.volume > 0 && is_connected(data_) &&
+        simple_ = traits_.volume > 0 && parts_.size() == 1 &&
                   std::ranges::all_of(rings_, [](const TriangleRing& r) { return r.gap > 0 && r.openness > 0; });
         star_clearance_ = star_clearance(view());
         clearance_ = build_clearance_grid(data_.positions, data_.triangles);
@@ -156,6 +150,10 @@ MeshView Mesh::view() const {
             view_of(patch_vertices_),
             view_of(blocks_),
             view_of(patches_),
+            view_of(edges_),
+            view_of(edge_offsets_),
+            view_of(edge_reach_),
+            view_of(parts_),
             view_of(neighbors_),
             view_of(rings_),
             view_of(star_clearance_),

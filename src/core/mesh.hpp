@@ -8,6 +8,7 @@
 #include "pierce/core/box.hpp"
 #include "pierce/core/clearance_grid.hpp"
 #include "pierce/core/constants.hpp"
+#include "pierce/core/ids.hpp"
 #include "pierce/core/view.hpp"
 
 namespace pierce {
@@ -17,6 +18,17 @@ struct Triangle {
     std::uint32_t vertex[3];
 
     friend bool operator==(const Triangle&, const Triangle&) = default;
+};
+
+PIERCE_HD inline bool has_vertex(const Triangle& t, std::uint32_t v) {
+    return t.vertex[0] == v || t.vertex[1] == v || t.vertex[2] == v;
+}
+
+/// Two vertices that are next to each other, and the two triangles there. At a border, and where more than two triangles
+/// meet or two run through it the same way, every triangle has an edge of its own there and the other one is no_triangle.
+struct Edge {
+    std::uint32_t vertex[2];
+    std::uint32_t triangle[2];
 };
 
 /// A triangle as one of its vertices sees it: the other two, counter-clockwise seen from outside.
@@ -74,7 +86,7 @@ struct PatchBlock {
 /// The triangles across a triangle's edges: across[k] lies opposite its vertex k. None at a border, or where more than two
 /// triangles meet.
 struct Neighbors {
-    std::uint32_t across[3] = {0xffffffffu, 0xffffffffu, 0xffffffffu};
+    std::uint32_t across[3] = {no_triangle, no_triangle, no_triangle};
 };
 
 /// The triangles that share a vertex with a triangle, itself among them.
@@ -98,6 +110,10 @@ struct MeshView {
     View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
     View<const PatchBlock> blocks;             ///< of the rest shape
     View<const Offsets> patches;               ///< per patch, its vertices relative to its centre; of the rest shape
+    View<const Edge> edges;                    ///< patch after patch, each with its first vertex
+    View<const std::uint32_t> edge_offsets;    ///< per patch and one more: where its edges begin
+    View<const float> edge_reach;              ///< per patch, its longest edge; of the rest shape
+    View<const std::uint32_t> parts;           ///< one vertex of every connected part
     View<const Neighbors> neighbors;           ///< per triangle
     View<const TriangleRing> rings;            ///< per triangle; of the rest shape
     View<const float> star_clearance;          ///< per vertex; empty for a mesh that is not closed
@@ -135,6 +151,10 @@ private:
     std::vector<std::uint32_t> patch_vertices_;
     std::vector<PatchBlock> blocks_;
     std::vector<Offsets> patches_;
+    std::vector<Edge> edges_;
+    std::vector<std::uint32_t> edge_offsets_;
+    std::vector<float> edge_reach_;
+    std::vector<std::uint32_t> parts_;
     std::vector<Neighbors> neighbors_;
     std::vector<TriangleRing> rings_;
     bool simple_ = false;

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "pierce/core/edge_chords.hpp"
 #include "pierce/core/scene.hpp"
+#include "pierce/core/separation.hpp"
 #include "pierce/core/stages/bounds.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/contacts.hpp"
@@ -10,10 +12,11 @@
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/stages/ray_gen.hpp"
 #include "pierce/core/stages/remember.hpp"
+#include "pierce/core/stages/reproject.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
 #include "pierce/core/stages/walk.hpp"
 #include "pierce/core/step_stats.hpp"
-#include "pierce/core/tracer.hpp"
+#include "pierce/core/step_tools.hpp"
 
 namespace pierce {
 
@@ -22,13 +25,15 @@ namespace pierce {
 template <Executor E, Tracer<E> T>
 class Pipeline {
 public:
-    Pipeline(E& executor, T& tracer) : executor_(executor), tracer_(tracer) {}
+    Pipeline(E& executor, T& tracer)
+        : executor_(executor), tracer_(tracer), tools_(executor, tracer), edges_(tools_), separation_(tools_) {}
 
     /// One step: fills contacts() and `stats`.
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(stats);
         const TracerCounts before = tracer_.counts();
         const bool remembers = scene.plan->temporal != Temporal::off;
+        const bool complete = scene.plan->coverage == Coverage::complete;
         recall(scene);
 
         time("bounds", [&] { bounds(scene); });
@@ -36,26 +41,26 @@ public:
         if (remembers) time("displacement", [&] { displacement(scene); });
         time("vertex_cull", [&] { vertex_cull(scene); });
         time("ray_gen", [&] { ray_gen(scene); });
+        if (complete) {
+            time("edges", [&] { edges_.cull(scene, view_of(directed_), view_of(blocks_)); });
+            time("update", [&] { tools_.update(scene.bodies, edges_.segments()); });
+            time("edges", [&] { edges_.cast(scene, view_of(directed_), batch_, routes_); });
+        }
         if (remembers) time("walk", [&] { walk(scene); });
-        const View<const Ray> full = remembers ? view_of(full_rays_) : view_of(rays_);
-        time("update", [&] { update(scene.bodies, full); });
+        const View<const Ray> full = remembers ? view_of(full_rays_) : view_of(batch_.rays);
+        time("update", [&] { tools_.update(scene.bodies, full); });
         time("trace", [&] {
-            tracer_.closest_hits(executor_, "trace", scene.bodies, full, remembers ? view_of(full_hits_) : view_of(hits_));
+            tracer_.closest_hits(executor_, "trace", scene.bodies, full,
+                                 remembers ? view_of(full_hits_) : view_of(batch_.hits));
             if (remembers) scatter_hits();
         });
-        time("classify", [&] { test_inside(scene.bodies); });
-        if (scene.plan->traces_own_exits) {
-            time("classify", [&] { generate_own_rays(scene.bodies); });
-            time("update", [&] { update(scene.bodies, view_of(own_rays_)); });
-            time("trace", [&] {
-                tracer_.closest_hits(executor_, "trace_own", scene.bodies, view_of(own_rays_), view_of(own_hits_));
-            });
-        }
-        time("classify", [&] { test_own_exit(scene.bodies); });
+        classify(scene, batch_, view_of(routes_), false, time);
+        if (complete) time("separation", [&] { separation(scene); });
+        if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });
 
-        count(before, scene.plan->temporal, stats);
+        count(before, *scene.plan, stats);
     }
 
     View<const Contact> contacts() const { return view_of(contacts_); }
@@ -64,12 +69,6 @@ public:
 private:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
-
-    /// Turns per-item counts into places to write to; returns how many there are in all.
-    std::uint32_t place(const char* name) {
-        offsets_.resize(counts_.size());
-        return executor_.exclusive_scan(name, view_of(std::as_const(counts_)), view_of(offsets_));
-    }
 
     /// This step's memory becomes last step's.
     void recall(const Scene& scene) {
@@ -121,7 +120,7 @@ private:
         executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
         stages::SweepPairs sweep{view_of(sweep_), view_of(counts_), {}, {}};
         executor_.for_each("sweep_count", bodies.size, sweep);
-        box_keys_.resize(place("sweep_scan"));
+        box_keys_.resize(tools_.place("sweep_scan", counts_, offsets_));
         sweep.offsets = view_of(offsets_);
         sweep.keys = view_of(box_keys_);
         if (!box_keys_.empty()) executor_.for_each("sweep_fill", bodies.size, sweep);
@@ -129,7 +128,7 @@ private:
         const auto overlapping = static_cast<std::uint32_t>(box_keys_.size());
         counts_.resize(overlapping);
         executor_.for_each("test_pair", overlapping, stages::TestPair{bodies, view_of(box_keys_), view_of(counts_)});
-        const std::uint32_t total = place("pair_scan");
+        const std::uint32_t total = tools_.place("pair_scan", counts_, offsets_);
         keys_.resize(total);
         values_.resize(total);
         pairs_.resize(total);
@@ -163,7 +162,7 @@ private:
         executor_.for_each("direct_pair", directed_count,
                            stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_),
                                               view_of(last_memory_), view_of(directed_), view_of(counts_)});
-        const std::uint32_t block_count = place("block_scan");
+        const std::uint32_t block_count = tools_.place("block_scan", counts_, offsets_);
         blocks_.resize(block_count);
         block_records_.resize(temporal == Temporal::off ? 0 : block_count);
         block_offsets_.resize(directed_count);
@@ -176,7 +175,7 @@ private:
         executor_.for_each("cull_block", block_count,
                            stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_,
                                              view_of(block_records_), view_of(masks_), view_of(counts_)});
-        const std::uint32_t kept = place("patch_scan");
+        const std::uint32_t kept = tools_.place("patch_scan", counts_, offsets_);
         patches_.resize(kept);
         executor_.for_each("list_patches", block_count,
                            stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(block_records_),
@@ -193,157 +192,210 @@ private:
     // Stage 5. A ray per vertex left, or what stands in for it.
     void ray_gen(const Scene& scene) {
         const bool remembers = scene.plan->temporal != Temporal::off;
-        const std::uint32_t total = place("ray_scan");
-        rays_.resize(total);
-        sources_.resize(total);
-        hits_.resize(total);
+        const std::uint32_t total = tools_.place("ray_scan", counts_, offsets_);
+        batch_.rays.resize(total);
+        batch_.sources.resize(total);
+        batch_.hits.resize(total);
         routes_.resize(remembers ? total : 0);
         records_.resize(remembers ? total : 0);
-        executor_.for_each("generate_rays", static_cast<std::uint32_t>(patches_.size()),
-                           stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
-                                                view_of(patch_records_), scene.settings, last_, view_of(rays_),
-                                                view_of(sources_), view_of(hits_), view_of(routes_), view_of(records_)});
-    }
-
-    /// Lists the items that are wanted; returns how many there are.
-    template <class F>
-    std::uint32_t list(const char* name, std::size_t count, const F& wanted, Buffer<std::uint32_t>& items) {
-        items.resize(count);
-        const std::uint32_t found = executor_.select(name, static_cast<std::uint32_t>(count), wanted, view_of(items));
-        items.resize(found);
-        return found;
+        executor_.for_each(
+            "generate_rays", static_cast<std::uint32_t>(patches_.size()),
+            stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
+                                 view_of(patch_records_), scene.settings, last_, view_of(batch_.rays),
+                                 view_of(batch_.sources), view_of(batch_.hits), view_of(routes_), view_of(records_)});
     }
 
     // Stage 6. Walks; the lost ones join the full rays.
     void walk(const Scene& scene) {
         const std::uint32_t walks =
-            list("walk_list", rays_.size(), stages::HasRoute{view_of(routes_), Route::walk}, walk_slots_);
+            tools_.list("walk_list", batch_.rays.size(), stages::HasRoute{view_of(routes_), Route::walk}, walk_slots_);
         walk_counts_.resize(walks);
-        found_.resize(rays_.size());
-        meetings_.resize(rays_.size());
-        executor_.for_each("walk", walks,
-                           stages::Walk{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_),
-                                        view_of(walk_slots_), scene.plan->temporal, view_of(hits_), view_of(routes_),
-                                        view_of(records_), view_of(found_), view_of(meetings_), view_of(walk_counts_)});
+        found_.resize(batch_.rays.size());
+        batch_.meetings.resize(batch_.rays.size());
+        executor_.for_each(
+            "walk", walks,
+            stages::Walk{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
+                         view_of(walk_slots_), scene.plan->temporal, view_of(batch_.hits), view_of(routes_),
+                         view_of(records_), view_of(found_), view_of(batch_.meetings), view_of(walk_counts_)});
         const std::uint32_t full =
-            list("full_list", rays_.size(), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
+            tools_.list("full_list", batch_.rays.size(), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
         full_rays_.resize(full);
         full_hits_.resize(full);
         executor_.for_each("gather_rays", full,
-                           stages::GatherRays{view_of(rays_), view_of(full_slots_), view_of(full_rays_)});
-    }
-
-    // Stage 7. Trees of the bodies these rays are aimed at, and of no others.
-    void update(View<const BodyView> bodies, View<const Ray> rays) {
-        wanted_.assign(bodies.size, 0);
-        for (const Ray& ray : rays) wanted_[ray.target] |= static_cast<std::uint32_t>(ray.t_max >= 0);
-        tracer_.update(executor_, bodies, view_of(wanted_));
+                           stages::Gather<Ray>{view_of(batch_.rays), view_of(full_slots_), view_of(full_rays_)});
     }
 
     void scatter_hits() {
         executor_.for_each("scatter_hits", static_cast<std::uint32_t>(full_slots_.size()),
-                           stages::ScatterHits{view_of(full_hits_), view_of(full_slots_), view_of(hits_)});
+                           stages::Scatter<Hit>{view_of(full_hits_), view_of(full_slots_), view_of(batch_.hits)});
     }
 
-    // Stage 9, first half. R1: which vertices are inside.
-    void test_inside(View<const BodyView> bodies) {
-        const auto ray_count = static_cast<std::uint32_t>(rays_.size());
+    // Stage 9. R1: which rays start inside their target. R2 and R3: which of those are contacts. `turned` rays do not follow
+    // the inward directions.
+    template <class Time>
+    void classify(const Scene& scene, RayBatch<E>& batch, View<const Route> routes, bool turned, Time&& time) {
+        time("classify", [&] {
+            test_inside(scene.bodies, batch, routes);
+            own_rays_.clear();
+            own_hits_.clear();
+        });
+        if (scene.plan->traces_own_exits) {
+            time("classify", [&] { generate_own_rays(scene.bodies, batch, turned); });
+            time("update", [&] { tools_.update(scene.bodies, view_of(own_rays_)); });
+            time("trace", [&] {
+                tracer_.closest_hits(executor_, "trace_own", scene.bodies, view_of(own_rays_), view_of(own_hits_));
+            });
+        }
+        time("classify", [&] {
+            batch.keep.resize(batch.candidates.size());
+            executor_.for_each(
+                "test_own_exit", static_cast<std::uint32_t>(batch.candidates.size()),
+                stages::TestOwnExit{scene.bodies, view_of(batch.rays), view_of(batch.meetings), view_of(batch.candidates),
+                                    view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(batch.keep)});
+        });
+    }
+
+    void test_inside(View<const BodyView> bodies, RayBatch<E>& batch, View<const Route> routes) {
+        const auto ray_count = static_cast<std::uint32_t>(batch.rays.size());
         counts_.resize(ray_count);
-        meetings_.resize(ray_count);
+        batch.meetings.resize(ray_count);
         executor_.for_each("test_inside", ray_count,
-                           stages::TestInside{bodies, view_of(rays_), view_of(hits_), view_of(routes_), view_of(counts_),
-                                              view_of(meetings_)});
-        list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, candidates_);
-        own_rays_.clear();
-        own_hits_.clear();
+                           stages::TestInside{bodies, view_of(batch.rays), view_of(batch.hits), routes, view_of(counts_),
+                                              view_of(batch.meetings)});
+        tools_.list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, batch.candidates);
     }
 
-    void generate_own_rays(View<const BodyView> bodies) {
-        own_rays_.resize(candidates_.size());
-        own_hits_.resize(candidates_.size());
-        starts_inside_.resize(candidates_.size());
+    void generate_own_rays(View<const BodyView> bodies, const RayBatch<E>& batch, bool turned) {
+        const auto count = static_cast<std::uint32_t>(batch.candidates.size());
+        own_rays_.resize(count);
+        own_hits_.resize(count);
+        starts_inside_.resize(count);
         executor_.for_each(
-            "generate_own_rays", static_cast<std::uint32_t>(candidates_.size()),
-            stages::GenerateOwnRays{bodies, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(meetings_),
-                                    view_of(candidates_), view_of(own_rays_), view_of(starts_inside_)});
+            "generate_own_rays", count,
+            stages::GenerateOwnRays{bodies, view_of(pairs_), edges_.chords(), view_of(batch.rays), view_of(batch.sources),
+                                    view_of(batch.meetings), view_of(batch.candidates), turned, view_of(own_rays_),
+                                    view_of(starts_inside_)});
     }
 
-    // Stage 9, second half. R2 and R3: which of them are contacts.
-    void test_own_exit(View<const BodyView> bodies) {
-        counts_.resize(candidates_.size());
+    /// Contacts for pairs that overlap and have none.
+    void separation(const Scene& scene) {
+        const auto before = static_cast<std::uint32_t>(batch_.rays.size());
+        if (separation_.cast(scene, view_of(pairs_), view_of(directed_), edges_.chords(), batch_, routes_) == 0) return;
+        // What was a candidate so far stays one; of the new rays, those that start inside are contacts.
+        const auto count = static_cast<std::uint32_t>(batch_.rays.size()) - before;
+        counts_.resize(count);
+        batch_.meetings.resize(batch_.rays.size());
+        executor_.for_each("test_separation", count,
+                           stages::TestInside{scene.bodies,
+                                              {batch_.rays.data() + before, count},
+                                              {batch_.hits.data() + before, count},
+                                              {},
+                                              view_of(counts_),
+                                              {batch_.meetings.data() + before, count}});
+        tools_.list("separated", count, stages::IsInside{view_of(counts_)}, values_);
+        const auto candidates = batch_.candidates.size();
+        batch_.candidates.resize(candidates + values_.size());
+        batch_.keep.resize(candidates + values_.size());
+        executor_.for_each("keep_separated", static_cast<std::uint32_t>(values_.size()),
+                           stages::KeepSeparated{view_of(values_), before, static_cast<std::uint32_t>(candidates),
+                                                 view_of(batch_.candidates), view_of(batch_.keep)});
+    }
+
+    /// Contacts move to the closest point of the target's surface nearby.
+    void reproject(const Scene& scene) {
+        const auto count = static_cast<std::uint32_t>(batch_.candidates.size());
+        aimed_.resize(count);
+        accepted_.resize(count);
         executor_.for_each(
-            "test_own_exit", static_cast<std::uint32_t>(candidates_.size()),
-            stages::TestOwnExit{bodies, view_of(rays_), view_of(meetings_), view_of(candidates_), view_of(own_rays_),
-                                view_of(own_hits_), view_of(starts_inside_), view_of(counts_)});
+            "aim_at_closest", count,
+            stages::AimAtClosest{scene.bodies, view_of(batch_.rays), view_of(batch_.sources), view_of(batch_.hits),
+                                 view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
+                                 view_of(aimed_.rays), view_of(aimed_.sources), view_of(accepted_)});
+        tools_.update(scene.bodies, view_of(aimed_.rays));
+        tracer_.closest_hits(executor_, "trace_aimed", scene.bodies, view_of(aimed_.rays), view_of(aimed_.hits));
+        classify(scene, aimed_, {}, true, [](const char*, auto&& stage) { stage(); });
+        executor_.for_each(
+            "accept_aimed", static_cast<std::uint32_t>(aimed_.candidates.size()),
+            stages::AcceptAimed{view_of(batch_.meetings), view_of(aimed_.meetings), view_of(batch_.candidates),
+                                view_of(aimed_.candidates), view_of(aimed_.keep), view_of(accepted_)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order.
     void contacts(const Scene& scene) {
-        const std::uint32_t total = place("contact_scan");
+        const std::uint32_t total = tools_.place("contact_scan", batch_.keep, offsets_);
         contact_keys_.resize(total);
         order_.resize(total);
         ages_.resize(total);
         contacts_.resize(total);
-        executor_.for_each("key_contacts", static_cast<std::uint32_t>(candidates_.size()),
-                           stages::KeyContacts{view_of(sources_), view_of(candidates_), view_of(counts_), view_of(offsets_),
-                                               view_of(contact_keys_), view_of(order_)});
+        executor_.for_each(
+            "key_contacts", static_cast<std::uint32_t>(batch_.candidates.size()),
+            stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates), view_of(batch_.keep),
+                                view_of(offsets_), view_of(contact_keys_), view_of(order_)});
         executor_.sort("contact_sort", view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
-            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), view_of(rays_), view_of(sources_), view_of(hits_),
-                                view_of(meetings_), view_of(candidates_), view_of(order_), view_of(routes_), view_of(found_),
-                                view_of(links_), view_of(last_contact_keys_), view_of(last_ages_), view_of(ages_),
-                                view_of(contacts_)});
+            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
+                                batch_.results(), aimed_.results(), view_of(accepted_), view_of(batch_.candidates),
+                                view_of(order_), view_of(routes_), view_of(found_), view_of(links_),
+                                view_of(last_contact_keys_), view_of(last_ages_), view_of(ages_), view_of(contacts_)});
     }
 
     // Stage 11. What the next step needs to know.
     void remember(const Scene& scene) {
         const auto full = static_cast<std::uint32_t>(full_slots_.size());
-        executor_.for_each(
-            "remember", full,
-            stages::Remember{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_), scene.plan->temporal,
-                             view_of(hits_), view_of(meetings_), view_of(full_slots_), view_of(records_)});
+        executor_.for_each("remember", full,
+                           stages::Remember{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
+                                            scene.plan->temporal, view_of(batch_.hits), view_of(batch_.meetings),
+                                            view_of(full_slots_), view_of(records_)});
         uncertain_.clear();
         if (scene.plan->temporal != Temporal::certified) return;
 
         const std::uint32_t uncertain =
-            list("uncertain_list", full,
-                 stages::IsUncertain{scene.bodies, view_of(directed_), view_of(rays_), view_of(sources_), view_of(hits_),
-                                     view_of(full_slots_), view_of(records_)},
-                 uncertain_);
+            tools_.list("uncertain_list", full,
+                        stages::IsUncertain{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
+                                            view_of(batch_.hits), view_of(full_slots_), view_of(records_)},
+                        uncertain_);
         full_rays_.resize(uncertain);
         full_hits_.resize(uncertain);
         distances_.resize(uncertain);
         executor_.for_each("prolong_rays", uncertain,
-                           stages::ProlongRay{scene.bodies, view_of(rays_), view_of(full_slots_), view_of(uncertain_),
+                           stages::ProlongRay{scene.bodies, view_of(batch_.rays), view_of(full_slots_), view_of(uncertain_),
                                               view_of(full_rays_)});
-        update(scene.bodies, view_of(full_rays_));
+        tools_.update(scene.bodies, view_of(full_rays_));
         tracer_.closest_hits(executor_, "prove", scene.bodies, view_of(full_rays_), view_of(full_hits_));
         tracer_.distances(executor_, "distances", scene.bodies, view_of(full_rays_), view_of(distances_));
-        executor_.for_each(
-            "certify", uncertain,
-            stages::Certify{scene.bodies, view_of(directed_), view_of(sources_), view_of(full_slots_), view_of(uncertain_),
-                            view_of(full_rays_), view_of(full_hits_), view_of(distances_), view_of(records_)});
+        executor_.for_each("certify", uncertain,
+                           stages::Certify{scene.bodies, view_of(directed_), view_of(batch_.sources), view_of(full_slots_),
+                                           view_of(uncertain_), view_of(full_rays_), view_of(full_hits_),
+                                           view_of(distances_), view_of(records_)});
     }
 
     // Stage 12. What the step did; sums in contact order.
-    void count(const TracerCounts& before, Temporal temporal, StepStats& stats) const {
+    void count(const TracerCounts& before, const Plan& plan, StepStats& stats) const {
         const TracerCounts after = tracer_.counts();
         stats.pairs = static_cast<std::uint32_t>(pairs_.size());
-        const bool remembers = temporal != Temporal::off;
-        stats.rays = static_cast<std::uint32_t>(remembers ? full_slots_.size() : rays_.size());
+        const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
+        stats.rays = static_cast<std::uint32_t>(remembers ? full_slots_.size() : batch_.rays.size());
         for (const Ray& ray : own_rays_) stats.own_rays += ray.t_max >= 0;
+        if (complete) {
+            stats.edges = edges_.segments().size;
+            stats.chords = edges_.chords().size;
+            stats.inside_tests = separation_.inside_tests();
+            stats.separated_pairs = separation_.deep_pairs();
+        }
         stats.contacts = static_cast<std::uint32_t>(contacts_.size());
         stats.refits = static_cast<std::uint32_t>(after.refits - before.refits);
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);
         stats.triangle_tests = after.triangle_tests - before.triangle_tests;
-        for (const Hit& hit : hits_) stats.hits += hit.triangle != no_triangle && !hit.predicted;
-        if (remembers) count_remembered(temporal, stats);
+        for (const Hit& hit : batch_.hits) stats.hits += hit.triangle != no_triangle && !hit.predicted;
+        if (remembers) count_remembered(plan.temporal, stats);
         double sum = 0;
         for (std::size_t i = 0; i < contacts_.size(); ++i) {
             const Contact& c = contacts_[i];
             stats.touching_pairs += i == 0 || contacts_[i - 1].a != c.a || contacts_[i - 1].b != c.b;
             sum += c.penetration_depth();
+            stats.edge_contacts += c.is_edge();
+            stats.reprojected += c.reprojected;
             stats.penetration_max = max_of(c.penetration_depth(), stats.penetration_max);
         }
         if (!contacts_.empty()) stats.penetration_mean = sum / static_cast<double>(contacts_.size());
@@ -365,26 +417,27 @@ private:
 
     E& executor_;
     T& tracer_;
+    StepTools<E, T> tools_;
+    EdgeChords<E, T> edges_;
+    Separation<E, T> separation_;
 
     Buffer<stages::Moments> moments_;
     Buffer<stages::ChunkBounds> chunk_bounds_;
     Buffer<std::uint64_t> keys_, box_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, wanted_, masks_, candidates_, starts_inside_, links_, ages_,
-        last_ages_;
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
     Buffer<stages::PairIdentity> identities_, last_identities_;
     Buffer<stages::DirectedPair> directed_;
     Buffer<stages::CullItem> blocks_, patches_;
     Buffer<std::uint32_t> block_offsets_;
-    Buffer<Ray> rays_, own_rays_, full_rays_;
-    Buffer<RaySource> sources_;
-    Buffer<Hit> hits_, own_hits_, full_hits_;
+    RayBatch<E> batch_, aimed_;
+    Buffer<Ray> own_rays_, full_rays_;
+    Buffer<Hit> own_hits_, full_hits_;
     Buffer<Route> routes_;
     Buffer<Found> found_;
     Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_;
     Buffer<stages::WalkCount> walk_counts_;
-    Buffer<stages::Meeting> meetings_;
     Buffer<double> distances_;
     Buffer<Contact> contacts_;
 

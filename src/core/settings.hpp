@@ -13,10 +13,21 @@ enum class Temporal : std::uint8_t {
     certified,  ///< like off, contact by contact, but without the rays that are proved to be needless
 };
 
+/// What of a body is looked for inside others.
+enum class Coverage : std::uint8_t {
+    vertices,  ///< its vertices (the paper): fast, and blind to overlaps that hold no vertex or are thinner than one ray
+    complete,  ///< its edges too, and bodies inside one another: no overlap is missed
+};
+
 /// How a world detects contacts. Every field has a default that suits any scale.
 struct Settings {
     /// Rays of bodies without an inside reach this far [mean edge length of the body's mesh].
     double open_body_range = constants::open_body_range;
+
+    Coverage coverage = Coverage::vertices;
+    /// Contacts move from where their ray leaves the target to the closest point of its surface nearby: less depth, never
+    /// more.
+    bool reproject = false;
 
     Temporal temporal = Temporal::certified;
     /// Temporal::paper looks ahead along outward rays for vertices that are about to enter.

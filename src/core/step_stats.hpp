@@ -35,6 +35,12 @@ struct StepStats {
     std::uint32_t predictions = 0;       ///< vertices outside with a triangle they may enter through
     std::uint32_t predictions_true = 0;  ///< contacts found through such a triangle
     std::uint32_t proofs = 0;            ///< vertices newly proved to be outside
+    std::uint32_t edges = 0;             ///< edges cast at the other body of a pair
+    std::uint32_t chords = 0;            ///< parts of them inside it
+    std::uint32_t edge_contacts = 0;     ///< contacts from such parts
+    std::uint32_t inside_tests = 0;      ///< rays that looked for parts of a body inside another
+    std::uint32_t separated_pairs = 0;   ///< pairs that overlap without a contact along an inward ray
+    std::uint32_t reprojected = 0;       ///< contacts moved to a closer point
     std::uint32_t own_rays = 0;          ///< rays that looked for their own body's far side
     std::uint32_t contacts = 0;
     std::uint32_t touching_pairs = 0;  ///< pairs with a contact

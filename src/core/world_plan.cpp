@@ -44,7 +44,7 @@ void World::State::find_own_exits(MeshEntry& entry, std::uint32_t index) {
         rays[v].direction = stages::inward_direction(body, v);
         rays[v].t_max = length_squared(rays[v].direction) > 0 ? body.fit_box.extent() : -1.0;
         rays[v].target = index;
-        rays[v].excluded_vertex = v;
+        rays[v].excluded[0] = rays[v].excluded[1] = v;
     }
     std::vector<Hit> hits(rays.size());
     backend->closest_hits(view_of(views), view_of(std::as_const(rays)), view_of(hits));
@@ -106,12 +106,24 @@ void World::State::make_plan() {
 
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;
     plan.measures_deformation = plan.deforming_bodies > 0;
-    plan.traces_own_exits = plan.deforming_bodies > 0;
     plan.temporal = settings.temporal;
-    plan.stages = {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts"};
-    if (settings.temporal != Temporal::off)
-        plan.stages = {"bounds", "pairs", "displacement", "vertex_cull", "ray_gen", "walk",
-                       "update", "trace", "classify",     "contacts",    "remember"};
+    plan.coverage = settings.coverage;
+    plan.reprojects = settings.reproject;
+    const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
+    plan.traces_own_exits = plan.deforming_bodies > 0 || complete || plan.reprojects;
+    const auto add = [&](bool needed, std::initializer_list<const char*> names) {
+        if (needed) plan.stages.insert(plan.stages.end(), names.begin(), names.end());
+    };
+    add(true, {"bounds", "pairs"});
+    add(remembers, {"displacement"});
+    add(true, {"vertex_cull", "ray_gen"});
+    add(complete, {"edges"});
+    add(remembers, {"walk"});
+    add(true, {"update", "trace", "classify"});
+    add(complete, {"separation"});
+    add(plan.reprojects, {"reproject"});
+    add(true, {"contacts"});
+    add(remembers, {"remember"});
     planned = true;
 }
 

@@ -140,6 +140,11 @@ FrameResult SceneWorld::result() const {
     result.rays = stats.rays;
     result.hits = stats.hits;
     result.contacts = stats.contacts;
+    result.edges = stats.edges;
+    result.chords = stats.chords;
+    result.edge_contacts = stats.edge_contacts;
+    result.separated_pairs = stats.separated_pairs;
+    result.reprojected = stats.reprojected;
     result.certified = stats.certified;
     result.walks = stats.walks;
     result.walk_steps = stats.walk_steps;

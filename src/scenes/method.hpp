@@ -41,6 +41,7 @@ struct FrameResult {
     double total_ms = 0;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;  ///< indices into the scene's bodies, sorted
     std::uint32_t pairs = 0, rays = 0, hits = 0, contacts = 0;
+    std::uint32_t edges = 0, chords = 0, edge_contacts = 0, separated_pairs = 0, reprojected = 0;
     std::uint32_t certified = 0, walks = 0, walk_steps = 0, lost_walks = 0, predictions = 0, predictions_true = 0;
     std::uint32_t status = 0;
     double penetration_mean = 0, penetration_max = 0;

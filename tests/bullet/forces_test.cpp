@@ -34,7 +34,7 @@ struct Overlap {
     std::vector<MeshData> shape;
     std::vector<BodyId> body;
 
-    explicit Overlap(test::Random& random) {
+    explicit Overlap(test::Random& random, const Settings& settings = {}) : world(reference_backend(), settings) {
         for (int k = 0; k < 2; ++k) {
             shape.push_back(test::random_closed_mesh(random));
             const MeshId mesh = world.add_mesh("shape", shape.back());
@@ -48,20 +48,29 @@ struct Overlap {
 TEST(PenaltyForceTest, ConservesMomentumToRounding) {
     test::Random random(8);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
-    std::size_t contacts = 0;
+    std::size_t contacts = 0, edges = 0;
     for (int i = 0; i < 30; ++i) {
-        const Overlap overlap(random);
+        const Overlap overlap(random, {.coverage = Coverage::complete, .reproject = i % 2 == 0});
         for (const Contact& c : overlap.world.contacts()) {
             ++contacts;
+            edges += c.is_edge();
             const int source = static_cast<int>(c.source), target = 1 - source;
             const Triangle& t = overlap.shape[static_cast<std::size_t>(target)].triangles[c.triangle];
             const Vec3f* corner[3];
             for (int k = 0; k < 3; ++k) corner[k] = &overlap.shape[static_cast<std::size_t>(target)].positions[t.vertex[k]];
-            const Vec3d vertex = to_double(overlap.shape[static_cast<std::size_t>(source)].positions[c.vertex]);
-            const PenaltyForce force = penalty_force(c, {.stiffness = 1000, .damping = 3}, random.in_box(1),
-                                                     {random.in_box(1), random.in_box(1), random.in_box(1)});
-            Vec3d sum = force.on_vertex, torque = cross(vertex, force.on_vertex);
-            double size = length(force.on_vertex);
+            const PenaltyForce force = penalty_force(
+                c, {.stiffness = 1000, .damping = 3},
+                {{random.in_box(1), random.in_box(1)}, {random.in_box(1), random.in_box(1), random.in_box(1)}});
+            Vec3d sum, torque, push;
+            double size = 0;
+            const std::uint32_t vertex[2] = {c.vertex, c.edge_end};
+            for (int k = 0; k < (c.is_edge() ? 2 : 1); ++k) {
+                const Vec3d at = to_double(overlap.shape[static_cast<std::size_t>(source)].positions[vertex[k]]);
+                push += force.on_source[k];
+                torque += cross(at, force.on_source[k]);
+                size += length(force.on_source[k]);
+            }
+            sum = push;
             for (int k = 0; k < 3; ++k) {
                 sum += force.on_corner[k];
                 torque += cross(to_double(*corner[k]), force.on_corner[k]);
@@ -69,10 +78,11 @@ TEST(PenaltyForceTest, ConservesMomentumToRounding) {
             }
             EXPECT_LE(length(sum), 1e-14 * size);
             EXPECT_LE(length(torque), 1e-13 * size);
-            EXPECT_GE(dot(force.on_vertex, force.direction), -1e-9 * size) << "pushes out, never pulls";
+            EXPECT_GE(dot(push, force.direction), -1e-9 * size) << "pushes out, never pulls";
         }
     }
     EXPECT_GT(contacts, 500u);
+    EXPECT_GT(edges, 500u);
 }
 
 TEST(ContactFrameTest, PointsLieOneDepthApartAlongTheNormal) {

@@ -77,16 +77,18 @@ PIERCE_HD inline bool is_free(const BodyView& body, std::uint32_t vertex, double
     return depth + 2 * (body.deviation + body.touch) < body.mesh.star_clearance[vertex];
 }
 
-/// Per candidate: the ray into its own body, for the sources that have no own_exit table. Where the vertex's triangles show
-/// that the ray starts inside (R2), it need not look further than the hit (R3), nor be traced if nothing is that near;
-/// elsewhere it looks for its first crossing.
+/// Per candidate: the ray into its own body, unless that body's own_exit table has limited the ray already. Where the
+/// triangles it starts from show that the ray starts inside (R2), it need not look further than the hit (R3), nor be traced
+/// if nothing is that near; elsewhere it looks for its first crossing.
 struct GenerateOwnRays {
     View<const BodyView> bodies;
     View<const Pair> pairs;
+    View<const Chord> chords;
     View<const Ray> rays;
     View<const RaySource> sources;
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates;
+    bool turned = false;  ///< rays do not follow the inward directions: the table does not apply
     View<Ray> own_rays;
     View<std::uint32_t> starts_inside;
 
@@ -96,18 +98,22 @@ struct GenerateOwnRays {
         const std::uint32_t body_index = pairs[source.pair].source(source.side);
         const BodyView& body = bodies[body_index];
         const BodyView& target = bodies[into_target.target];
+        const bool is_vertex = source.start == RayStart::vertex;
         Ray ray;
         ray.t_max = -1.0;
-        if (body.motion == Motion::deforming && body.mesh.closed) {
-            ray.origin = to_double(body.positions[source.vertex]);
-            ray.direction = target.space.rotation * into_target.direction;
+        if (body.mesh.closed && (!is_vertex || body.motion == Motion::deforming || turned)) {
+            ray.origin = start_of(body, source, chords);
+            ray.direction = relative_frame(target.space, body.space).rotation * into_target.direction;
             ray.target = body_index;
-            ray.excluded_vertex = source.vertex;
-            starts_inside[i] = leads_inside(body.mesh, body.positions, source.vertex, ray.direction);
+            const Edge edge = is_vertex ? Edge{{source.item, source.item}, {}} : body.mesh.edges[chords[source.item].edge];
+            ray.excluded[0] = edge.vertex[0];
+            ray.excluded[1] = edge.vertex[1];
+            starts_inside[i] = is_vertex ? leads_inside(body.mesh, body.positions, source.item, ray.direction)
+                                         : leads_inside(body.mesh, body.positions, edge, ray.direction);
             const double depth = meetings[candidates[i]].t;
             if (!starts_inside[i])
                 ray.t_max = body.fit_box.extent();
-            else if (!is_free(body, source.vertex, depth))
+            else if (!is_vertex || !is_free(body, source.item, depth))
                 ray.t_max = depth;
         }
         own_rays[i] = ray;

@@ -5,16 +5,20 @@
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/temporal.hpp"
 
-/// Stage 10, contacts: writes the contact list in (pair, side, vertex) order and carries ages over.
+/// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries ages over.
 namespace pierce::stages {
 
-/// The key that orders contacts.
-PIERCE_HD inline std::uint64_t contact_key(std::uint32_t pair, std::uint32_t side, std::uint32_t vertex) {
-    return std::uint64_t{pair} << 32 | std::uint64_t{side} << 31 | vertex;
+/// The key that orders contacts; chords of one edge share it.
+PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t pair, View<const Chord> chords) {
+    const bool is_vertex = from.start == RayStart::vertex;
+    return std::uint64_t{pair} << 32 | std::uint64_t{from.side} << 31 | std::uint64_t{!is_vertex} << 30 |
+           (is_vertex ? from.item : chords[from.item].edge);
 }
+static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
 /// Per candidate: the key of kept ones. Reads flags and offsets; writes keys and candidate indices.
 struct KeyContacts {
+    View<const Chord> chords;
     View<const RaySource> sources;
     View<const std::uint32_t> candidates, keep, offsets;
     View<std::uint64_t> keys;
@@ -25,9 +29,16 @@ struct KeyContacts {
     PIERCE_HD void operator()(std::uint32_t i) const {
         if (!keep[i]) return;
         const RaySource s = sources[candidates[i]];
-        keys[offsets[i]] = contact_key(s.pair, s.side, s.vertex);
+        keys[offsets[i]] = contact_key(s, s.pair, chords);
         order[offsets[i]] = i;
     }
+};
+
+/// Rays and what became of them.
+struct RayResults {
+    View<const Ray> rays;
+    View<const Hit> hits;
+    View<const Meeting> meetings;
 };
 
 /// Per contact: everything in it. Reads rays, hits and the ages of last step's contacts; writes the contact and its age.
@@ -35,10 +46,11 @@ struct FillContact {
     View<const BodyView> bodies;
     View<const BodyId> ids;
     View<const Pair> pairs;
-    View<const Ray> rays;
+    View<const Chord> chords;
     View<const RaySource> sources;
-    View<const Hit> hits;
-    View<const Meeting> meetings;
+    RayResults found_rays;
+    RayResults aimed;                    ///< per candidate, re-projected; empty if that is not asked for
+    View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts
     View<const std::uint32_t> candidates, order;
     View<const Route> routes;  ///< empty if steps do not remember
     View<const Found> found;   ///< per ray, where it was walked
@@ -50,20 +62,24 @@ struct FillContact {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[order[i]];
-        const Ray& ray = rays[r];
+        const bool moved = accepted.size > 0 && accepted[order[i]];
+        const RayResults& results = moved ? aimed : found_rays;
+        const std::uint32_t place = moved ? order[i] : r;
+        const Ray& ray = results.rays[place];
         const RaySource& from = sources[r];
         const Pair pair = pairs[from.pair];
         const BodyView& source = bodies[pair.source(from.side)];
         const BodyView& target = bodies[ray.target];
         const Surface surface = target.surface();
-        const Meeting& m = meetings[r];
-        const Triangle& t = surface.triangles[hits[r].triangle];
+        const Meeting& m = results.meetings[place];
+        const std::uint32_t triangle = results.hits[place].triangle;
+        const Triangle& t = surface.triangles[triangle];
         const Vec3d corner[3] = {to_double(surface.positions[t.vertex[0]]), to_double(surface.positions[t.vertex[1]]),
                                  to_double(surface.positions[t.vertex[2]])};
         Vec3d q;
         for (int k = 0; k < 3; ++k) q += m.barycentric[k] * corner[k];
         const Vec3d face = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
-        const Vec3d p_world = source.space.to_parent(to_double(source.positions[from.vertex]));
+        const Vec3d p_world = source.space.to_parent(start_of(source, from, chords));
         const Vec3d q_world = target.space.to_parent(q);
         const Vec3d direction = target.space.rotation * ray.direction;
 
@@ -73,8 +89,19 @@ struct FillContact {
         c.source = static_cast<Side>(from.side);
         c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
         if (routes.size > 0 && routes[r] == Route::walked) c.found = found[r];
-        c.vertex = from.vertex;
-        c.triangle = hits[r].triangle;
+        if (from.separates) c.found = Found::separation;
+        c.reprojected = moved;
+        c.vertex = from.item;
+        if (from.start == RayStart::chord) {
+            const Chord& chord = chords[from.item];
+            const Edge& edge = source.mesh.edges[chord.edge];
+            c.edge = chord.edge;
+            c.chord = chord.ordinal;
+            c.along = chord.middle;
+            c.vertex = edge.vertex[0];
+            c.edge_end = edge.vertex[1];
+        }
+        c.triangle = triangle;
         for (int k = 0; k < 3; ++k) c.barycentric[k] = m.barycentric[k];
         c.point_a = from.side == 0 ? p_world : q_world;
         c.point_b = from.side == 0 ? q_world : p_world;
@@ -88,7 +115,7 @@ struct FillContact {
 private:
     PIERCE_HD std::uint32_t age(const RaySource& from) const {
         if (links[from.pair] == no_pair) return 0;
-        const std::uint64_t key = contact_key(links[from.pair], from.side, from.vertex);
+        const std::uint64_t key = contact_key(from, links[from.pair], chords);
         std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;

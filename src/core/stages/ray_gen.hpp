@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/edge_normal.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
 #include "pierce/core/vertex_normal.hpp"
 
@@ -13,22 +14,45 @@ PIERCE_HD inline Vec3d inward_direction(const BodyView& body, std::uint32_t vert
     return -n;
 }
 
-/// How far a ray that starts at a vertex of a deforming body can get inside that body's box.
+/// The unit inward direction at an edge, in the body's space; zero where there is none.
+PIERCE_HD inline Vec3d inward_direction(const BodyView& body, const Edge& edge) {
+    return -edge_normal(body.mesh, body.positions, edge);
+}
+
+/// The point of an edge between its first vertex (0) and its second (1), in the body's space.
+PIERCE_HD inline Vec3d point_on(const BodyView& body, const Edge& edge, double along) {
+    const Vec3d a = to_double(body.positions[edge.vertex[0]]), b = to_double(body.positions[edge.vertex[1]]);
+    return (1 - along) * a + along * b;
+}
+
+/// Where a ray starts, in its source's space.
+PIERCE_HD inline Vec3d start_of(const BodyView& source, const RaySource& from, View<const Chord> chords) {
+    if (from.start == RayStart::vertex) return to_double(source.positions[from.item]);
+    const Chord& chord = chords[from.item];
+    return point_on(source, source.mesh.edges[chord.edge], chord.middle);
+}
+
+/// How far a ray that starts in a body can get inside that body's box. Origin and direction in the body's space.
 PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d direction) {
-    const Matrix3 to_fit = body.fit.rotation.transposed();
-    const Vec3d o = to_fit * (origin - body.fit.origin), d = to_fit * direction;
+    const bool deforms = body.motion == Motion::deforming;  // others fit as they are
+    const Vec3d o = deforms ? body.fit.to_local(origin) : origin;
+    const Vec3d d = deforms ? body.fit.rotation.transposed() * direction : direction;
     double range = body.fit_box.extent();
     for (int i = 0; i < 3; ++i)
         if (d[i] != 0) range = min_of(((d[i] > 0 ? body.fit_box.upper[i] : body.fit_box.lower[i]) - o[i]) / d[i], range);
     return max_of(range, 0.0) + body.touch;
 }
 
+/// How far a ray may go before it has left its own body's box or the target's: its own exit is looked for later.
+PIERCE_HD inline double range_in_boxes(const BodyView& source, const BodyView& target, Vec3d origin, Vec3d direction) {
+    return min_of(target.fit_box.extent(), box_range(source, origin, direction));
+}
+
 /// How far an inward ray from `vertex` may go before it leaves its own body for certain.
 PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex, Vec3d direction) {
     if (!source.mesh.closed) return source.range;
     if (source.motion != Motion::deforming) return source.own_exit[vertex];
-    // Its own exit is looked for later; until then both boxes limit the ray.
-    return min_of(target.fit_box.extent(), box_range(source, to_double(source.positions[vertex]), direction));
+    return range_in_boxes(source, target, to_double(source.positions[vertex]), direction);
 }
 
 /// Moves a record's material point to where it is now and returns how far the vertex has moved relative to it, in the
@@ -67,7 +91,7 @@ struct GenerateRays {
         for (std::uint32_t mask = patch_records[i].mask; mask != 0; mask &= mask - 1, ++slot) {
             const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
             const std::uint32_t v = source.mesh.patch_vertices[patch_begin(item.index) + k];
-            sources[slot] = {item.directed / 2, item.directed % 2, v};
+            sources[slot] = {item.directed / 2, v, static_cast<std::uint8_t>(item.directed % 2)};
             hits[slot] = {};
             if (routes.size > 0) {
                 const VertexRecord* record = last.vertex(before, k);

@@ -6,7 +6,7 @@
 /// Stage 11, remember: what the next step needs to know.
 namespace pierce::stages {
 
-/// Per full ray: writes its vertex's record. Reads rays and hits.
+/// Per full ray from a vertex: writes its record. Reads rays and hits.
 struct Remember {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -20,6 +20,7 @@ struct Remember {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[i];
+        if (sources[slot].start != RayStart::vertex) return;
         VertexRecord& record = records[slot];
         const Hit hit = hits[slot];
         record.triangle = no_triangle;
@@ -60,8 +61,9 @@ struct IsUncertain {
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[i];
         const RaySource from = sources[slot];
-        return bodies[rays[slot].target].is_simple() && (hits[slot].triangle == no_triangle || hits[slot].predicted) &&
-               rays[slot].t_max >= 0 && !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
+        return from.start == RayStart::vertex && bodies[rays[slot].target].is_simple() &&
+               (hits[slot].triangle == no_triangle || hits[slot].predicted) && rays[slot].t_max >= 0 &&
+               !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
     }
 };
 

@@ -99,24 +99,4 @@ private:
     }
 };
 
-/// Per listed slot: copies its ray.
-struct GatherRays {
-    View<const Ray> rays;
-    View<const std::uint32_t> slots;
-    View<Ray> gathered;
-
-    PIERCE_HD void operator()(std::uint32_t i) const { gathered[i] = rays[slots[i]]; }
-};
-
-/// Per listed slot: takes over its hit.
-struct ScatterHits {
-    View<const Hit> gathered;
-    View<const std::uint32_t> slots;
-    View<Hit> hits;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const { hits[slots[i]] = gathered[i]; }
-};
-
 }  // namespace pierce::stages

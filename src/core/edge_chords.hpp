@@ -1,0 +1,118 @@
+#pragma once
+
+#include "pierce/core/scene.hpp"
+#include "pierce/core/stages/edges.hpp"
+#include "pierce/core/step_tools.hpp"
+
+namespace pierce {
+
+/// Casts the edges that may reach another body and adds a ray from the middle of each part inside it to the step's rays.
+template <Executor E, Tracer<E> T>
+class EdgeChords {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    explicit EdgeChords(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
+
+    /// Which edges may reach the other body of their pair, by patches, then one by one.
+    void cull(const Scene& scene, View<const stages::DirectedPair> directed, View<const stages::CullItem> blocks) {
+        masks_.resize(blocks.size);
+        counts_.resize(blocks.size);
+        executor_.for_each("cull_edge_block", blocks.size,
+                           stages::CullEdgeBlock{scene.bodies, directed, blocks, view_of(masks_), view_of(counts_)});
+        patches_.resize(tools_.place("edge_patch_scan", counts_, offsets_));
+        executor_.for_each("list_edge_patches", blocks.size,
+                           stages::ListPatches{blocks, view_of(masks_), view_of(offsets_), {}, view_of(patches_)});
+        const auto kept = static_cast<std::uint32_t>(patches_.size());
+        counts_.resize(kept);
+        executor_.for_each("count_edges", kept,
+                           stages::CountEdges{scene.bodies, directed, view_of(patches_), view_of(counts_)});
+        items_.resize(tools_.place("edge_scan", counts_, offsets_));
+        executor_.for_each("list_edges", kept,
+                           stages::ListEdges{scene.bodies, directed, view_of(patches_), view_of(offsets_), view_of(items_)});
+        const auto count = static_cast<std::uint32_t>(items_.size());
+        spans_.resize(count);
+        executor_.for_each("cull_edge", count, stages::CullEdge{scene.bodies, directed, view_of(items_), view_of(spans_)});
+
+        const std::uint32_t near = tools_.list("near_edges", count, stages::MayReach{view_of(spans_)}, slots_);
+        segments_.resize(near);
+        rays_.resize(near);
+        active_.resize(near);
+        executor_.for_each("generate_segments", near,
+                           stages::GenerateSegments{scene.bodies, directed, view_of(items_), view_of(spans_),
+                                                    view_of(slots_), view_of(segments_), view_of(rays_), view_of(active_)});
+    }
+
+    /// The rays along the edges that are left.
+    View<const Ray> segments() const { return view_of(rays_); }
+
+    /// Follows every edge from crossing to crossing, and adds the rays of its chords to `batch` and `routes`.
+    void cast(const Scene& scene, View<const stages::DirectedPair> directed, RayBatch<E>& batch, Buffer<Route>& routes) {
+        find_chords(scene, directed);
+        const auto begin = static_cast<std::uint32_t>(batch.rays.size()), count = static_cast<std::uint32_t>(found_.size());
+        executor_.sort("chord_sort", view_of(keys_), view_of(order_));
+        chords_.resize(count);
+        batch.resize(begin + count);
+        if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
+        executor_.for_each(
+            "generate_chord_rays", count,
+            stages::GenerateChordRays{scene.bodies, directed, view_of(items_), view_of(segments_), view_of(found_),
+                                      view_of(order_), begin, view_of(chords_), view_of(batch.rays), view_of(batch.sources),
+                                      view_of(batch.hits), view_of(routes)});
+    }
+
+    View<const Chord> chords() const { return view_of(chords_); }
+
+private:
+    void find_chords(const Scene& scene, View<const stages::DirectedPair> directed) {
+        finished_.resize(segments_.size());
+        found_.clear();
+        keys_.clear();
+        order_.clear();
+        while (!active_.empty()) {
+            const auto count = static_cast<std::uint32_t>(active_.size());
+            now_rays_.resize(count);
+            now_hits_.resize(count);
+            now_found_.resize(count);
+            counts_.resize(count);
+            executor_.for_each("gather_segments", count,
+                               stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
+            tools_.tracer.closest_hits(executor_, "trace_edges", scene.bodies, view_of(now_rays_), view_of(now_hits_));
+            executor_.for_each(
+                "advance_segments", count,
+                stages::AdvanceSegment{scene.bodies, directed, view_of(items_), view_of(spans_), view_of(active_),
+                                       view_of(now_hits_), view_of(segments_), view_of(rays_), view_of(counts_),
+                                       view_of(now_found_), view_of(finished_)});
+            const auto begin = static_cast<std::uint32_t>(found_.size());
+            const std::uint32_t all = begin + tools_.place("chord_scan", counts_, offsets_);
+            found_.resize(all);
+            keys_.resize(all);
+            order_.resize(all);
+            executor_.for_each("keep_chords", count,
+                               stages::KeepChord{view_of(counts_), view_of(offsets_), view_of(now_found_), begin,
+                                                 view_of(found_), view_of(keys_), view_of(order_)});
+            const std::uint32_t left =
+                tools_.list("active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)}, places_);
+            next_active_.resize(left);
+            executor_.for_each("follow", left,
+                               stages::Gather<std::uint32_t>{view_of(active_), view_of(places_), view_of(next_active_)});
+            std::swap(active_, next_active_);
+        }
+    }
+
+    StepTools<E, T>& tools_;
+    E& executor_;
+    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, order_;
+    Buffer<std::uint64_t> keys_;
+    Buffer<stages::CullItem> patches_;
+    Buffer<stages::EdgeItem> items_;
+    Buffer<stages::Span> spans_;
+    Buffer<stages::Segment> segments_;
+    Buffer<Ray> rays_, now_rays_;
+    Buffer<Hit> now_hits_;
+    Buffer<stages::FoundChord> now_found_, found_;
+    Buffer<Chord> chords_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,112 @@
+#pragma once
+
+#include "pierce/core/scene.hpp"
+#include "pierce/core/stages/separation.hpp"
+#include "pierce/core/step_tools.hpp"
+
+namespace pierce {
+
+/// Finds pairs that overlap without a contact along an inward ray, and gives them contacts along the direction in which they
+/// separate soonest.
+template <Executor E, Tracer<E> T>
+class Separation {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    explicit Separation(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
+
+    /// Adds the rays of such pairs to `batch` and `routes`, with their hits; returns how many there are.
+    std::uint32_t cast(const Scene& scene, View<const Pair> pairs, View<const stages::DirectedPair> directed,
+                       View<const Chord> chords, RayBatch<E>& batch, Buffer<Route>& routes) {
+        const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
+        const View<const RaySource> sources = view_of(std::as_const(batch.sources));
+        reached_.assign(pairs.size, 0);
+        touching_.assign(pairs.size, 0);
+        executor_.for_each("mark_touching", candidates,
+                           stages::MarkTouching{sources, view_of(batch.candidates), view_of(batch.keep), view_of(reached_),
+                                                view_of(touching_)});
+        test_parts(scene, directed);
+        const std::uint32_t stranded = tools_.list(
+            "stranded", candidates, stages::IsStranded{sources, view_of(batch.candidates), view_of(touching_)}, stranded_);
+        const auto contained = static_cast<std::uint32_t>(contained_.size());
+        deep_count_ = 0;
+        if (stranded + contained == 0) return 0;
+
+        gather_.resize(stranded);
+        executor_.for_each("follow", stranded,
+                           stages::Gather<std::uint32_t>{view_of(batch.candidates), view_of(stranded_), view_of(gather_)});
+        deep_.assign(pairs.size, 0);
+        executor_.for_each("mark_deep", stranded, stages::MarkDeep{sources, view_of(gather_), view_of(deep_)});
+        executor_.for_each("mark_deep", contained,
+                           stages::MarkDeep{view_of(part_sources_), view_of(contained_), view_of(deep_)});
+        deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)}, deep_pairs_);
+        directions_.resize(pairs.size);
+        executor_.for_each("find_separation", deep_count_,
+                           stages::FindSeparation{scene.bodies, pairs, view_of(deep_pairs_), view_of(directions_)});
+
+        // Sources are copied first: the list they come from grows.
+        from_.resize(stranded);
+        executor_.for_each("gather_sources", stranded, stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
+        const auto begin = static_cast<std::uint32_t>(batch.rays.size());
+        const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
+        batch.resize(begin + added);
+        if (scene.plan->temporal != Temporal::off) routes.resize(begin + added);
+        const stages::SeparationRays out{scene.bodies,
+                                         chords,
+                                         directed,
+                                         view_of(directions_),
+                                         begin,
+                                         view_of(batch.rays),
+                                         view_of(batch.sources),
+                                         view_of(batch.hits),
+                                         view_of(routes)};
+        executor_.for_each("generate_stranded_rays", stranded, stages::GenerateStrandedRays{out, view_of(from_)});
+        executor_.for_each("generate_contained_rays", contained,
+                           stages::GenerateContainedRays{out, view_of(part_sources_), view_of(contained_), stranded});
+        const View<const Ray> rays{batch.rays.data() + begin, added};
+        tools_.update(scene.bodies, rays);
+        tools_.tracer.closest_hits(executor_, "trace_separation", scene.bodies, rays, {batch.hits.data() + begin, added});
+        return added;
+    }
+
+    /// Inside tests of parts that were traced in the last step.
+    std::uint32_t inside_tests() const { return inside_tests_; }
+    /// Pairs of the last step that overlap without a contact along an inward ray.
+    std::uint32_t deep_pairs() const { return deep_count_; }
+
+private:
+    /// Which parts of which bodies are inside the other body of a pair with nothing inside so far.
+    void test_parts(const Scene& scene, View<const stages::DirectedPair> directed) {
+        counts_.resize(directed.size);
+        executor_.for_each("count_parts", directed.size,
+                           stages::CountParts{scene.bodies, directed, view_of(reached_), view_of(counts_)});
+        const std::uint32_t count = tools_.place("part_scan", counts_, offsets_);
+        part_rays_.resize(count);
+        part_sources_.resize(count);
+        part_hits_.resize(count);
+        executor_.for_each("generate_part_rays", directed.size,
+                           stages::GeneratePartRays{scene.bodies, directed, view_of(counts_), view_of(offsets_),
+                                                    view_of(part_rays_), view_of(part_sources_)});
+        inside_tests_ = 0;
+        for (const Ray& ray : part_rays_) inside_tests_ += ray.t_max >= 0;
+        contained_.clear();
+        if (inside_tests_ == 0) return;
+        tools_.update(scene.bodies, view_of(std::as_const(part_rays_)));
+        tools_.tracer.closest_hits(executor_, "trace_parts", scene.bodies, view_of(std::as_const(part_rays_)),
+                                   view_of(part_hits_));
+        tools_.list("contained", count, stages::LeavesTarget{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
+                    contained_);
+    }
+
+    StepTools<E, T>& tools_;
+    E& executor_;
+    Buffer<std::uint32_t> reached_, touching_, deep_, deep_pairs_, counts_, offsets_, stranded_, gather_, contained_;
+    Buffer<Ray> part_rays_;
+    Buffer<RaySource> part_sources_, from_;
+    Buffer<Hit> part_hits_;
+    Buffer<Vec3d> directions_;
+    std::uint32_t inside_tests_ = 0, deep_count_ = 0;
+};
+
+}  // namespace pierce

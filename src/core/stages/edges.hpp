@@ -1,0 +1,290 @@
+#pragma once
+
+#include "pierce/core/stages/classify.hpp"
+#include "pierce/core/stages/vertex_cull.hpp"
+
+/// Stages 4 and 5 for edges, with complete coverage: which edges may reach the other body, which parts of them are inside it
+/// (their chords), and a ray from the middle of each. If the surfaces of two closed bodies cross, an edge of one of them
+/// crosses the other: vertices alone may miss that.
+namespace pierce::stages {
+
+/// Per block: a bit for every patch with an edge that may reach the target, and their number.
+struct CullEdgeBlock {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const CullItem> blocks;
+    View<std::uint32_t> masks, counts;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const DirectedPair& d = directed[blocks[i].directed];
+        const BodyView& source = bodies[d.source];
+        const std::uint32_t b = blocks[i].index, count = block_length(source.mesh, b);
+        const PatchBlock& block = source.blocks[b];
+        // An edge starts in its patch's ball and is as long as in the rest shape, but for the deviation of its two ends.
+        float radius[constants::block_size] = {};
+        float longest_edge = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const float edge = source.mesh.edge_reach[b * constants::block_size + k];
+            radius[k] = block.radius[k] + edge;
+            longest_edge = max_of(edge, longest_edge);
+        }
+        const double span = static_cast<double>(block.reach) + static_cast<double>(longest_edge);
+        const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
+                                2 * source.deviation + constants::touch_tolerance * span);
+        masks[i] = balls.near & first_bits(count);
+        counts[i] = static_cast<std::uint32_t>(std::popcount(masks[i]));
+    }
+};
+
+/// An edge of a directed pair's source.
+struct EdgeItem {
+    std::uint32_t directed = 0;
+    std::uint32_t edge = 0;
+};
+
+/// Per kept patch: how many edges it has.
+struct CountEdges {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const CullItem> patches;
+    View<std::uint32_t> counts;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const MeshView& mesh = bodies[directed[patches[i].directed].source].mesh;
+        counts[i] = mesh.edge_offsets[patches[i].index + 1] - mesh.edge_offsets[patches[i].index];
+    }
+};
+
+/// Per kept patch: lists its edges.
+struct ListEdges {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const CullItem> patches;
+    View<const std::uint32_t> offsets;
+    View<EdgeItem> items;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const MeshView& mesh = bodies[directed[patches[i].directed].source].mesh;
+        const std::uint32_t first = mesh.edge_offsets[patches[i].index], last = mesh.edge_offsets[patches[i].index + 1];
+        for (std::uint32_t e = first; e < last; ++e) items[offsets[i] + e - first] = {patches[i].directed, e};
+    }
+};
+
+/// A part of a segment by distances from its first end [length]; empty if it ends before it begins.
+struct Span {
+    double begin = 0, end = -1;
+
+    PIERCE_HD bool empty() const { return end < begin; }
+};
+
+/// What is left of the segment from `a` to `b`, given in the target's fit frame, without the parts at both ends that are
+/// certainly outside of the target's solid: marches inward by the distance proved at each place.
+PIERCE_HD inline Span part_near(const BodyView& target, Vec3d a, Vec3d b) {
+    const double size = length(b - a);
+    const Vec3d direction = normalized(b - a);
+    const auto free = [&](double at) {
+        const Vec3d p = a + at * direction;
+        return max_of(target.fit_box.distance(p), target.mesh.clearance(p) - target.deviation) - 2 * target.touch;
+    };
+    Span span{0, size};
+    for (double step; (step = free(span.begin)) > constants::march_share * (span.end - span.begin);) {
+        span.begin += step;
+        if (span.empty()) return span;
+    }
+    for (double step; (step = free(span.end)) > constants::march_share * (span.end - span.begin);) {
+        span.end -= step;
+        if (span.empty()) return span;
+    }
+    return span;
+}
+
+/// Per edge: the part of it that may be inside the target.
+struct CullEdge {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeItem> items;
+    View<Span> spans;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const DirectedPair& d = directed[items[i].directed];
+        const BodyView& source = bodies[d.source];
+        const Edge& edge = source.mesh.edges[items[i].edge];
+        spans[i] = part_near(bodies[d.target], d.to_fit.to_parent(to_double(source.positions[edge.vertex[0]])),
+                             d.to_fit.to_parent(to_double(source.positions[edge.vertex[1]])));
+    }
+};
+
+/// True for edges with a part that may be inside the target.
+struct MayReach {
+    View<const Span> spans;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return !spans[i].empty(); }
+};
+
+/// What is known of an edge so far, from one crossing to the next.
+struct Segment {
+    std::uint32_t item = 0;
+    std::uint32_t chords = 0;  ///< found so far
+    double enter = 0;          ///< [length] along the ray, where it was last entered
+    bool crossed = false;      ///< at least once
+    bool inside = false;       ///< beyond the last crossing
+};
+
+/// Per edge that may reach its target: the ray along it.
+struct GenerateSegments {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeItem> items;
+    View<const Span> spans;
+    View<const std::uint32_t> slots;  ///< places in items and spans
+    View<Segment> segments;
+    View<Ray> rays;
+    View<std::uint32_t> active;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t slot = slots[i];
+        const DirectedPair& d = directed[items[slot].directed];
+        const BodyView& source = bodies[d.source];
+        const Edge& edge = source.mesh.edges[items[slot].edge];
+        const Vec3d a = d.to_space.to_parent(to_double(source.positions[edge.vertex[0]]));
+        const Vec3d b = d.to_space.to_parent(to_double(source.positions[edge.vertex[1]]));
+        Ray ray;
+        ray.direction = normalized(b - a);
+        ray.origin = a + spans[slot].begin * ray.direction;
+        ray.t_max = length_squared(ray.direction) > 0 ? spans[slot].end - spans[slot].begin : -1.0;
+        ray.target = d.target;
+        rays[i] = ray;
+        segments[i] = {};
+        segments[i].item = slot;
+        active[i] = i;
+    }
+};
+
+/// A chord as it is found, in the order of the rounds.
+struct FoundChord {
+    std::uint32_t segment = 0;
+    Chord chord;
+};
+
+/// Per active segment: takes its next crossing into account. Reads rays and hits; writes at most one chord, and whether
+/// there may be more.
+struct AdvanceSegment {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeItem> items;
+    View<const Span> spans;
+    View<const std::uint32_t> active;
+    View<const Hit> hits;  ///< per active segment
+    View<Segment> segments;
+    View<Ray> rays;                ///< per segment
+    View<std::uint32_t> counts;    ///< per active segment: chords found now
+    View<FoundChord> found;        ///< per active segment, where there is one
+    View<std::uint32_t> finished;  ///< per segment
+
+    PIERCE_HD void operator()(std::uint32_t k) const {
+        const std::uint32_t i = active[k];
+        Segment& segment = segments[i];
+        Ray& ray = rays[i];
+        const Surface surface = bodies[ray.target].surface();
+        counts[k] = 0;
+        finished[i] = 1;
+        if (hits[k].triangle == no_triangle) {
+            if (segment.inside) add(k, segment.enter, ray.t_max);
+            return;
+        }
+        const Meeting m = meet(ray, surface, hits[k].triangle);
+        if (m.exit && (segment.inside || !segment.crossed)) add(k, segment.enter, min_of(m.t, ray.t_max));
+        segment.crossed = true;
+        segment.inside = !m.exit;
+        segment.enter = m.t;
+        ray.t_min = m.t + surface.touch;
+        finished[i] = !(ray.t_min < ray.t_max);
+        if (finished[i] && segment.inside) add(k, segment.enter, ray.t_max);
+    }
+
+private:
+    PIERCE_HD void add(std::uint32_t k, double begin, double end) const {
+        const std::uint32_t i = active[k];
+        if (!(end - begin > bodies[rays[i].target].touch)) return;
+        const std::uint32_t item = segments[i].item;
+        const BodyView& source = bodies[directed[items[item].directed].source];
+        const Edge& edge = source.mesh.edges[items[item].edge];
+        const double size =
+            length(to_double(source.positions[edge.vertex[1]]) - to_double(source.positions[edge.vertex[0]]));
+        const double middle = (spans[item].begin + 0.5 * (begin + end)) / size;
+        counts[k] = 1;
+        found[k] = {i, {items[item].edge, segments[i].chords++, clamp_to(middle, 0.0, 1.0)}};
+    }
+};
+
+/// True for active segments that may have more crossings.
+struct GoesOn {
+    View<const std::uint32_t> active, finished;
+
+    PIERCE_HD bool operator()(std::uint32_t k) const { return !finished[active[k]]; }
+};
+
+/// Per active segment: moves the chord found in this round to the list of all.
+struct KeepChord {
+    View<const std::uint32_t> counts, offsets;
+    View<const FoundChord> found;
+    std::uint32_t begin = 0;  ///< chords of earlier rounds
+    View<FoundChord> chords;
+    View<std::uint64_t> keys;
+    View<std::uint32_t> order;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t k) const {
+        if (!counts[k]) return;
+        const std::uint32_t slot = begin + offsets[k];
+        chords[slot] = found[k];
+        keys[slot] = found[k].segment;
+        order[slot] = slot;
+    }
+};
+
+/// Per chord, in the order of edges: the ray from its middle, inward. Reads chords and segments; appends to the step's rays.
+struct GenerateChordRays {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeItem> items;
+    View<const Segment> segments;
+    View<const FoundChord> found;
+    View<const std::uint32_t> order;
+    std::uint32_t begin = 0;  ///< rays there are already
+    View<Chord> chords;
+    View<Ray> rays;
+    View<RaySource> sources;
+    View<Hit> hits;
+    View<Route> routes;  ///< empty if steps do not remember
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const FoundChord& f = found[order[i]];
+        const EdgeItem item = items[segments[f.segment].item];
+        const DirectedPair& d = directed[item.directed];
+        const BodyView& source = bodies[d.source];
+        const BodyView& target = bodies[d.target];
+        const Edge& edge = source.mesh.edges[item.edge];
+        const Vec3d start = point_on(source, edge, f.chord.middle);
+        const Vec3d direction = inward_direction(source, edge);
+        Ray ray;
+        ray.origin = d.to_space.to_parent(start);
+        ray.direction = normalized(d.to_space.rotation * direction);
+        ray.t_max = source.mesh.closed ? range_in_boxes(source, target, start, direction) : source.range;
+        if (!(length_squared(direction) > 0)) ray.t_max = -1.0;
+        ray.target = d.target;
+        const std::uint32_t slot = begin + i;
+        chords[i] = f.chord;
+        rays[slot] = ray;
+        sources[slot] = {item.directed / 2, i, static_cast<std::uint8_t>(item.directed % 2), RayStart::chord};
+        hits[slot] = {};
+        if (routes.size > 0) routes[slot] = ray.t_max >= 0 ? Route::full : Route::skip;
+    }
+};
+
+}  // namespace pierce::stages

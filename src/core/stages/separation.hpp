@@ -1,0 +1,255 @@
+#pragma once
+
+#include <atomic>
+
+#include "pierce/core/stages/edges.hpp"
+
+/// After stage 9, with complete coverage: pairs that overlap but have no contact along an inward ray, because each ray
+/// leaves its own body first, or because one body is all inside the other. The direction in which the two separate soonest
+/// gives them their contacts.
+namespace pierce::stages {
+
+/// Sets a flag that others may be setting too.
+PIERCE_HD inline void raise(std::uint32_t& flag) {
+#ifdef __CUDA_ARCH__
+    flag = 1;
+#else
+    std::atomic_ref<std::uint32_t>(flag).store(1, std::memory_order_relaxed);
+#endif
+}
+
+/// Per candidate: tells its pair that something is inside, and whether it is a contact.
+struct MarkTouching {
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates, keep;
+    View<std::uint32_t> reached, touching;  ///< per pair
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        raise(reached[sources[candidates[i]].pair]);
+        if (keep[i]) raise(touching[sources[candidates[i]].pair]);
+    }
+};
+
+/// Per directed pair without a candidate: how many parts of its source there are to look for inside the target.
+struct CountParts {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const std::uint32_t> reached;
+    View<std::uint32_t> counts;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const bool asked = !reached[i / 2] && bodies[directed[i].target].mesh.closed;
+        counts[i] = asked ? bodies[directed[i].source].mesh.parts.size : 0;
+    }
+};
+
+/// Per directed pair: a ray from one vertex of each of its source's parts, long enough to leave the target. Vertices that
+/// are certainly outside get none.
+struct GeneratePartRays {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const std::uint32_t> counts, offsets;
+    View<Ray> rays;
+    View<RaySource> sources;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const DirectedPair& d = directed[i];
+        const BodyView& source = bodies[d.source];
+        const BodyView& target = bodies[d.target];
+        for (std::uint32_t k = 0; k < counts[i]; ++k) {
+            const std::uint32_t v = source.mesh.parts[k];
+            const Vec3d start = to_double(source.positions[v]);
+            const Vec3d in_fit = d.to_fit.to_parent(start);
+            Ray ray;
+            ray.origin = d.to_space.to_parent(start);
+            ray.direction = {0, 0, 1};
+            ray.target = d.target;
+            ray.t_max = part_near(target, in_fit, in_fit).empty() ? -1.0 : target.fit_box.extent();
+            rays[offsets[i] + k] = ray;
+            sources[offsets[i] + k] = {i / 2, v, static_cast<std::uint8_t>(i % 2)};
+        }
+    }
+};
+
+/// True for candidates, inside but no contact, whose pair has none at all.
+struct IsStranded {
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates, touching;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return !touching[sources[candidates[i]].pair]; }
+};
+
+/// Per item of a list: tells its pair that it overlaps.
+struct MarkDeep {
+    View<const RaySource> sources;
+    View<const std::uint32_t> items;
+    View<std::uint32_t> deep;  ///< per pair
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { raise(deep[sources[items[i]].pair]); }
+};
+
+/// True for pairs that overlap without a contact.
+struct IsDeep {
+    View<const std::uint32_t> deep;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return deep[i] != 0; }
+};
+
+/// Per deep pair: the direction along which its first body leaves its second one soonest, of the axes of their boxes: the
+/// least way from the lowest point of the one to the highest of the other.
+struct FindSeparation {
+    View<const BodyView> bodies;
+    View<const Pair> pairs;
+    View<const std::uint32_t> deep_pairs;
+    View<Vec3d> directions;  ///< per pair, world space
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Pair pair = pairs[deep_pairs[i]];
+        const BodyView& a = bodies[pair.a];
+        const BodyView& b = bodies[pair.b];
+        double least = INFINITY;
+        for (int k = 0; k < 12; ++k) {
+            const Matrix3 axes = (k < 6 ? a : b).fit.rotation.transposed();
+            const Vec3d u = (k % 2 == 0 ? 1.0 : -1.0) * axes.row[k % 6 / 2];
+            const double way = highest(b, u) + highest(a, -u);
+            if (!(way < least)) continue;
+            least = way;
+            directions[deep_pairs[i]] = u;
+        }
+    }
+
+private:
+    PIERCE_HD static double highest(const BodyView& body, Vec3d u) {
+        const Vec3d in_space = body.space.rotation.transposed() * u;
+        double most = -INFINITY;
+        for (std::uint32_t v = 0; v < body.mesh.positions.size; ++v)
+            most = max_of(dot(in_space, to_double(body.positions[v])), most);
+        return most + dot(u, body.space.origin);
+    }
+};
+
+/// Rays that lead out of a deep pair's target along the pair's direction of separation.
+struct SeparationRays {
+    View<const BodyView> bodies;
+    View<const Chord> chords;
+    View<const DirectedPair> directed;
+    View<const Vec3d> directions;
+    std::uint32_t begin = 0;  ///< rays there are already
+    View<Ray> rays;
+    View<RaySource> sources;
+    View<Hit> hits;
+    View<Route> routes;  ///< empty if steps do not remember
+
+    PIERCE_HD Vec3d direction(const RaySource& from) const { return (from.side == 0 ? 1.0 : -1.0) * directions[from.pair]; }
+
+    PIERCE_HD void write(std::uint32_t i, RaySource from) const {
+        const DirectedPair& d = directed[2 * from.pair + from.side];
+        const BodyView& target = bodies[d.target];
+        Ray ray;
+        ray.origin = d.to_space.to_parent(start_of(bodies[d.source], from, chords));
+        ray.direction = normalized(target.space.rotation.transposed() * direction(from));
+        ray.t_max = target.fit_box.extent();
+        ray.target = d.target;
+        from.separates = true;
+        rays[begin + i] = ray;
+        sources[begin + i] = from;
+        hits[begin + i] = {};
+        if (routes.size > 0) routes[begin + i] = Route::full;
+    }
+
+    PIERCE_HD void write_none(std::uint32_t i, RaySource from) const {
+        write(i, from);
+        rays[begin + i].t_max = -1.0;
+    }
+};
+
+/// True for rays that leave their target at their first crossing: they start inside.
+struct LeavesTarget {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const Hit> hits;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return hits[i].triangle != no_triangle && leads_out(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
+    }
+};
+
+/// Per source of a stranded candidate: its ray.
+struct GenerateStrandedRays {
+    SeparationRays out;
+    View<const RaySource> from;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { out.write(i, from[i]); }
+};
+
+/// Per part found inside: a ray from its vertex and, once per body, from those vertices that are furthest from the way out.
+struct GenerateContainedRays {
+    static constexpr std::uint32_t per_part = 1 + constants::separation_vertices;
+
+    SeparationRays out;
+    View<const RaySource> from;
+    View<const std::uint32_t> contained;
+    std::uint32_t stranded = 0;  ///< rays of stranded candidates, which come first
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const RaySource part = from[contained[i]];
+        const BodyView& source = out.bodies[out.directed[2 * part.pair + part.side].source];
+        const Vec3d u = source.space.rotation.transposed() * out.direction(part);
+        std::uint32_t vertex[per_part];
+        double height[per_part];
+        std::uint32_t count = 0;
+        const bool again = i > 0 && from[contained[i - 1]].pair == part.pair && from[contained[i - 1]].side == part.side;
+        for (std::uint32_t v = 0; v < source.mesh.positions.size && !again; ++v) {
+            if (is_part(source.mesh, v)) continue;
+            const double h = dot(u, to_double(source.positions[v]));
+            if (count == constants::separation_vertices && !(h < height[count - 1])) continue;
+            count = min_of(count + 1, constants::separation_vertices);
+            std::uint32_t k = count - 1;
+            for (; k > 0 && h < height[k - 1]; --k) {
+                height[k] = height[k - 1];
+                vertex[k] = vertex[k - 1];
+            }
+            height[k] = h;
+            vertex[k] = v;
+        }
+        const std::uint32_t first = stranded + i * per_part;
+        for (std::uint32_t k = 0; k < per_part; ++k) {
+            RaySource one = part;
+            if (k < count) one.item = vertex[k];
+            if (k == constants::separation_vertices || k < count)
+                out.write(first + k, one);
+            else
+                out.write_none(first + k, one);
+        }
+    }
+
+private:
+    /// True for vertices that get a ray for the part they stand for.
+    PIERCE_HD static bool is_part(const MeshView& mesh, std::uint32_t v) {
+        for (std::uint32_t part : mesh.parts)
+            if (part >= v) return part == v;
+        return false;
+    }
+};
+
+/// Per new ray that starts inside: makes it a contact, whatever its own body is like there.
+struct KeepSeparated {
+    View<const std::uint32_t> inside;
+    std::uint32_t first_ray = 0, first_candidate = 0;
+    View<std::uint32_t> candidates, keep;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        candidates[first_candidate + i] = first_ray + inside[i];
+        keep[first_candidate + i] = 1;
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,72 @@
+#pragma once
+
+#include "pierce/core/body.hpp"
+#include "pierce/core/stages/classify.hpp"
+#include "pierce/core/stages/contacts.hpp"
+#include "pierce/core/stages/gather.hpp"
+#include "pierce/core/tracer.hpp"
+
+namespace pierce {
+
+/// Rays on their way through a step, side by side: what they are, what they met, and which of them are contacts.
+template <Executor E>
+struct RayBatch {
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    Buffer<Ray> rays;
+    Buffer<RaySource> sources;
+    Buffer<Hit> hits;
+    Buffer<stages::Meeting> meetings;
+    Buffer<std::uint32_t> candidates;  ///< rays that started inside their target
+    Buffer<std::uint32_t> keep;        ///< per candidate: 1 for a contact
+
+    void resize(std::size_t count) {
+        rays.resize(count);
+        sources.resize(count);
+        hits.resize(count);
+        meetings.resize(count);
+    }
+
+    stages::RayResults results() const { return {view_of(rays), view_of(hits), view_of(meetings)}; }
+};
+
+/// What the parts of a step share: its executor and tracer, and their usual ways with lists.
+template <Executor E, Tracer<E> T>
+class StepTools {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    StepTools(E& its_executor, T& its_tracer) : executor(its_executor), tracer(its_tracer) {}
+
+    /// Turns per-item counts into places to write to; returns how many there are in all.
+    std::uint32_t place(const char* name, const Buffer<std::uint32_t>& counts, Buffer<std::uint32_t>& offsets) {
+        offsets.resize(counts.size());
+        return executor.exclusive_scan(name, view_of(counts), view_of(offsets));
+    }
+
+    /// Lists the items that are wanted; returns how many there are.
+    template <class F>
+    std::uint32_t list(const char* name, std::size_t count, const F& wanted, Buffer<std::uint32_t>& items) {
+        items.resize(count);
+        const std::uint32_t found = executor.select(name, static_cast<std::uint32_t>(count), wanted, view_of(items));
+        items.resize(found);
+        return found;
+    }
+
+    /// Stage 7. Trees of the bodies these rays are aimed at, and of no others.
+    void update(View<const BodyView> bodies, View<const Ray> rays) {
+        wanted_.assign(bodies.size, 0);
+        for (const Ray& ray : rays) wanted_[ray.target] |= static_cast<std::uint32_t>(ray.t_max >= 0);
+        tracer.update(executor, bodies, view_of(wanted_));
+    }
+
+    E& executor;
+    T& tracer;
+
+private:
+    Buffer<std::uint32_t> wanted_;
+};
+
+}  // namespace pierce
