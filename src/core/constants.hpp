@@ -43,6 +43,9 @@ inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
 /// part of the rest [1].
 inline constexpr double march_share = 0.125;
 
+/// Shorter edges are cast as they are: looking them up takes as long [cell of the target's clearance grid].
+inline constexpr double march_cells = 8;
+
 /// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 

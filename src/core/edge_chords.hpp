@@ -26,11 +26,21 @@ public:
                            stages::ListPatches{blocks, view_of(masks_), view_of(offsets_), {}, view_of(patches_)});
         const auto kept = static_cast<std::uint32_t>(patches_.size());
         counts_.resize(kept);
-        executor_.for_each("count_edges", kept,
-                           stages::CountEdges{scene.bodies, directed, view_of(patches_), view_of(counts_)});
+        executor_.for_each("count_edge_groups", kept,
+                           stages::CountEdgeGroups{scene.bodies, directed, view_of(patches_), view_of(counts_)});
+        groups_.resize(tools_.place("edge_group_scan", counts_, offsets_));
+        executor_.for_each(
+            "list_edge_groups", kept,
+            stages::ListEdgeGroups{scene.bodies, directed, view_of(patches_), view_of(offsets_), view_of(groups_)});
+        const auto group_count = static_cast<std::uint32_t>(groups_.size());
+        masks_.resize(group_count);
+        counts_.resize(group_count);
+        executor_.for_each(
+            "cull_edge_group", group_count,
+            stages::CullEdgeGroup{scene.bodies, directed, view_of(groups_), view_of(masks_), view_of(counts_)});
         items_.resize(tools_.place("edge_scan", counts_, offsets_));
-        executor_.for_each("list_edges", kept,
-                           stages::ListEdges{scene.bodies, directed, view_of(patches_), view_of(offsets_), view_of(items_)});
+        executor_.for_each("list_edges", group_count,
+                           stages::ListEdges{view_of(groups_), view_of(masks_), view_of(offsets_), view_of(items_)});
         const auto count = static_cast<std::uint32_t>(items_.size());
         spans_.resize(count);
         executor_.for_each("cull_edge", count, stages::CullEdge{scene.bodies, directed, view_of(items_), view_of(spans_)});
@@ -106,6 +116,7 @@ private:
     Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, order_;
     Buffer<std::uint64_t> keys_;
     Buffer<stages::CullItem> patches_;
+    Buffer<stages::EdgeGroup> groups_;
     Buffer<stages::EdgeItem> items_;
     Buffer<stages::Span> spans_;
     Buffer<stages::Segment> segments_;

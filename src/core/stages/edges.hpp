@@ -36,14 +36,15 @@ struct CullEdgeBlock {
     }
 };
 
-/// An edge of a directed pair's source.
-struct EdgeItem {
+/// A few edges of a directed pair's source, one after the other.
+struct EdgeGroup {
     std::uint32_t directed = 0;
-    std::uint32_t edge = 0;
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;  ///< Offsets::count at most
 };
 
-/// Per kept patch: how many edges it has.
-struct CountEdges {
+/// Per kept patch: how many groups of edges it has.
+struct CountEdgeGroups {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
@@ -53,24 +54,81 @@ struct CountEdges {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const MeshView& mesh = bodies[directed[patches[i].directed].source].mesh;
-        counts[i] = mesh.edge_offsets[patches[i].index + 1] - mesh.edge_offsets[patches[i].index];
+        const std::uint32_t edges = mesh.edge_offsets[patches[i].index + 1] - mesh.edge_offsets[patches[i].index];
+        counts[i] = (edges + Offsets::count - 1) / Offsets::count;
     }
 };
 
-/// Per kept patch: lists its edges.
-struct ListEdges {
+/// Per kept patch: lists its groups.
+struct ListEdgeGroups {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
     View<const std::uint32_t> offsets;
-    View<EdgeItem> items;
+    View<EdgeGroup> groups;
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const MeshView& mesh = bodies[directed[patches[i].directed].source].mesh;
-        const std::uint32_t first = mesh.edge_offsets[patches[i].index], last = mesh.edge_offsets[patches[i].index + 1];
-        for (std::uint32_t e = first; e < last; ++e) items[offsets[i] + e - first] = {patches[i].directed, e};
+        const std::uint32_t last = mesh.edge_offsets[patches[i].index + 1];
+        std::uint32_t slot = offsets[i];
+        for (std::uint32_t e = mesh.edge_offsets[patches[i].index]; e < last; e += Offsets::count)
+            groups[slot++] = {patches[i].directed, e, min_of(Offsets::count, last - e)};
+    }
+};
+
+/// Per group: a bit for every edge whose ball, around its middle and as wide as it is long, may reach the target.
+struct CullEdgeGroup {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeGroup> groups;
+    View<std::uint32_t> masks, counts;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const EdgeGroup group = groups[i];
+        const DirectedPair& d = directed[group.directed];
+        const BodyView& source = bodies[d.source];
+        const Vec3d center = to_double(source.positions[source.mesh.edges[group.first].vertex[0]]);
+        const Vec3f c = to_float(center);  // a position: nothing is lost
+        Offsets middles, halves;
+        for (std::uint32_t k = 0; k < group.count; ++k) {
+            const Edge& edge = source.mesh.edges[group.first + k];
+            const Vec3f a = source.positions[edge.vertex[0]] - c, b = source.positions[edge.vertex[1]] - c;
+            middles.set(k, 0.5f * (a + b));
+            halves.set(k, 0.5f * (b - a));
+        }
+        float radius[Offsets::count], span = 0;
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t k = 0; k < Offsets::count; ++k)
+            radius[k] = std::sqrt(halves.x[k] * halves.x[k] + halves.y[k] * halves.y[k] + halves.z[k] * halves.z[k]);
+        for (std::uint32_t k = 0; k < group.count; ++k) span = max_of(radius[k], span);
+        const double reach = static_cast<double>(longest(middles)) + static_cast<double>(span);
+        const BallsNearby balls(bodies[d.target], d.to_fit, center, middles, radius, reach,
+                                constants::touch_tolerance * reach);
+        masks[i] = balls.near & first_bits(group.count);
+        counts[i] = static_cast<std::uint32_t>(std::popcount(masks[i]));
+    }
+};
+
+/// An edge of a directed pair's source.
+struct EdgeItem {
+    std::uint32_t directed = 0;
+    std::uint32_t edge = 0;
+};
+
+/// Per group: lists the edges it keeps.
+struct ListEdges {
+    View<const EdgeGroup> groups;
+    View<const std::uint32_t> masks, offsets;
+    View<EdgeItem> items;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        std::uint32_t slot = offsets[i];
+        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
+            items[slot++] = {groups[i].directed, groups[i].first + static_cast<std::uint32_t>(std::countr_zero(mask))};
     }
 };
 
@@ -91,6 +149,7 @@ PIERCE_HD inline Span part_near(const BodyView& target, Vec3d a, Vec3d b) {
         return max_of(target.fit_box.distance(p), target.mesh.clearance(p) - target.deviation) - 2 * target.touch;
     };
     Span span{0, size};
+    if (size > 0 && size < constants::march_cells * target.mesh.clearance.cell) return span;
     for (double step; (step = free(span.begin)) > constants::march_share * (span.end - span.begin);) {
         span.begin += step;
         if (span.empty()) return span;
