@@ -21,8 +21,8 @@ public:
         nearest_ = length_squared(best_.point - p_);
     }
 
-    /// Goes on while a neighbour is closer, or until `max_triangles` were looked at; returns the closest point met. It is a
-    /// local minimum of the distance if the walk ended by itself, and never further from `p` than the start.
+    /// Goes on while a neighbour is closer, or until `max_triangles` were looked at; returns the closest point met. If the
+    /// walk ended by itself no triangle across an edge is closer; it is never further from `p` than the start.
     PIERCE_HD SurfacePoint run(std::uint32_t max_triangles) {
         left_ = max_triangles;
         while (left_ > 0 && step()) {
@@ -47,23 +47,21 @@ private:
         return true;
     }
 
-    /// Only across an edge on which the closest point lies may anything be closer; at a vertex, all around it.
+    /// From inside, the foot of the perpendicular in every facet of a round surface is closer than the points around it:
+    /// so the neighbours are asked even if the closest point lies on no edge. If it is a vertex, so are all around it.
     PIERCE_HD bool step() {
         const std::uint32_t from = best_.triangle;
         const Triangle& t = mesh_.triangles[from];
-        int edges = 0, last = 0, off = 0;
+        int edges = 0, off = 0;
         for (int k = 0; k < 3; ++k) {
-            if (is_on(best_.point, at(t.vertex[(k + 1) % 3]), at(t.vertex[(k + 2) % 3]))) {
+            const std::uint32_t next = mesh_.neighbors[from].across[k];
+            if (next != no_triangle && left_ > 0 && try_triangle(next)) return true;
+            if (is_on(best_.point, at(t.vertex[(k + 1) % 3]), at(t.vertex[(k + 2) % 3])))
                 ++edges;
-                last = k;
-            } else {
+            else
                 off = k;
-            }
         }
-        if (edges == 0) return false;
-        if (edges == 1)
-            return mesh_.neighbors[from].across[last] != no_triangle && try_triangle(mesh_.neighbors[from].across[last]);
-        return turn(from, t.vertex[off], 1) || turn(from, t.vertex[off], 2);
+        return edges == 2 && (turn(from, t.vertex[off], 1) || turn(from, t.vertex[off], 2));
     }
 
     /// Looks at the triangles around vertex `v` one after the other, starting across the corner `side` places after it.

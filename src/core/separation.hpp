@@ -20,34 +20,46 @@ public:
     std::uint32_t cast(const Scene& scene, View<const Pair> pairs, View<const stages::DirectedPair> directed,
                        View<const Chord> chords, RayBatch<E>& batch, Buffer<Route>& routes) {
         const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
+        const auto all = static_cast<std::uint32_t>(batch.rays.size());
         const View<const RaySource> sources = view_of(std::as_const(batch.sources));
+        const View<const RaySource> from_chords{sources.data + (all - chords.size), chords.size};
         reached_.assign(pairs.size, 0);
         touching_.assign(pairs.size, 0);
         executor_.for_each("mark_touching", candidates,
                            stages::MarkTouching{sources, view_of(batch.candidates), view_of(batch.keep), view_of(reached_),
                                                 view_of(touching_)});
+        executor_.for_each("mark_reached", chords.size, stages::MarkReached{from_chords, view_of(reached_)});
         test_parts(scene, directed);
-        const std::uint32_t stranded = tools_.list(
-            "stranded", candidates, stages::IsStranded{sources, view_of(batch.candidates), view_of(touching_)}, stranded_);
+        const std::uint32_t vertices = tools_.list(
+            "stranded_vertices", candidates,
+            stages::IsStrandedVertex{sources, view_of(batch.candidates), view_of(touching_)}, stranded_vertices_);
+        const std::uint32_t stranded =
+            vertices + tools_.list("stranded_chords", chords.size, stages::IsStrandedChord{from_chords, view_of(touching_)},
+                                   stranded_chords_);
         const auto contained = static_cast<std::uint32_t>(contained_.size());
         deep_count_ = 0;
         if (stranded + contained == 0) return 0;
 
-        gather_.resize(stranded);
-        executor_.for_each("follow", stranded,
-                           stages::Gather<std::uint32_t>{view_of(batch.candidates), view_of(stranded_), view_of(gather_)});
+        // Sources are copied: the list they come from will grow.
+        gather_.resize(vertices);
+        from_.resize(stranded + contained);
+        executor_.for_each(
+            "gather_vertices", vertices,
+            stages::Gather<std::uint32_t>{view_of(batch.candidates), view_of(stranded_vertices_), view_of(gather_)});
+        executor_.for_each("gather_sources", vertices, stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
+        executor_.for_each("gather_sources", stranded - vertices,
+                           stages::Gather<RaySource>{
+                               from_chords, view_of(stranded_chords_), {from_.data() + vertices, stranded - vertices}});
+        executor_.for_each(
+            "gather_sources", contained,
+            stages::Gather<RaySource>{view_of(part_sources_), view_of(contained_), {from_.data() + stranded, contained}});
         deep_.assign(pairs.size, 0);
-        executor_.for_each("mark_deep", stranded, stages::MarkDeep{sources, view_of(gather_), view_of(deep_)});
-        executor_.for_each("mark_deep", contained,
-                           stages::MarkDeep{view_of(part_sources_), view_of(contained_), view_of(deep_)});
+        executor_.for_each("mark_deep", stranded + contained, stages::MarkReached{view_of(from_), view_of(deep_)});
         deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)}, deep_pairs_);
         directions_.resize(pairs.size);
         executor_.for_each("find_separation", deep_count_,
                            stages::FindSeparation{scene.bodies, pairs, view_of(deep_pairs_), view_of(directions_)});
 
-        // Sources are copied first: the list they come from grows.
-        from_.resize(stranded);
-        executor_.for_each("gather_sources", stranded, stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
         const auto begin = static_cast<std::uint32_t>(batch.rays.size());
         const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
         batch.resize(begin + added);
@@ -63,7 +75,7 @@ public:
                                          view_of(routes)};
         executor_.for_each("generate_stranded_rays", stranded, stages::GenerateStrandedRays{out, view_of(from_)});
         executor_.for_each("generate_contained_rays", contained,
-                           stages::GenerateContainedRays{out, view_of(part_sources_), view_of(contained_), stranded});
+                           stages::GenerateContainedRays{out, {from_.data() + stranded, contained}, stranded});
         const View<const Ray> rays{batch.rays.data() + begin, added};
         tools_.update(scene.bodies, rays);
         tools_.tracer.closest_hits(executor_, "trace_separation", scene.bodies, rays, {batch.hits.data() + begin, added});
@@ -101,7 +113,8 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> reached_, touching_, deep_, deep_pairs_, counts_, offsets_, stranded_, gather_, contained_;
+    Buffer<std::uint32_t> reached_, touching_, deep_, deep_pairs_, counts_, offsets_, stranded_vertices_, stranded_chords_,
+        gather_, contained_;
     Buffer<Ray> part_rays_;
     Buffer<RaySource> part_sources_, from_;
     Buffer<Hit> part_hits_;

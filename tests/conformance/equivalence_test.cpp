@@ -51,12 +51,17 @@ std::vector<std::uint64_t> hashes(const Recording& recording, const RaySettings&
 
 TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
     const Recording recording = record(GetParam());
-    std::uint32_t expected_contacts = 0, contacts = 0;
-    const auto expected = hashes(recording, {"reference", 1}, expected_contacts);
-    EXPECT_GT(expected_contacts, 100u);
-    for (int threads : {1, 2, 5}) {
-        EXPECT_EQ(hashes(recording, {"embree", threads}, contacts), expected) << threads << " threads";
-        EXPECT_EQ(contacts, expected_contacts);
+    for (const Settings& settings : {Settings{}, Settings{.coverage = Coverage::complete},
+                                     Settings{.coverage = Coverage::complete, .reproject = true}}) {
+        SCOPED_TRACE(testing::Message() << "complete " << (settings.coverage == Coverage::complete) << ", reproject "
+                                        << settings.reproject);
+        std::uint32_t expected_contacts = 0, contacts = 0;
+        const auto expected = hashes(recording, {"reference", 1, settings}, expected_contacts);
+        EXPECT_GT(expected_contacts, 100u);
+        for (int threads : {1, 2, 5}) {
+            EXPECT_EQ(hashes(recording, {"embree", threads, settings}, contacts), expected) << threads << " threads";
+            EXPECT_EQ(contacts, expected_contacts);
+        }
     }
 }
 
@@ -82,7 +87,7 @@ TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
         const Vec3d shift = i % 3 == 0 ? Vec3d{} : vertex() - vertex();
         std::vector<std::uint64_t> found;
         for (const test::NamedBackend& backend : test::backends()) {
-            World world(backend.make());
+            World world(backend.make(), {.coverage = i % 2 == 0 ? Coverage::complete : Coverage::vertices});
             const MeshId id = world.add_mesh("mesh", mesh);
             world.add_rigid_body(id);
             world.add_rigid_body(id, {shift, {}});

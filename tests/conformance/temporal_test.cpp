@@ -22,13 +22,18 @@ Settings with(Temporal temporal, bool predict = false) {
     return settings;
 }
 
+Settings without_memory(Settings settings) {
+    settings.temporal = Temporal::off;
+    return settings;
+}
+
 class TemporalTest : public testing::TestWithParam<test::NamedBackend> {};
 
 /// Bodies that creep, slide, spin, jump, deform, vanish, break and change their triangles, in two worlds alike.
 class TwoWorlds {
 public:
     TwoWorlds(const test::NamedBackend& backend, Settings settings, test::Random& random)
-        : random_(random), plain_(backend.make(), with(Temporal::off)), remembering_(backend.make(), settings) {
+        : random_(random), plain_(backend.make(), without_memory(settings)), remembering_(backend.make(), settings) {
         for (int i = 0; i < 5; ++i) add_body();
     }
 
@@ -111,7 +116,10 @@ TEST_P(TemporalTest, CertifiedIsTracingEverything) {
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     std::uint64_t contacts = 0, certified = 0, walks = 0, full = 0, plain = 0;
     for (int scene = 0; scene < 8; ++scene) {
-        TwoWorlds worlds(GetParam(), with(Temporal::certified), random);
+        Settings settings = with(Temporal::certified);
+        settings.coverage = scene % 3 == 2 ? Coverage::complete : Coverage::vertices;
+        settings.reproject = scene % 4 == 3;
+        TwoWorlds worlds(GetParam(), settings, random);
         for (int step = 0; step < 60; ++step) {
             worlds.step();
             ASSERT_EQ(contact_hash(worlds.remembering().contacts()), contact_hash(worlds.plain().contacts()))

@@ -75,23 +75,33 @@ struct GeneratePartRays {
     }
 };
 
-/// True for candidates, inside but no contact, whose pair has none at all.
-struct IsStranded {
+/// Per source: tells its pair that something is inside.
+struct MarkReached {
     View<const RaySource> sources;
-    View<const std::uint32_t> candidates, touching;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return !touching[sources[candidates[i]].pair]; }
-};
-
-/// Per item of a list: tells its pair that it overlaps.
-struct MarkDeep {
-    View<const RaySource> sources;
-    View<const std::uint32_t> items;
-    View<std::uint32_t> deep;  ///< per pair
+    View<std::uint32_t> reached;  ///< per pair
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { raise(deep[sources[items[i]].pair]); }
+    PIERCE_HD void operator()(std::uint32_t i) const { raise(reached[sources[i].pair]); }
+};
+
+/// True for vertices that are candidates, but whose pair has no contact.
+struct IsStrandedVertex {
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates, touching;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        const RaySource& from = sources[candidates[i]];
+        return from.start == RayStart::vertex && !touching[from.pair];
+    }
+};
+
+/// True for chords whose pair has no contact. A chord is inside, whether or not its ray got as far as the target's surface.
+struct IsStrandedChord {
+    View<const RaySource> sources;
+    View<const std::uint32_t> touching;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return !touching[sources[i].pair]; }
 };
 
 /// True for pairs that overlap without a contact.
@@ -180,7 +190,7 @@ struct LeavesTarget {
     }
 };
 
-/// Per source of a stranded candidate: its ray.
+/// Per source of a stranded vertex or chord: its ray.
 struct GenerateStrandedRays {
     SeparationRays out;
     View<const RaySource> from;
@@ -194,17 +204,16 @@ struct GenerateContainedRays {
 
     SeparationRays out;
     View<const RaySource> from;
-    View<const std::uint32_t> contained;
-    std::uint32_t stranded = 0;  ///< rays of stranded candidates, which come first
+    std::uint32_t stranded = 0;  ///< rays of what is stranded, which come first
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const RaySource part = from[contained[i]];
+        const RaySource part = from[i];
         const BodyView& source = out.bodies[out.directed[2 * part.pair + part.side].source];
         const Vec3d u = source.space.rotation.transposed() * out.direction(part);
         std::uint32_t vertex[per_part];
         double height[per_part];
         std::uint32_t count = 0;
-        const bool again = i > 0 && from[contained[i - 1]].pair == part.pair && from[contained[i - 1]].side == part.side;
+        const bool again = i > 0 && from[i - 1].pair == part.pair && from[i - 1].side == part.side;
         for (std::uint32_t v = 0; v < source.mesh.positions.size && !again; ++v) {
             if (is_part(source.mesh, v)) continue;
             const double h = dot(u, to_double(source.positions[v]));

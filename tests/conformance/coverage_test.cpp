@@ -1,0 +1,260 @@
+// Complete coverage against overlap by definition, and re-projection against the closest point, both found again in long
+// double by tests/support/brute_force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "pierce/core/closest_point.hpp"
+#include "pierce/core/mesh_edges.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "support/backends.hpp"
+#include "support/brute_force.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using test::Solid;
+using test::SolidVec;
+
+SolidVec exact(Vec3d p) { return {p.x, p.y, p.z}; }
+
+Solid solid_of(const MeshData& mesh, const Pose& pose) {
+    const Frame frame = frame_of(pose);
+    Solid solid{{}, mesh.triangles};
+    for (Vec3f p : mesh.positions) solid.positions.push_back(exact(frame.to_parent(to_double(p))));
+    return solid;
+}
+
+Settings complete(bool reproject = false) { return {.coverage = Coverage::complete, .reproject = reproject}; }
+
+SolidVec middle_of(SolidVec a, SolidVec b) { return {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2}; }
+
+bool edges_cross(const Solid& from, const Solid& into) {
+    for (const Triangle& t : from.triangles)
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t a = t.vertex[k], b = t.vertex[(k + 1) % 3];
+            if (a < b && test::crossings_between(from.positions[a], from.positions[b], into, ~0u, 0) > 0) return true;
+        }
+    return false;
+}
+
+bool overlap_by_definition(const Solid& a, const Solid& b) {
+    return edges_cross(a, b) || edges_cross(b, a) || test::is_inside(a.positions[0], b) ||
+           test::is_inside(b.positions[0], a);
+}
+
+double distance_to_surface(Vec3d p, const MeshData& mesh, const Pose& pose) {
+    const Frame frame = frame_of(pose);
+    double best = INFINITY;
+    for (const Triangle& t : mesh.triangles) {
+        Vec3d c[3];
+        for (int k = 0; k < 3; ++k) c[k] = frame.to_parent(to_double(mesh.positions[t.vertex[k]]));
+        best = std::min(best, length(p - closest_on_triangle(p, c[0], c[1], c[2])));
+    }
+    return best;
+}
+
+struct Two {
+    World world;
+    std::array<MeshData, 2> data;
+    std::array<Pose, 2> pose;
+    std::array<BodyId, 2> body;
+    std::array<Solid, 2> solid;
+
+    Two(const test::NamedBackend& backend, const Settings& settings, MeshData a, Pose pose_a, MeshData b, Pose pose_b,
+        bool deforming = false)
+        : world(backend.make(), settings), data{std::move(a), std::move(b)}, pose{pose_a, pose_b} {
+        for (std::size_t k = 0; k < 2; ++k) {
+            const MeshId mesh = world.add_mesh("mesh", data[k]);
+            if (deforming) {
+                data[k].positions = test::placed(data[k], pose[k]);
+                pose[k] = {};
+                body[k] = world.add_deforming_body(mesh, data[k].positions);
+            } else {
+                body[k] = world.add_rigid_body(mesh, pose[k]);
+            }
+            solid[k] = solid_of(data[k], pose[k]);
+        }
+        world.detect();
+    }
+};
+
+class CoverageTest : public testing::TestWithParam<test::NamedBackend> {};
+
+TEST_P(CoverageTest, FindsEveryOverlapAndInventsNone) {
+    test::Random random(505);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int overlapping = 0, by_vertices = 0, edge_contacts = 0, apart = 0, separated = 0;
+    for (int i = 0; i < 150 && !HasFailure(); ++i) {
+        SCOPED_TRACE("pair " + std::to_string(i));
+        const double spread = random.uniform(0.2, 1.1);
+        const Pose a{random.in_box(spread), random.rotation()}, b{random.in_box(spread), random.rotation()};
+        MeshData first = test::random_closed_mesh(random), second = test::random_closed_mesh(random);
+        const auto shrink = static_cast<float>(i % 5 == 0 ? random.uniform(0.05, 0.4) : 1);
+        for (Vec3f& p : first.positions) p = shrink * p;
+        Two two(GetParam(), complete(), first, a, second, b, i % 3 == 0);
+        const bool expected = overlap_by_definition(two.solid[0], two.solid[1]);
+        EXPECT_EQ(!two.world.contacts().empty(), expected);
+        overlapping += expected;
+        apart += !expected;
+        separated += static_cast<int>(two.world.stats().separated_pairs);
+        by_vertices += std::ranges::any_of(two.world.contacts(),
+                                           [](const Contact& c) { return !c.is_edge() && c.found != Found::separation; });
+        for (const Contact& c : two.world.contacts()) {
+            const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
+            const Vec3d p = source == 0 ? c.point_a : c.point_b, q = source == 0 ? c.point_b : c.point_a;
+            if (c.penetration_depth() < 1e-3) continue;
+            const SolidVec middle = middle_of(exact(p), exact(q));
+            EXPECT_TRUE(test::is_inside(middle, two.solid[target]));
+            EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-6);
+            EXPECT_LT(distance_to_surface(q, two.data[target], two.pose[target]), 1e-6);
+            EXPECT_TRUE(c.found == Found::separation || test::is_inside(middle, two.solid[source]));
+            if (!c.is_edge()) continue;
+            ++edge_contacts;
+            const Frame frame = frame_of(two.pose[source]);
+            const Vec3d end[2] = {frame.to_parent(to_double(two.data[source].positions[c.vertex])),
+                                  frame.to_parent(to_double(two.data[source].positions[c.edge_end]))};
+            EXPECT_LT(length(c.source_weight(0) * end[0] + c.source_weight(1) * end[1] - p), 1e-6);
+            EXPECT_TRUE(test::is_inside(exact(p), two.solid[target]));
+        }
+    }
+    EXPECT_GT(apart, 10);
+    EXPECT_GT(overlapping, by_vertices) << "some overlaps need edges";
+    EXPECT_GT(edge_contacts, 500);
+    EXPECT_GT(separated, 0);
+}
+
+TEST_P(CoverageTest, EveryChordOfEveryEdgeIsFound) {
+    test::Random random(9);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 40; ++i) {
+        Two two(GetParam(), complete(), test::random_closed_mesh(random), {random.in_box(0.5), random.rotation()},
+                test::random_closed_mesh(random), {random.in_box(0.5), random.rotation()}, i % 2 == 0);
+        std::uint32_t chords = 0;
+        for (std::size_t k = 0; k < 2; ++k)
+            for (const Edge& e : edges_of(two.world.mesh(two.world.mesh_of(two.body[k])).view()).edges) {
+                const SolidVec a = two.solid[k].positions[e.vertex[0]], b = two.solid[k].positions[e.vertex[1]];
+                const int crossings = test::crossings_between(a, b, two.solid[1 - k], ~0u, 0);
+                // Each chord has two ends: crossings, or ends of the edge that are inside.
+                if (crossings > 0)
+                    chords += static_cast<std::uint32_t>(crossings + test::is_inside(a, two.solid[1 - k]) +
+                                                         test::is_inside(b, two.solid[1 - k])) /
+                              2;
+            }
+        EXPECT_EQ(two.world.stats().chords, chords) << "pair " << i;
+    }
+}
+
+TEST_P(CoverageTest, BarsThatCrossWithoutAVertexInside) {
+    const MeshData a = scenes::box({-2, -0.1, -0.1}, {2, 0.1, 0.1}), b = scenes::box({-0.1, -2, 0}, {0.1, 2, 0.2});
+    EXPECT_TRUE(Two(GetParam(), {}, a, {}, b, {}).world.contacts().empty()) << "vertices see nothing";
+    Two two(GetParam(), complete(), a, {}, b, {});
+    Vec3d sum;
+    int ridges = 0;
+    for (const Contact& c : two.world.contacts()) {
+        EXPECT_TRUE(c.is_edge());
+        EXPECT_EQ(c.found, Found::full);
+        sum += c.penetration_depth() * c.normal;
+        const Vec3d p = c.source == Side::a ? c.point_a : c.point_b;
+        if (std::abs(c.penetration_depth() - 0.1 * std::sqrt(2.0)) < 1e-6 && c.source == Side::a) {
+            EXPECT_LT(length(Vec3d{p.x, std::abs(p.y), p.z} - Vec3d{0, 0.1, 0.1}), 1e-6);
+            ++ridges;
+        }
+    }
+    EXPECT_EQ(ridges, 2);
+    EXPECT_LT(std::hypot(sum.x, sum.y), 1e-6 * sum.z) << "a lies below b, and the normal points from a to b";
+}
+
+TEST_P(CoverageTest, APlateInsideABlock) {
+    const MeshData plate = scenes::box({-1, -1, 0}, {1, 1, 0.01}), block = scenes::box({-2, -2, -2}, {2, 2, 2});
+    for (bool deforming : {false, true}) {
+        EXPECT_TRUE(Two(GetParam(), {}, plate, {}, block, {}, deforming).world.contacts().empty());
+        Two two(GetParam(), complete(), plate, {}, block, {}, deforming);
+        EXPECT_EQ(two.world.stats().separated_pairs, 1u);
+        double deepest = 0;
+        for (const Contact& c : two.world.contacts()) {
+            EXPECT_EQ(c.found, Found::separation);
+            EXPECT_NEAR(c.normal.z, -1, 1e-9) << "the plate, a, leaves upward";
+            deepest = std::max(deepest, c.penetration_depth());
+        }
+        EXPECT_NEAR(deepest, 2, 1e-6);
+        EXPECT_GE(two.world.contacts().size(), 4u);
+    }
+}
+
+TEST_P(CoverageTest, APlateThroughABlock) {
+    // Surfaces cross, but every inward ray leaves the thin plate first, or the block's side before the plate's far end.
+    const MeshData plate = scenes::box({-3, -3, 0}, {3, 3, 0.01}), block = scenes::box({-2, -2, -2}, {2, 2, 2});
+    EXPECT_TRUE(Two(GetParam(), {}, plate, {}, block, {}).world.contacts().empty());
+    Two two(GetParam(), complete(), plate, {}, block, {});
+    EXPECT_EQ(two.world.stats().separated_pairs, 1u);
+    ASSERT_FALSE(two.world.contacts().empty());
+    for (const Contact& c : two.world.contacts()) EXPECT_NEAR(std::abs(c.normal.z), 1, 1e-9);
+}
+
+TEST_P(CoverageTest, BodiesInsideEachOther) {
+    // A ball in a ball, both parts of a body in a ball, and a ball in a hollow: the last one is outside.
+    const MeshData small = scenes::sphere(0.2, 2), large = scenes::sphere(1, 3);
+    EXPECT_FALSE(Two(GetParam(), complete(), small, {{0.3, 0.2, 0.1}, {}}, large, {}).world.contacts().empty());
+    MeshData two_parts = small;
+    const auto first = static_cast<std::uint32_t>(small.positions.size());
+    for (Vec3f p : small.positions) two_parts.positions.push_back(p + Vec3f{5, 0, 0});
+    for (Triangle t : small.triangles)
+        two_parts.triangles.push_back({{t.vertex[0] + first, t.vertex[1] + first, t.vertex[2] + first}});
+    for (double x : {0.0, -5.0})
+        EXPECT_FALSE(Two(GetParam(), complete(), two_parts, {{x, 0, 0}, {}}, large, {}).world.contacts().empty())
+            << "whichever part is inside";
+    MeshData hollow = large;
+    const auto inner = static_cast<std::uint32_t>(hollow.positions.size());
+    for (Vec3f p : large.positions) hollow.positions.push_back(0.9f * p);
+    for (Triangle t : large.triangles)
+        hollow.triangles.push_back({{t.vertex[0] + inner, t.vertex[2] + inner, t.vertex[1] + inner}});
+    EXPECT_TRUE(Two(GetParam(), complete(), small, {}, hollow, {}).world.contacts().empty());
+    EXPECT_FALSE(
+        Two(GetParam(), complete(), scenes::sphere(0.02, 1), {{0.95, 0, 0}, {}}, hollow, {}).world.contacts().empty());
+}
+
+TEST_P(CoverageTest, ReprojectionNeverDeepensAndKeepsTheRules) {
+    test::Random random(77);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::size_t moved = 0, local_minima = 0;
+    for (int i = 0; i < 60 && !HasFailure(); ++i) {
+        SCOPED_TRACE("pair " + std::to_string(i));
+        const Pose a{random.in_box(0.5), random.rotation()}, b{random.in_box(0.5), random.rotation()};
+        const MeshData first = test::random_closed_mesh(random), second = test::random_closed_mesh(random);
+        Two plain(GetParam(), complete(), first, a, second, b, i % 2 == 0);
+        Two two(GetParam(), complete(true), first, a, second, b, i % 2 == 0);
+        ASSERT_EQ(two.world.contacts().size(), plain.world.contacts().size());
+        for (std::size_t k = 0; k < plain.world.contacts().size(); ++k) {
+            const Contact &c = two.world.contacts()[k], &before = plain.world.contacts()[k];
+            EXPECT_EQ(c.feature(), before.feature());
+            EXPECT_LE(c.penetration_depth(), before.penetration_depth());
+            if (!c.reprojected) continue;
+            ++moved;
+            const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
+            const Vec3d p = source == 0 ? c.point_a : c.point_b, q = source == 0 ? c.point_b : c.point_a;
+            const double closest = distance_to_surface(p, two.data[target], two.pose[target]);
+            EXPECT_GE(c.penetration_depth(), closest - 1e-6);
+            EXPECT_LT(distance_to_surface(q, two.data[target], two.pose[target]), 1e-6);
+            MeshData beside{two.data[target].positions, {}};
+            for (std::uint32_t t : two.world.mesh(two.world.mesh_of(two.body[target])).view().neighbors[c.triangle].across)
+                if (t != no_triangle) beside.triangles.push_back(two.data[target].triangles[t]);
+            local_minima += c.penetration_depth() < distance_to_surface(p, beside, two.pose[target]) + 1e-6;
+            if (c.penetration_depth() < 1e-3) continue;
+            const SolidVec middle = middle_of(exact(p), exact(q));
+            EXPECT_TRUE(test::is_inside(middle, two.solid[0]));
+            EXPECT_TRUE(test::is_inside(middle, two.solid[1]));
+        }
+    }
+    EXPECT_GT(moved, 1000u);
+    // The way to the closest point may be barred by another part of the surface, or be a long one.
+    EXPECT_GT(static_cast<double>(local_minima), 0.9 * static_cast<double>(moved));
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, CoverageTest, testing::ValuesIn(test::backends()), test::backend_name);
+
+}  // namespace
+}  // namespace pierce
