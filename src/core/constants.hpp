@@ -97,4 +97,7 @@ inline constexpr double rebuild_cost = 20.0;
 /// Rays a tree must have served before its cost per ray is known well enough to compare with [rays].
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
 
+/// Places a finding of the mesh check keeps: enough to look at, few enough to print.
+inline constexpr std::uint32_t finding_places = 8;
+
 }  // namespace pierce::constants

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
+#include "pierce/core/box.hpp"
+#include "pierce/core/constants.hpp"
 #include "pierce/core/mesh.hpp"
 #include "pierce/core/triangle.hpp"
 
@@ -45,6 +49,37 @@ inline double fold_sine(Vec3d a, Vec3d b, Vec3d own, Vec3d other) {
     };
     const Vec3d u = across(own), w = across(other);
     return dot(u, w) <= 0 ? 1 : length(cross(u, w));
+}
+
+/// True if the triangles pass through each other: each has corners on both sides of the other's plane, and the segments in
+/// which they meet the line common to both planes overlap (Moeller 1997). A touch that goes no deeper than
+/// constants::touch_tolerance times the two triangles' extent is none.
+inline bool triangles_cross(const Corners& a, const Corners& b) {
+    Box box;
+    for (Vec3d p : a) box.extend(p);
+    for (Vec3d p : b) box.extend(p);
+    const double touch = constants::touch_tolerance * box.extent();
+    const Vec3d normal_a = normalized(cross(a[1] - a[0], a[2] - a[0]));
+    const Vec3d normal_b = normalized(cross(b[1] - b[0], b[2] - b[0]));
+    const Vec3d line = normalized(cross(normal_a, normal_b));
+
+    // Where a triangle meets a plane, along the line; empty if it lies on one side.
+    const auto segment = [&](const Corners& c, Vec3d on_plane, Vec3d normal) {
+        double side[3];
+        for (int k = 0; k < 3; ++k) side[k] = dot(normal, c[k] - on_plane);
+        std::pair<double, double> range(INFINITY, -INFINITY);
+        if (!(*std::ranges::min_element(side) < -touch && *std::ranges::max_element(side) > touch)) return range;
+        for (int k = 0; k < 3; ++k) {
+            const int next = (k + 1) % 3;
+            if ((side[k] < 0) == (side[next] < 0)) continue;
+            const Vec3d p = c[k] + (side[k] / (side[k] - side[next])) * (c[next] - c[k]);
+            const double at = dot(line, p - a[0]);
+            range = {std::min(range.first, at), std::max(range.second, at)};
+        }
+        return range;
+    };
+    const auto in_a = segment(a, b[0], normal_b), in_b = segment(b, a[0], normal_a);
+    return std::min(in_a.second, in_b.second) - std::max(in_a.first, in_b.first) > touch;
 }
 
 }  // namespace pierce
