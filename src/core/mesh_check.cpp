@@ -148,7 +148,7 @@ bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
     Vec3d normal;
     for (const Wedge& w : fan)
         if (distance(w) <= distance(nearest) + constants::touch_tolerance) normal += w.normal;
-    return dot(nearest.away, normal) > 0;
+    return dot(nearest.away, normal) > constants::touch_tolerance;
 }
 
 void check_vertices(const MeshData& mesh, bool closed, Connections& connections, Findings& findings) {
