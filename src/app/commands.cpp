@@ -41,16 +41,6 @@ json detection_json(const DetectionOptions& options) {
             {"reproject", settings.reproject}};
 }
 
-/// A file that is to be written at the end is opened now, so that a long run does not end in an error.
-void check_writable(const fs::path& file) {
-    if (file.empty()) return;
-    const bool existed = fs::exists(file);
-    std::FILE* opened = std::fopen(file.c_str(), "ab");
-    if (opened == nullptr) throw InputError("cannot write '" + file.string() + "'");
-    std::fclose(opened);
-    if (!existed) fs::remove(file);
-}
-
 std::vector<BodyId> ground_of(const scenes::SceneSetup& scene) {
     // A World gives out handles in order, and a scene never removes a body.
     std::vector<BodyId> ground;
@@ -84,6 +74,15 @@ std::uint32_t step_count(double seconds, double dt) {
 }
 
 }  // namespace
+
+void check_writable(const fs::path& file) {
+    if (file.empty()) return;
+    const bool existed = fs::exists(file);
+    std::FILE* opened = std::fopen(file.c_str(), "ab");
+    if (opened == nullptr) throw InputError("cannot write '" + file.string() + "'");
+    std::fclose(opened);
+    if (!existed) fs::remove(file);
+}
 
 int list_scenes() {
     for (const scenes::SceneInfo& info : scenes::scene_list()) fmt::print("{:<10} {}\n", info.name, info.description);

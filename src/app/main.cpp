@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "check.hpp"
 #include "commands.hpp"
 #include "paper_report.hpp"
 #include "pierce/core/error.hpp"
@@ -126,6 +127,13 @@ int main(int argc, char** argv) {
     add_coverage(*detect_command, detect_options.detection.rays.world);
     detect_command->add_option("--json", detect_options.detection.json, "write the contacts to FILE")->type_name("FILE");
     detect_command->callback([&] { code = detect(detect_options); });
+
+    CheckOptions check_options;
+    CLI::App* check_command = app.add_subcommand("check", "what is wrong with meshes, and what that means for detection");
+    check_command->add_option("meshes", check_options.meshes, "OBJ, PLY, STL or OFF files")->required();
+    check_command->add_flag("--self-intersections", check_options.self_intersections, "look for triangles that cross, too");
+    check_command->add_option("--json", check_options.json, "write the findings to FILE")->type_name("FILE");
+    check_command->callback([&] { code = check(check_options); });
 
     std::filesystem::path demo_png = "demo.png";
     CLI::App* demo_command = app.add_subcommand("demo", "100 tori by rays and by GJK/EPA, with a picture");

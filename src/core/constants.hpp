@@ -50,7 +50,7 @@ inline constexpr double march_cells = 8;
 inline constexpr std::uint32_t separation_vertices = 4;
 
 /// Triangles a re-projection looks at on its way to the closest point at most: the paper's walks are as long.
-inline constexpr std::uint32_t reprojection_steps = 32;
+inline constexpr std::uint32_t reprojection_steps = 64;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
@@ -112,5 +112,8 @@ inline constexpr double rebuild_cost = 20.0;
 
 /// Rays a tree must have served before its cost per ray is known well enough to compare with [rays].
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
+
+/// Places a finding of the mesh check keeps: enough to look at, few enough to print.
+inline constexpr std::uint32_t finding_places = 8;
 
 }  // namespace pierce::constants

@@ -6,6 +6,7 @@
 
 #include "pierce/core/bvh/morton.hpp"
 #include "pierce/core/constants.hpp"
+#include "pierce/core/edges.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/core/mesh_edges.hpp"
 #include "pierce/core/patch.hpp"
@@ -25,40 +26,24 @@ void check_indices(const std::string& name, const MeshData& data) {
                                  std::to_string(v) + ", but there are " + std::to_string(data.positions.size()));
 }
 
-/// Walks over all undirected edges and counts those that break closedness, orientation or manifoldness.
+/// Counts the edges that break closedness, orientation or manifoldness.
 void count_edges(std::span<const Triangle> triangles, MeshTraits& traits) {
-    struct HalfEdge {
-        std::uint64_t edge;
-        int direction;
-    };
-    std::vector<HalfEdge> half_edges;
-    half_edges.reserve(3 * triangles.size());
-    for (const Triangle& t : triangles)
-        for (int k = 0; k < 3; ++k) {
-            const std::uint64_t a = t.vertex[k], b = t.vertex[(k + 1) % 3];
-            half_edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1});
-        }
-    std::ranges::sort(half_edges, {}, &HalfEdge::edge);
-    for (std::size_t i = 0; i < half_edges.size();) {
-        std::size_t count = 0;
-        int balance = 0;
-        for (const std::uint64_t edge = half_edges[i].edge; i < half_edges.size() && half_edges[i].edge == edge; ++i) {
-            balance += half_edges[i].direction;
-            ++count;
-        }
-        traits.boundary_edges += count == 1;
-        traits.non_manifold_edges += count > 2;
-        traits.inconsistent_edges += balance != 0;
-    }
+    for_each_edge(triangles, [&](std::span<const HalfEdge> sides) {
+        traits.boundary_edges += sides.size() == 1;
+        traits.non_manifold_edges += sides.size() > 2;
+        traits.inconsistent_edges += !is_balanced(sides);
+    });
 }
 
-MeshTraits traits_of(const MeshData& data, Vec3d centroid) {
+}  // namespace
+
+MeshTraits traits_of(const MeshData& data, Vec3d origin) {
     MeshTraits traits;
     count_edges(data.triangles, traits);
     double edges = 0;
     for (const Triangle& t : data.triangles) {
         Vec3d p[3];
-        for (int k = 0; k < 3; ++k) p[k] = to_double(data.positions[t.vertex[k]]) - centroid;
+        for (int k = 0; k < 3; ++k) p[k] = to_double(data.positions[t.vertex[k]]) - origin;
         traits.degenerate_triangles += is_degenerate(p[0], p[1], p[2]);
         traits.volume += dot(p[0], cross(p[1], p[2])) / 6;
         for (int k = 0; k < 3; ++k) edges += length(p[(k + 1) % 3] - p[k]);
@@ -67,18 +52,20 @@ MeshTraits traits_of(const MeshData& data, Vec3d centroid) {
     return traits;
 }
 
-/// The corners of every vertex, in triangle order, and where each vertex's begin.
-std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(const MeshData& data) {
-    std::vector<std::uint32_t> offsets(data.positions.size() + 1, 0);
-    for (const Triangle& t : data.triangles)
+std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<const Triangle> triangles,
+                                                                      std::size_t vertex_count) {
+    std::vector<std::uint32_t> offsets(vertex_count + 1, 0);
+    for (const Triangle& t : triangles)
         for (std::uint32_t v : t.vertex) ++offsets[v + 1];
-    for (std::size_t v = 0; v < data.positions.size(); ++v) offsets[v + 1] += offsets[v];
+    for (std::size_t v = 0; v < vertex_count; ++v) offsets[v + 1] += offsets[v];
     std::vector<Corner> corners(offsets.back());
     std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
-    for (const Triangle& t : data.triangles)
+    for (const Triangle& t : triangles)
         for (int k = 0; k < 3; ++k) corners[next[t.vertex[k]]++] = {t.vertex[(k + 1) % 3], t.vertex[(k + 2) % 3]};
     return {std::move(offsets), std::move(corners)};
 }
+
+namespace {
 
 /// Vertex ids along a Morton curve, so that consecutive ones are neighbours; ties keep the caller's order.
 std::vector<std::uint32_t> spatial_order(const MeshData& data, const Box& box) {
@@ -115,7 +102,7 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     }
     centroid_ = sum * (1.0 / static_cast<double>(data_.positions.size()));
     traits_ = traits_of(data_, centroid_);
-    std::tie(corner_offsets_, corners_) = corners_of(data_);
+    std::tie(corner_offsets_, corners_) = corners_of(data_.triangles, data_.positions.size());
     patch_vertices_ = spatial_order(data_, box_);
     MeshEdges edges = edges_of(view());
     edges_ = std::move(edges.edges);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pierce/core/box.hpp"
@@ -161,6 +162,13 @@ private:
     std::vector<float> star_clearance_;
     ClearanceGrid clearance_;
 };
+
+/// Of a mesh with valid indices and finite positions. `origin` is a point near it, which keeps the volume accurate.
+MeshTraits traits_of(const MeshData& data, Vec3d origin);
+
+/// The corners of every vertex, in triangle order, and where each vertex's begin: vertex_count + 1 offsets.
+std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<const Triangle> triangles,
+                                                                      std::size_t vertex_count);
 
 /// Throws InputError unless every position is finite.
 void check_finite(const std::string& name, std::span<const Vec3f> positions);

@@ -2,52 +2,28 @@
 
 #include <algorithm>
 #include <numeric>
-#include <tuple>
 
+#include "pierce/core/disjoint_sets.hpp"
+#include "pierce/core/edges.hpp"
 #include "pierce/core/float_rules.hpp"
 #include "pierce/core/patch.hpp"
 
 namespace pierce {
-namespace {
-
-struct HalfEdge {
-    std::uint32_t low, high;
-    std::uint32_t triangle;
-    bool ascends;
-};
-
-std::vector<HalfEdge> sorted_half_edges(std::span<const Triangle> triangles) {
-    std::vector<HalfEdge> half_edges;
-    half_edges.reserve(3 * triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t].vertex[k], b = triangles[t].vertex[(k + 1) % 3];
-            if (a != b) half_edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
-        }
-    std::ranges::sort(half_edges, {}, [](const HalfEdge& h) { return std::tuple(h.low, h.high, h.triangle); });
-    return half_edges;
-}
-
-}  // namespace
 
 MeshEdges edges_of(const MeshView& mesh) {
     std::vector<std::uint32_t> place(mesh.positions.size);
     for (std::uint32_t i = 0; i < mesh.patch_vertices.size; ++i) place[mesh.patch_vertices[i]] = i;
 
     MeshEdges made;
-    const std::vector<HalfEdge> half_edges = sorted_half_edges({mesh.triangles.begin(), mesh.triangles.end()});
-    for (std::size_t i = 0, end = 0; i < half_edges.size(); i = end) {
-        while (end < half_edges.size() && half_edges[end].low == half_edges[i].low &&
-               half_edges[end].high == half_edges[i].high)
-            ++end;
-        std::uint32_t first = half_edges[i].low, second = half_edges[i].high;
+    for_each_edge({mesh.triangles.begin(), mesh.triangles.end()}, [&](std::span<const HalfEdge> sides) {
+        std::uint32_t first = sides[0].low, second = sides[0].high;
+        if (first == second) return;
         if (place[second] < place[first]) std::swap(first, second);
-        if (end - i == 2 && half_edges[i].ascends != half_edges[i + 1].ascends)
-            made.edges.push_back({{first, second}, {half_edges[i].triangle, half_edges[i + 1].triangle}});
+        if (sides.size() == 2 && sides[0].forward != sides[1].forward)
+            made.edges.push_back({{first, second}, {sides[0].triangle, sides[1].triangle}});
         else
-            for (std::size_t h = i; h < end; ++h)
-                made.edges.push_back({{first, second}, {half_edges[h].triangle, no_triangle}});
-    }
+            for (const HalfEdge& side : sides) made.edges.push_back({{first, second}, {side.triangle, no_triangle}});
+    });
     std::ranges::stable_sort(made.edges, {}, [&](const Edge& e) { return place[e.vertex[0]]; });
 
     made.offsets.assign(patch_count(mesh) + 1, 0);
@@ -63,16 +39,9 @@ MeshEdges edges_of(const MeshView& mesh) {
 }
 
 std::vector<std::uint32_t> parts_of(const MeshView& mesh) {
-    std::vector<std::uint32_t> parent(mesh.positions.size);
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
-    for (const Triangle& t : mesh.triangles)
-        for (int k = 1; k < 3; ++k) parent[root(t.vertex[k])] = root(t.vertex[0]);
+    DisjointSets vertices = connected_vertices({mesh.triangles.begin(), mesh.triangles.end()}, mesh.positions.size);
     std::vector<std::uint32_t> parts;
-    for (const Triangle& t : mesh.triangles) parts.push_back(root(t.vertex[0]));
+    for (const Triangle& t : mesh.triangles) parts.push_back(vertices.root(t.vertex[0]));
     std::ranges::sort(parts);
     parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
     return parts;

@@ -1,51 +1,27 @@
 #include "pierce/core/triangle_rings.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numbers>
 
 #include "pierce/core/bvh/box_tree.hpp"
 #include "pierce/core/closest_point.hpp"
-#include "pierce/core/triangle.hpp"
+#include "pierce/core/edges.hpp"
+#include "pierce/core/triangle_pair.hpp"
 
 namespace pierce {
 
 std::vector<Neighbors> neighbors_of(std::span<const Triangle> triangles) {
-    struct HalfEdge {
-        std::uint64_t edge;
-        std::uint32_t triangle;
-        int opposite;
-    };
-    std::vector<HalfEdge> half_edges;
-    half_edges.reserve(3 * triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const std::uint64_t a = triangles[t].vertex[(k + 1) % 3], b = triangles[t].vertex[(k + 2) % 3];
-            half_edges.push_back({std::min(a, b) << 32 | std::max(a, b), t, k});
-        }
-    std::ranges::sort(half_edges, {}, &HalfEdge::edge);
     std::vector<Neighbors> neighbors(triangles.size());
-    for (std::size_t i = 0; i < half_edges.size();) {
-        std::size_t end = i;
-        while (end < half_edges.size() && half_edges[end].edge == half_edges[i].edge) ++end;
-        if (end - i == 2) {
-            neighbors[half_edges[i].triangle].across[half_edges[i].opposite] = half_edges[i + 1].triangle;
-            neighbors[half_edges[i + 1].triangle].across[half_edges[i + 1].opposite] = half_edges[i].triangle;
-        }
-        i = end;
-    }
+    for_each_edge(triangles, [&](std::span<const HalfEdge> sides) {
+        if (sides.size() != 2) return;
+        neighbors[sides[0].triangle].across[sides[0].opposite] = sides[1].triangle;
+        neighbors[sides[1].triangle].across[sides[1].opposite] = sides[0].triangle;
+    });
     return neighbors;
 }
 
 namespace {
-
-using Corners = std::array<Vec3d, 3>;
-
-bool touches(const Triangle& t, const Triangle& other) {
-    return std::ranges::any_of(
-        t.vertex, [&](std::uint32_t v) { return std::ranges::find(other.vertex, v) != std::end(other.vertex); });
-}
 
 /// True if the triangles around `v` form one closed fan that, seen along `axis`, goes once around it.
 bool goes_around_once(const MeshView& mesh, std::uint32_t v, Vec3d axis) {
@@ -73,23 +49,8 @@ bool goes_around_once(const MeshView& mesh, std::uint32_t v, Vec3d axis) {
     return std::abs(turn - 2 * std::numbers::pi) < std::numbers::pi;
 }
 
-/// True if an edge of `a` passes through `b`, ends and border of `b` left aside if they may share vertices.
-bool edge_pierces(const Corners& a, const Corners& b, bool may_share = false) {
-    for (int k = 0; k < 3; ++k) {
-        const Vec3d edge = a[(k + 1) % 3] - a[k];
-        const double size = length(edge);
-        if (!(size > 0)) continue;
-        const Crossing crossing = cross_triangle({a[k], (1 / size) * edge}, b[0], b[1], b[2]);
-        if (!crossing || crossing.t < 0 || crossing.t > size) continue;
-        const double inset = may_share ? constants::touch_tolerance : 0;
-        if (may_share && !(crossing.t > inset * size && crossing.t < (1 - inset) * size)) continue;
-        if (crossing.weight[0] >= inset && crossing.weight[1] >= inset && crossing.weight[2] >= inset) return true;
-    }
-    return false;
-}
-
 double triangle_distance(const Corners& a, const Corners& b) {
-    if (edge_pierces(a, b) || edge_pierces(b, a)) return 0;
+    if (edge_pierces(a, b, 0, 0) || edge_pierces(b, a, 0, 0)) return 0;
     double best = length(a[0] - closest_on_triangle(a[0], b[0], b[1], b[2]));
     for (int i = 0; i < 3; ++i) {
         best = std::min(best, length(a[i] - closest_on_triangle(a[i], b[0], b[1], b[2])));
@@ -109,15 +70,7 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
         (std::ranges::find(other.vertex, v) != std::end(other.vertex) ? shared : own_rest).push_back(v);
     for (std::uint32_t v : other.vertex)
         if (std::ranges::find(own.vertex, v) == std::end(own.vertex)) other_rest.push_back(v);
-    if (shared.size() == 2) {
-        const Vec3d edge = normalized(at(shared[1]) - at(shared[0]));
-        const auto across = [&](std::uint32_t v) {
-            const Vec3d d = at(v) - at(shared[0]);
-            return normalized(d - dot(d, edge) * edge);
-        };
-        const Vec3d u = across(own_rest[0]), w = across(other_rest[0]);
-        return dot(u, w) <= 0 ? 1 : length(cross(u, w));
-    }
+    if (shared.size() == 2) return fold_sine(at(shared[0]), at(shared[1]), at(own_rest[0]), at(other_rest[0]));
     if (shared.size() != 1) return 0;
     const Vec3d apex = at(shared[0]);
     const auto along = [&](std::uint32_t v) { return normalized(at(v) - apex); };
@@ -134,10 +87,7 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
     return least;
 }
 
-Corners corners_of(const MeshView& mesh, std::uint32_t t) {
-    const auto& [v] = mesh.triangles[t];
-    return {to_double(mesh.positions[v[0]]), to_double(mesh.positions[v[1]]), to_double(mesh.positions[v[2]])};
-}
+Corners corners_of(const MeshView& mesh, std::uint32_t t) { return corners_of(mesh.positions, mesh.triangles[t]); }
 
 Vec3d center_of(const Corners& c) { return (1.0 / 3) * (c[0] + c[1] + c[2]); }
 
@@ -210,8 +160,9 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
         tree.for_each_in(boxes[t].inflated(gap), [&](std::uint32_t other) {
             if (other == t) return;
             const Corners its = corners_of(mesh, other);
-            if (touches(mesh.triangles[t], mesh.triangles[other])) {
-                const bool crosses = edge_pierces(own, its, true) || edge_pierces(its, own, true);
+            if (share_vertex(mesh.triangles[t], mesh.triangles[other])) {
+                constexpr double inset = constants::touch_tolerance;
+                const bool crosses = edge_pierces(own, its, inset, inset) || edge_pierces(its, own, inset, inset);
                 openness =
                     crosses ? 0 : std::min(openness, openness_towards(mesh, mesh.triangles[t], mesh.triangles[other]));
                 return;

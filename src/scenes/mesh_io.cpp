@@ -8,7 +8,9 @@
 #include <OpenMesh/Core/Utils/color_cast.hh>
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <fstream>
+#include <locale>
 #include <sstream>
 
 #include "pierce/core/error.hpp"
@@ -65,6 +67,56 @@ public:
     std::size_t declared_vertices = 0, declared_faces = 0;  ///< by the file's header, zero if it has none
 };
 
+/// Reads what streams refuse, too: nan, inf, and what is too large for a float, as infinite.
+class AnyNumber : public std::num_get<char> {
+protected:
+    iter_type do_get(iter_type in, iter_type end, std::ios_base&, std::ios_base::iostate& state,
+                     float& value) const override {
+        double number = 0;
+        in = read(in, end, state, number);
+        value = static_cast<float>(number);
+        return in;
+    }
+    iter_type do_get(iter_type in, iter_type end, std::ios_base&, std::ios_base::iostate& state,
+                     double& value) const override {
+        return read(in, end, state, value);
+    }
+
+private:
+    static iter_type read(iter_type in, iter_type end, std::ios_base::iostate& state, double& value) {
+        std::string text;
+        while (in != end && (std::isalnum(static_cast<unsigned char>(*in)) || *in == '.' || *in == '-' || *in == '+'))
+            text += *in++;
+        if (in == end) state |= std::ios_base::eofbit;
+        const char* first = text.data() + text.starts_with('+');
+        const char* last = text.data() + text.size();
+        const auto [stopped, error] = std::from_chars(first, last, value);
+        if (error != std::errc() || stopped != last) state |= std::ios_base::failbit;
+        return in;
+    }
+};
+
+/// Throws InputError for an OBJ file with a vertex whose numbers cannot be read: OpenMesh would leave it out, and all later
+/// ones would change their ids.
+void check_obj_vertices(const std::filesystem::path& file, std::size_t vertices) {
+    std::ifstream in(file);
+    std::string line, word;
+    std::size_t found = 0, number = 0;
+    while (std::getline(in, line)) {
+        ++number;
+        std::istringstream words(line);
+        if (!(words >> word) || word != "v") continue;
+        double x, y, z;
+        if (!(words >> x >> y >> z))
+            throw InputError("cannot read '" + file.string() + "': line " + std::to_string(number) +
+                             " is no vertex: " + line);
+        ++found;
+    }
+    if (found > vertices)
+        throw InputError("cannot read '" + file.string() + "': " + std::to_string(found - vertices) +
+                         " vertices are beyond float32");
+}
+
 }  // namespace
 
 MeshData read_mesh(const std::filesystem::path& file) {
@@ -77,12 +129,13 @@ MeshData read_mesh(const std::filesystem::path& file) {
     Collector collector(unused);
     OpenMesh::IO::Options options;
     bool read = false, ran_out = false;
+    std::string kind = file.extension().string();
+    std::ranges::transform(kind, kind.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     try {
-        std::string kind = file.extension().string();
-        std::ranges::transform(kind, kind.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
         if (kind == ".off" || kind == ".ply") {
             // These readers know how much there should be, but do not notice its end. The stream does.
             std::ifstream in(file, std::ios::binary);
+            in.imbue(std::locale(in.getloc(), new AnyNumber));
             read = OpenMesh::IO::IOManager().read(in, kind.substr(1), collector, options);
             ran_out = in.fail();
         } else {
@@ -94,6 +147,7 @@ MeshData read_mesh(const std::filesystem::path& file) {
     omerr().disconnect(complaints);
     omerr().connect(std::cerr);
     if (!read) throw InputError("cannot read " + name + ": not an OBJ, PLY, STL or OFF file, or damaged");
+    if (kind == ".obj") check_obj_vertices(file, collector.mesh.positions.size());
     const bool cut_short = ran_out || collector.mesh.positions.size() < collector.declared_vertices ||
                            static_cast<std::size_t>(collector.faces) < collector.declared_faces;
     if (cut_short)

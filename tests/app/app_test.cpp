@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -141,6 +142,50 @@ TEST_F(AppTest, DetectsContactsOfMeshFiles) {
     EXPECT_LT(contacts[0]["distance"].get<double>(), 0);
 }
 
+TEST_F(AppTest, ChecksMeshes) {
+    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::ofstream(folder / "sound.off") << "OFF\n4 4 0\n" << corners << faces;
+    std::ofstream(folder / "seam.off") << "OFF\n5 4 0\n" << corners << "0 0 0\n" << faces;
+    std::ofstream(folder / "open.off") << "OFF\n4 3 0\n" << corners << "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+    std::ofstream(folder / "nan.off") << "OFF\n4 4 0\n0 0 0\nnan 0 0\n0 1 0\n0 0 1\n" << faces;
+    std::ofstream(folder / "fold.off") << "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0.3 0.5 0\n3 0 1 2\n3 1 0 3\n";
+
+    const Outcome sound = pierce("check " + path("sound.off"));
+    EXPECT_EQ(sound.code, 0) << sound.text;
+    EXPECT_THAT(sound.text,
+                HasSubstr("sound, closed; 4 vertices, 4 triangles, 1 component, volume 0.166667, size 1 x 1 x 1"));
+    EXPECT_EQ(std::ranges::count(sound.text, '\n'), 1);
+    const Outcome seam = pierce("check " + path("seam.off"));
+    EXPECT_EQ(seam.code, 0) << "what does no harm is no failure";
+    EXPECT_THAT(seam.text, HasSubstr("- duplicate vertices: 1 (vertex 4)"));
+
+    const Outcome open = pierce("check " + path("sound.off") + " " + path("open.off"));
+    EXPECT_EQ(open.code, 1);
+    EXPECT_THAT(open.text, testing::AllOf(HasSubstr("! border edges: 3 (edge 1-2, 1-3, 2-3)"), HasSubstr("no inside")));
+    const Outcome nan = pierce("check " + path("nan.off"));
+    EXPECT_EQ(nan.code, 1);
+    EXPECT_THAT(nan.text, HasSubstr("vertices not finite: 1 (vertex 1)"));
+    EXPECT_THAT(pierce("check " + path("fold.off")).text, testing::Not(HasSubstr("self-intersections")));
+    EXPECT_THAT(pierce("check --self-intersections " + path("fold.off")).text,
+                HasSubstr("self-intersections: 1 (triangles 0-1)"));
+
+    const Outcome mixed = pierce("check " + path("nothing.off") + " " + path("open.off") + " --json " + path("check.json"));
+    EXPECT_EQ(mixed.code, 2);
+    EXPECT_THAT(mixed.text, testing::AllOf(HasSubstr("nothing.off: unreadable"), HasSubstr("border edges")));
+    const json meshes = read("check.json")["meshes"];
+    ASSERT_EQ(meshes.size(), 2u);
+    EXPECT_THAT(meshes[0]["error"].get<std::string>(), HasSubstr("cannot open"));
+    EXPECT_EQ(meshes[1]["sound"], false);
+    EXPECT_EQ(meshes[1]["closed"], false);
+    EXPECT_EQ(meshes[1]["vertices"], 4);
+    EXPECT_EQ(meshes[1]["box"], json::parse("[[0, 0, 0], [1, 1, 1]]"));
+    ASSERT_EQ(meshes[1]["findings"].size(), 1u);
+    EXPECT_EQ(meshes[1]["findings"][0]["defect"], "border edges");
+    EXPECT_EQ(meshes[1]["findings"][0]["count"], 3);
+    EXPECT_EQ(meshes[1]["findings"][0]["places"], json::parse("[[1, 2], [1, 3], [2, 3]]"));
+    EXPECT_EQ(meshes[1]["findings"][0]["changes_detection"], true);
+}
+
 TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     const auto refused = [](const std::string& arguments, const std::string& why) {
         const Outcome outcome = pierce(arguments);
@@ -168,6 +213,8 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     refused("replay " + path("nothing"), "nothing");
     refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");
     refused("detect " + path("a.obj"), "meshes");
+    refused("check", "meshes");
+    refused("check a.obj --json /nowhere/x.json", "/nowhere/x.json");
     refused("", "subcommand");
 }
 

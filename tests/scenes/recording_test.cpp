@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "pierce/core/error.hpp"
@@ -168,6 +170,33 @@ TEST_F(RecordingTest, UnreadableMeshFilesAreNamed) {
                                            "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
                                            "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     refused(folder / "short.ply", "");
+}
+
+TEST_F(RecordingTest, BrokenNumbersAndIndicesAreHandedOn) {
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n";
+    std::ofstream(folder / "nan.off") << "OFF\n4 1 0\n0 0 0\nnan 1 -inf\n+1.5e1 1e60 0\n0 0 1\n3 0 1 2\n";
+    std::ofstream(folder / "nan.ply") << ply << "0 0 0\nnan 1 -inf\n15 1e60 0\n0 0 1\n3 0 1 2\n";
+    for (const char* file : {"nan.off", "nan.ply"}) {
+        const MeshData mesh = read_mesh(folder / file);
+        EXPECT_TRUE(std::isnan(mesh.positions[1].x)) << file;
+        EXPECT_EQ(mesh.positions[1].y, 1) << file;
+        EXPECT_LT(mesh.positions[1].z, std::numeric_limits<float>::lowest()) << file;
+        EXPECT_EQ(mesh.positions[2].x, 15) << file;
+        EXPECT_GT(mesh.positions[2].y, std::numeric_limits<float>::max()) << file;
+        EXPECT_EQ(mesh.positions[3], (Vec3f{0, 0, 1})) << file;
+        EXPECT_THROW(Mesh("broken", mesh), InputError) << file;
+    }
+    std::ofstream(folder / "index.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n";
+    std::ofstream(folder / "index.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 8\n";
+    for (const char* file : {"index.off", "index.obj"})
+        EXPECT_EQ(read_mesh(folder / file).triangles, (std::vector<Triangle>{{{0, 1, 7}}})) << file;
+    // OpenMesh leaves such a vertex out, and all later ones would change their ids.
+    for (const char* vertex : {"v nan 0 0", "v 1 0", "v 1e60 0 0"}) {
+        std::ofstream(folder / "nan.obj") << "v 0 0 0\n" << vertex << "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        EXPECT_THAT([&] { read_mesh(folder / "nan.obj"); }, ThrowsMessage<InputError>(HasSubstr("nan.obj"))) << vertex;
+    }
 }
 
 TEST(MassPropertiesTest, OfABoxAndATorus) {
