@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "pierce/core/explain.hpp"
 #include "pierce/core/pipeline.hpp"
 
 namespace pierce {
@@ -19,6 +20,9 @@ public:
     /// Results of the last step; valid until the next one.
     virtual View<const Contact> contacts() const = 0;
     virtual View<const Pair> pairs() const = 0;
+    /// What spared a vertex its ray in the last step. `side`: the pair's body it belongs to.
+    virtual Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                                    std::uint32_t vertex) const = 0;
     /// Traces rays outside a step, bringing the targets' trees up to date first.
     virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
 };
@@ -37,6 +41,11 @@ public:
     void step(const Scene& scene, StepStats& stats) override { pipeline_.step(scene, stats); }
     View<const Contact> contacts() const override { return pipeline_.contacts(); }
     View<const Pair> pairs() const override { return pipeline_.pairs(); }
+
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const override {
+        return pipeline_.certificate(bodies, pair, side, vertex);
+    }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         std::vector<std::uint32_t> wanted(bodies.size, 0);

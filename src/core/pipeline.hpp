@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "pierce/core/edge_chords.hpp"
+#include "pierce/core/explain.hpp"
 #include "pierce/core/scene.hpp"
 #include "pierce/core/separation.hpp"
 #include "pierce/core/stages/bounds.hpp"
@@ -65,6 +67,29 @@ public:
 
     View<const Contact> contacts() const { return view_of(contacts_); }
     View<const Pair> pairs() const { return view_of(pairs_); }
+
+    /// What spared a vertex of a pair its ray in the last step, if it was a proof.
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side, std::uint32_t vertex) const {
+        const auto at = std::find(pairs_.begin(), pairs_.end(), pair);
+        if (at == pairs_.end() || memory_.empty() || block_records_.empty()) return {};
+        const PairMemory& memory = memory_[static_cast<std::size_t>(at - pairs_.begin())];
+        const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
+        if (bodies[pair.target(side)].mesh.clearance.steps.size == 0) return {};
+        const auto place = static_cast<std::uint32_t>(std::find(order.begin(), order.end(), vertex) - order.begin());
+        const std::uint32_t patch = place / constants::patch_size;
+        const RecordsView records{view_of(block_records_), view_of(patch_records_), view_of(records_)};
+        const auto until = [&](Certificate::Kind kind, float expiry) {
+            const double left = static_cast<double>(expiry) - memory.odometer;
+            return left > 0 ? Certificate{kind, left} : Certificate{};
+        };
+        const PatchRecord* in_patch = records.patch(memory.first_block[side], patch);
+        if (in_patch == nullptr)
+            return until(Certificate::patch, records.blocks[memory.first_block[side] + patch / constants::block_size]
+                                                 .expiry[patch % constants::block_size]);
+        const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
+        return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
+                                 : until(Certificate::vertex, record->expiry);
+    }
 
 private:
     template <class Item>

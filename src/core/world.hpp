@@ -8,6 +8,7 @@
 
 #include "pierce/core/backend.hpp"
 #include "pierce/core/contact.hpp"
+#include "pierce/core/explain.hpp"
 #include "pierce/core/mesh.hpp"
 #include "pierce/core/plan.hpp"
 #include "pierce/core/pose.hpp"
@@ -78,6 +79,10 @@ public:
     };
     /// The boxes of all bodies that took part in the last detect().
     std::vector<BodyBox> body_boxes() const;
+
+    /// Why `vertex` of `body` has, or has not, a contact with `other` after the last detect(). Throws InputError for a
+    /// vertex there is not, or if bodies were added, removed or changed since.
+    Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
     /// The first body along each line of sight from `origin`, bodies standing as in the last detect().
     /// Directions need not be unit; zero ones meet nothing.

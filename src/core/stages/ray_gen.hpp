@@ -55,6 +55,18 @@ PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& tar
     return range_in_boxes(source, target, to_double(source.positions[vertex]), direction);
 }
 
+/// The inward ray of a vertex into the other body of its pair; without a direction, one that hits nothing.
+PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d, std::uint32_t v) {
+    const BodyView& source = bodies[d.source];
+    const Vec3d direction = inward_direction(source, v);
+    Ray ray;
+    ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
+    ray.direction = normalized(d.to_space.rotation * direction);
+    ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
+    ray.target = d.target;
+    return ray;
+}
+
 /// Moves a record's material point to where it is now and returns how far the vertex has moved relative to it, in the
 /// target's fit frame.
 PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView& target, Vec3d origin) {
@@ -101,7 +113,7 @@ struct GenerateRays {
                     continue;
                 }
             }
-            rays[slot] = make_ray(d, v);
+            rays[slot] = vertex_ray(bodies, d, v);
             if (routes.size > 0) routes[slot] = route(d, rays[slot], records[slot]);
             if (settings.temporal == Temporal::paper && settings.predict) rays[slot].outward = d.reach;
             if (settings.temporal == Temporal::certified) rays[slot].outward = search_range(d, records[slot]);
@@ -109,17 +121,6 @@ struct GenerateRays {
     }
 
 private:
-    PIERCE_HD Ray make_ray(const DirectedPair& d, std::uint32_t v) const {
-        const BodyView& source = bodies[d.source];
-        const Vec3d direction = inward_direction(source, v);
-        Ray ray;
-        ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
-        ray.direction = normalized(d.to_space.rotation * direction);
-        ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
-        ray.target = d.target;
-        return ray;
-    }
-
     /// How far to look outward for a triangle to walk on from.
     PIERCE_HD double search_range(const DirectedPair& d, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];

@@ -1,0 +1,152 @@
+// Explanations against the contact list and against inside and outside by definition.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "pierce/core/error.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "support/backends.hpp"
+#include "support/brute_force.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+class ExplainTest : public testing::TestWithParam<test::NamedBackend> {};
+
+bool has_contact(const World& world, BodyId of, std::uint32_t vertex) {
+    return std::ranges::any_of(world.contacts(), [&](const Contact& c) {
+        return !c.is_edge() && c.vertex == vertex && (c.source == Side::a ? c.a : c.b) == of;
+    });
+}
+
+bool says_inside(Reason reason) {
+    return reason == Reason::contact || reason == Reason::own_exit_first || reason == Reason::not_inside_own;
+}
+
+TEST_P(ExplainTest, AgreesWithContactsAndWithInsideAndOutside) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::map<Reason, int> seen;
+    std::map<Certificate::Kind, int> certificates;
+    for (int i = 0; i < 24 && !HasFailure(); ++i) {
+        Settings settings;
+        settings.temporal = i % 4 == 0 ? Temporal::off : Temporal::certified;
+        settings.coverage = i % 3 == 0 ? Coverage::complete : Coverage::vertices;
+        World world(GetParam().make(), settings);
+        MeshData shape[2];
+        Pose pose[2];
+        BodyId body[2];
+        const bool deforms = i % 2 == 0;
+        for (int k = 0; k < 2; ++k) {
+            shape[k] = test::random_closed_mesh(random);
+            pose[k] = {random.in_box(0.7), random.rotation()};
+            const MeshId mesh = world.add_mesh("shape", shape[k]);
+            body[k] = deforms && k == 0 ? world.add_deforming_body(mesh, test::placed(shape[k], pose[k]))
+                                        : world.add_rigid_body(mesh, pose[k]);
+        }
+        for (int step = 0; step < 3; ++step) {
+            pose[0].position += 0.003 * random.in_box(1);
+            if (deforms)
+                world.set_positions(body[0], test::placed(shape[0], pose[0]));
+            else
+                world.set_pose(body[0], pose[0]);
+            world.detect();
+        }
+        for (int k = 0; k < 2; ++k) {
+            test::Solid other{{}, shape[1 - k].triangles};
+            for (std::uint32_t v = 0; v < shape[1 - k].positions.size(); ++v) {
+                const Vec3d p = world.vertex_position(body[1 - k], v);
+                other.positions.push_back({p.x, p.y, p.z});
+            }
+            for (std::uint32_t v = 0; v < shape[k].positions.size(); ++v) {
+                const Explanation e = world.explain(body[k], body[1 - k], v);
+                SCOPED_TRACE("pair " + std::to_string(i) + " side " + std::to_string(k) + " vertex " + std::to_string(v) +
+                             ": " + e.text());
+                ASSERT_EQ(e.contact.has_value(), has_contact(world, body[k], v));
+                ASSERT_EQ(e.reason == Reason::contact, e.contact.has_value());
+                ++seen[e.reason];
+                ++certificates[e.certificate.kind];
+                const Vec3d p = world.vertex_position(body[k], v);
+                const bool clear = e.t > 1e-5 || e.distance > 1e-5;
+                ASSERT_TRUE(!clear || says_inside(e.reason) == test::is_inside({p.x, p.y, p.z}, other));
+                ASSERT_FALSE(e.certificate.kind != Certificate::none && e.contact);
+            }
+        }
+    }
+    for (Reason reason : {Reason::contact, Reason::outside_box, Reason::outside_solid, Reason::entry_first,
+                          Reason::nothing_ahead, Reason::own_exit_first})
+        EXPECT_GT(seen[reason], 0) << static_cast<int>(reason);
+    for (Certificate::Kind kind : {Certificate::patch, Certificate::patch_rest, Certificate::vertex})
+        EXPECT_GT(certificates[kind], 0) << static_cast<int>(kind);
+}
+
+TEST_P(ExplainTest, SaysWhyAPairIsNone) {
+    World world(GetParam().make());
+    const MeshId box = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    const MeshId sheet = world.add_mesh("sheet", {{{0, 0, 0.5}, {1, 0, 0.5}, {0, 1, 0.5}}, {{{0, 1, 2}}}});
+    const BodyId first = world.add_fixed_body(box), second = world.add_fixed_body(box), open = world.add_rigid_body(sheet),
+                 far = world.add_rigid_body(box, {{4, 0, 0}, {}});
+    const BodyId turned = world.add_rigid_body(box, {{1.4, 1.4, 0}, {0, 0, std::sin(M_PI / 8), std::cos(M_PI / 8)}});
+    world.detect();
+    EXPECT_EQ(world.explain(first, second, 0).reason, Reason::both_fixed);
+    EXPECT_EQ(world.explain(first, open, 0).reason, Reason::open_target);
+    EXPECT_EQ(world.explain(first, far, 0).reason, Reason::boxes_apart);
+    EXPECT_NEAR(world.explain(first, far, 0).distance, 3, 1e-6);
+    EXPECT_EQ(world.explain(first, turned, 0).reason, Reason::boxes_apart);
+    EXPECT_EQ(world.explain(first, turned, 0).distance, 0) << "only the turned boxes are apart";
+    EXPECT_EQ(world.explain(open, first, 0).reason, Reason::contact) << "on the box's edge: touching";
+    world.set_pose(far, {{std::nan(""), 0, 0}, {}});
+    world.detect();
+    EXPECT_EQ(world.explain(first, far, 0).reason, Reason::excluded);
+    for (const auto& text : {world.explain(first, second, 0).text(), world.explain(open, first, 0).text()})
+        EXPECT_FALSE(text.empty());
+}
+
+TEST_P(ExplainTest, OpenBodiesRaysAreShort) {
+    World world(GetParam().make());
+    const BodyId block = world.add_fixed_body(world.add_mesh("block", scenes::box({-9, -9, -9}, {9, 9, 0})));
+    const MeshId sheet = world.add_mesh("sheet", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 2, 1}}}});
+    const BodyId cloth = world.add_rigid_body(sheet, {{0.3, 0.2, -6}, {}});
+    world.detect();
+    EXPECT_EQ(world.explain(cloth, block, 0).reason, Reason::beyond_range);
+    world.set_pose(cloth, {{0.3, 0.2, -1}, {}});
+    world.detect();
+    EXPECT_EQ(world.explain(cloth, block, 0).reason, Reason::contact);
+}
+
+TEST_P(ExplainTest, AVertexLeftAloneByThePapersModeIsNamed) {
+    Settings settings;
+    settings.temporal = Temporal::paper;
+    settings.predict = false;
+    settings.full_every = 1000;
+    World world(GetParam().make(), settings);
+    const BodyId floor = world.add_fixed_body(world.add_mesh("floor", scenes::box({-3, -3, -1}, {3, 3, 0})));
+    const BodyId ball = world.add_rigid_body(world.add_mesh("ball", scenes::sphere(1, 3)), {{0, 0, 1.01}, {}});
+    world.detect();
+    world.set_pose(ball, {{0, 0, 0.99}, {}});
+    world.detect();
+    ASSERT_TRUE(world.contacts().empty());
+    int left_alone = 0;
+    for (std::uint32_t v = 0; v < 642; ++v) left_alone += world.explain(ball, floor, v).reason == Reason::not_looked_at;
+    EXPECT_GT(left_alone, 0);
+}
+
+TEST_P(ExplainTest, RefusesWhatThereIsNot) {
+    World world(GetParam().make());
+    const MeshId box = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    const BodyId a = world.add_rigid_body(box), b = world.add_rigid_body(box);
+    EXPECT_THROW(world.explain(a, b, 0), InputError) << "before the first step";
+    world.detect();
+    EXPECT_THROW(world.explain(a, b, 8), InputError);
+    EXPECT_THROW(world.explain(a, a, 0), InputError);
+    EXPECT_THROW(world.explain(a, BodyId{}, 0), InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, ExplainTest, testing::ValuesIn(test::backends()), test::backend_name);
+
+}  // namespace
+}  // namespace pierce
