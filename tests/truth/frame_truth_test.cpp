@@ -70,6 +70,15 @@ TEST_F(FrameTruthTest, CubesInTheGround) {
     EXPECT_EQ(RecordingTruth(recording).at(0, false).overlapping, truth.overlapping);
 }
 
+TEST_F(FrameTruthTest, ACubeOnTheGroundOverlapsItWithNothingInside) {
+    add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, pose({}));
+    add(add_mesh(cube(0.5)), Motion::rigid, pose({1, 2, 0.5f}));
+    recording.frame_count = 1;
+    const FrameTruth truth = RecordingTruth(recording).at(0);
+    EXPECT_EQ(truth.overlapping, (Bodies{{0, 1}}));
+    EXPECT_THAT(truth.inside, IsEmpty());
+}
+
 TEST_F(FrameTruthTest, NormalsAreInWorldSpace) {
     const float s = std::sqrt(0.5f);
     add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, {10, 0, 0, 0, s, 0, s});  // its top faces along x
@@ -90,8 +99,15 @@ TEST_F(FrameTruthTest, ContainedBodiesOverlapUnlessOneIsOpen) {
     recording.frame_count = 1;
     FrameTruth truth = RecordingTruth(recording).at(0);
     EXPECT_EQ(truth.overlapping, (Bodies{{0, 1}}));
-    EXPECT_EQ(truth.inside.size(), 8u);
+    ASSERT_EQ(truth.inside.size(), 8u);
     EXPECT_EQ(truth.inside[0].source, 1u);
+
+    std::swap(recording.bodies[0], recording.bodies[1]);
+    truth = RecordingTruth(recording).at(0);
+    EXPECT_EQ(truth.overlapping, (Bodies{{0, 1}}));
+    ASSERT_EQ(truth.inside.size(), 8u);
+    EXPECT_EQ(truth.inside[0].source, 0u);
+    std::swap(recording.bodies[0], recording.bodies[1]);
 
     recording.bodies[1].mesh = open;
     recording.bodies[1].values = pose({0.5f, 0.5f, 0.5f});
@@ -141,13 +157,13 @@ Outcome pierce_truth(const std::string& arguments) {
     return outcome;
 }
 
-/// A recording of five frames in a folder that goes away with the test: a torus sinks into the ground.
+/// A recording of five frames in a folder that goes away with the test: a torus sinks into a slope.
 class ProgramTest : public FrameTruthTest {
 protected:
     ProgramTest() : folder(fs::temp_directory_path() / ("pierce_truth_" + std::to_string(::getpid()))) {
-        add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, pose({}));
+        add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, {0, 0, 0, 0.1f, -0.2f, 0, 1});
         std::vector<float> values;
-        for (float height : {0.9f, 0.7f, 0.5f, 0.3f, 0.1f})
+        for (float height : {2.f, 1.5f, 1.f, 0.5f, 0.f})
             for (float v : {0.f, 0.f, height, 0.1f, 0.2f, 0.f, 1.f}) values.push_back(v);
         add(add_mesh(torus(1, 0.25, 20, 10)), Motion::rigid, values);
         recording.frame_count = 5;

@@ -71,8 +71,8 @@ TEST(ExactMeshTest, TouchingCubesIntersectAndCubesAnUlpApartDoNot) {
 }
 
 TEST(ExactMeshTest, ACubeInACubeOverlapsWithoutMeetingIt) {
-    const ExactMesh big = exact(cube(2)), small = exact(cube(0.5));
-    const Frame placement = shifted({0.5, -1, 1});
+    const ExactMesh big = exact(box({-1, -2, -2}, {4, 2, 2})), small = exact(cube(0.5));
+    const Frame placement = shifted({3, -1, 1});
     EXPECT_FALSE(big.surfaces_intersect(small, placement));
     EXPECT_TRUE(big.contains_part(small, placement));
     EXPECT_FALSE(small.contains_part(big, placement.inverse()));
@@ -257,6 +257,35 @@ TEST(MinimumTranslationTest, EdgesAgainstEdges) {
     const Translation out = separation(a, b);
     EXPECT_NEAR(out.length, 2 * std::sqrt(2.0) - 2.5, 1e-6);
     EXPECT_NEAR(out.direction.z, 1, 1e-12);
+}
+
+TEST(MinimumTranslationTest, NoOtherDirectionIsShorter) {
+    test::Random random(44);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    const std::vector<Triangle> faces{{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}};
+    int overlapping = 0;
+    for (int i = 0; i < 100; ++i) {
+        std::vector<Vec3d> a, b;
+        for (int k = 0; k < 4; ++k) {
+            a.push_back(random.in_box(1));
+            b.push_back(random.in_box(1));
+        }
+        const Translation out = minimum_translation({a, faces}, {b, faces}),
+                          back = minimum_translation({b, faces}, {a, faces});
+        EXPECT_EQ(out.length > 0, back.length > 0);
+        if (out.length <= 0) continue;
+        ++overlapping;
+        EXPECT_NEAR(out.length, back.length, 1e-14);
+        EXPECT_NEAR(length(out.direction + back.direction), 0, 1e-14);
+        for (int k = 0; k < 200; ++k) {
+            const Vec3d u = normalized(out.direction + random.uniform(0, 1) * random.unit_vector());
+            double from_a = -INFINITY, from_b = -INFINITY;
+            for (Vec3d p : a) from_a = std::max(from_a, dot(p, u));
+            for (Vec3d p : b) from_b = std::max(from_b, -dot(p, u));
+            EXPECT_GE(from_a + from_b, out.length - 1e-14);
+        }
+    }
+    EXPECT_GT(overlapping, 10);
 }
 
 TEST(MinimumTranslationTest, OfSpheresIsTheOverlapAndJustSeparates) {
