@@ -90,7 +90,7 @@ TEST_P(ExplainTest, SaysWhyAPairIsNone) {
     const MeshId sheet = world.add_mesh("sheet", {{{0, 0, 0.5}, {1, 0, 0.5}, {0, 1, 0.5}}, {{{0, 1, 2}}}});
     const BodyId first = world.add_fixed_body(box), second = world.add_fixed_body(box), open = world.add_rigid_body(sheet),
                  far = world.add_rigid_body(box, {{4, 0, 0}, {}});
-    const BodyId turned = world.add_rigid_body(box, {{1.4, 1.4, 0}, {0, 0, std::sin(M_PI / 8), std::cos(M_PI / 8)}});
+    const BodyId turned = world.add_rigid_body(box, {{1.6, 0.6, 0}, {0, 0, std::sin(M_PI / 8), std::cos(M_PI / 8)}});
     world.detect();
     EXPECT_EQ(world.explain(first, second, 0).reason, Reason::both_fixed);
     EXPECT_EQ(world.explain(first, open, 0).reason, Reason::open_target);
@@ -125,11 +125,10 @@ TEST_P(ExplainTest, AVertexLeftAloneByThePapersModeIsNamed) {
     settings.full_every = 1000;
     World world(GetParam().make(), settings);
     const BodyId floor = world.add_fixed_body(world.add_mesh("floor", scenes::box({-3, -3, -1}, {3, 3, 0})));
-    const BodyId ball = world.add_rigid_body(world.add_mesh("ball", scenes::sphere(1, 3)), {{0, 0, 1.01}, {}});
+    const BodyId ball = world.add_rigid_body(world.add_mesh("ball", scenes::sphere(1, 3)), {{0, 0, 0.99}, {}});
     world.detect();
-    world.set_pose(ball, {{0, 0, 0.99}, {}});
+    world.set_pose(ball, {{0, 0, 0.95}, {}});
     world.detect();
-    ASSERT_TRUE(world.contacts().empty());
     int left_alone = 0;
     for (std::uint32_t v = 0; v < 642; ++v) left_alone += world.explain(ball, floor, v).reason == Reason::not_looked_at;
     EXPECT_GT(left_alone, 0);
