@@ -13,11 +13,12 @@ double extent_of(const MeshData& mesh) {
 
 }  // namespace
 
-std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays) {
+std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Motion motion) {
     BodyView body;
     body.mesh.positions = body.positions = view_of(mesh.positions);
     body.mesh.triangles = view_of(mesh.triangles);
-    body.mesh_key = next_key_++;
+    body.mesh_key = body.positions_version = next_key_++;
+    body.motion = motion;
     for (Vec3f p : mesh.positions) body.fit_box.extend(to_double(p));
     body.world_box = body.mesh.box = body.fit_box;
     body.touch = constants::touch_tolerance * body.fit_box.extent();
@@ -34,12 +35,12 @@ std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays) {
     return met;
 }
 
-Met RayProbe::meet(const MeshData& mesh, Vec3d origin, Vec3d direction) {
+Met RayProbe::meet(const MeshData& mesh, Vec3d origin, Vec3d direction, Motion motion) {
     Ray ray;
     ray.origin = origin;
     ray.direction = normalized(direction);
     ray.t_max = far * extent_of(mesh);
-    return meet(mesh, std::vector{ray})[0];
+    return meet(mesh, std::vector{ray}, motion)[0];
 }
 
 }  // namespace pierce::scenes

@@ -56,7 +56,8 @@ TEST_P(HardRaysTest, MeetWhatTheyMust) {
             by_vertices.by_pose = false;  // a ray's mesh has no pose
             const auto mesh = by_vertices.mesh(ray.mesh);
             if (!mesh) continue;
-            const scenes::Met met = probe.meet(*mesh, change.point(ray.origin), change.direction(ray.direction));
+            const scenes::Met met = probe.meet(*mesh, change.point(ray.origin), change.direction(ray.direction),
+                                               change.deforming ? Motion::deforming : Motion::fixed);
             ASSERT_EQ(met.how, ray.meets) << change.name;
             const double size = std::max(change.scale * ray.t, length(change.offset));
             ASSERT_NEAR(met.t, change.scale * ray.t, rounding * size) << change.name;
