@@ -51,7 +51,7 @@ public:
         std::vector<std::uint32_t> wanted(bodies.size, 0);
         for (const Ray& ray : rays) wanted[ray.target] = 1;
         tracer_->update(*executor_, bodies, view_of(std::as_const(wanted)));
-        tracer_->closest_hits(*executor_, "trace", bodies, rays, hits);
+        tracer_->closest_hits(*executor_, "trace", bodies, rays.size, rays, hits);
     }
 
 private:
@@ -63,5 +63,8 @@ private:
 
 /// One thread and brute force: slow, simple, and the definition of what every other backend must answer.
 std::unique_ptr<Backend> reference_backend();
+
+/// One thread and our own trees, the ones that serve the GPU: for tests of theirs on any machine.
+std::unique_ptr<Backend> bvh_backend();
 
 }  // namespace pierce

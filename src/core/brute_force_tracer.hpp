@@ -11,17 +11,22 @@ public:
     void update(E&, View<const BodyView>, View<const std::uint32_t>) {}
 
     template <class E>
-    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) {
-        executor.for_each(name, rays.size, Trace{bodies, rays, hits});
+    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, typename E::Count count,
+                      View<const Ray> rays, View<Hit> hits) {
+        executor.for_each(name, count, Trace{bodies, rays, hits});
     }
 
     template <class E>
-    void distances(E& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays, View<double> found) {
-        executor.for_each(name, rays.size, Distance{bodies, rays, found});
+    void distances(E& executor, const char* name, View<const BodyView> bodies, typename E::Count count, View<const Ray> rays,
+                   View<double> found) {
+        executor.for_each(name, count, Distance{bodies, rays, found});
     }
 
     /// Counts nothing: it has no trees.
-    TracerCounts counts() const { return {}; }
+    template <class E>
+    TracerCounts counts(const E&) const {
+        return {};
+    }
 
 private:
     struct Trace {

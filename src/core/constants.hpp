@@ -17,6 +17,13 @@ inline constexpr double touch_tolerance = 8 * float_ulp;
 /// (half an ulp for the origin, half an ulp per unit of length for the direction) and its slab test rounds again.
 inline constexpr double tree_margin = 4 * float_ulp;
 
+/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by half an ulp; difference,
+/// reciprocal, direction and product each add half an ulp of a distance of up to two coordinates: four and a half in all.
+inline constexpr double slab_margin = 8 * float_ulp;
+
+/// Places of a traversal's stack.
+inline constexpr std::uint32_t traversal_stack = 64;
+
 /// A triangle whose three edge functions are all below this lies in a plane with the ray
 /// [sum of the products of the vertex distances]. Double rounding of nine products, with a factor of 16 to spare.
 inline constexpr double coplanar_tolerance = 0x1p-46;

@@ -55,13 +55,13 @@ public:
     }
 
     /// The rays along the edges that are left.
-    View<const Ray> segments() const { return view_of(rays_); }
+    const Buffer<Ray>& segments() const { return rays_; }
 
     /// Follows every edge from crossing to crossing, and adds the rays of its chords to `batch` and `routes`.
     void cast(const Scene& scene, View<const stages::DirectedPair> directed, RayBatch<E>& batch, Buffer<Route>& routes) {
         find_chords(scene, directed);
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()), count = static_cast<std::uint32_t>(found_.size());
-        executor_.sort("chord_sort", view_of(keys_), view_of(order_));
+        executor_.sort("chord_sort", count, view_of(keys_), view_of(order_));
         chords_.resize(count);
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
@@ -76,19 +76,18 @@ public:
 
 private:
     void find_chords(const Scene& scene, View<const stages::DirectedPair> directed) {
-        finished_.resize(segments_.size());
+        finished_.resize(count_of(segments_));
         found_.clear();
         keys_.clear();
         order_.clear();
         while (!active_.empty()) {
             const auto count = static_cast<std::uint32_t>(active_.size());
             now_rays_.resize(count);
-            now_hits_.resize(count);
             now_found_.resize(count);
             counts_.resize(count);
             executor_.for_each("gather_segments", count,
                                stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
-            tools_.tracer.closest_hits(executor_, "trace_edges", scene.bodies, view_of(now_rays_), view_of(now_hits_));
+            tools_.trace("trace_edges", scene.bodies, now_rays_, now_hits_);
             executor_.for_each(
                 "advance_segments", count,
                 stages::AdvanceSegment{scene.bodies, directed, view_of(items_), view_of(spans_), view_of(active_),

@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pierce/core/host_sort.hpp"
@@ -14,21 +15,34 @@ namespace detail {
 struct AnyStage {
     PIERCE_HD void operator()(std::uint32_t) const {}
 };
+struct AnyTest {
+    PIERCE_HD bool operator()(std::uint32_t) const { return true; }
+};
+struct AnySum {
+    PIERCE_HD friend AnySum operator+(AnySum, AnySum) { return {}; }
+};
+struct AnyTerm {
+    PIERCE_HD AnySum operator()(std::uint32_t) const { return {}; }
+};
 }  // namespace detail
 
 /// Runs stages over independent items and provides the few collective operations the step needs. Results never depend
 /// on how work is spread. The name of an operation is for profilers.
 template <class E>
-concept Executor = requires(E executor, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out,
-                            View<std::uint64_t> keys) {
+concept Executor = requires(E executor, typename E::Count n, View<const std::uint32_t> in, View<std::uint32_t> out,
+                            View<std::uint64_t> keys, typename E::template Sum<detail::AnySum> sum) {
+    // How many items there are: a number, or something that stands for one known elsewhere. Buffers are resized to a count,
+    // and count_of(buffer) is that.
+    typename E::Count;
     typename E::template Buffer<float>;
+    { E::runs_on_host } -> std::convertible_to<bool>;
     executor.for_each("stage", n, detail::AnyStage{});
-    { executor.exclusive_scan("stage", in, out) } -> std::same_as<std::uint32_t>;
-    {
-        executor.select(
-            "stage", n, [](std::uint32_t) { return true; }, out)
-        } -> std::same_as<std::uint32_t>;
-    executor.sort("stage", keys, out);
+    { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
+    { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
+    executor.sort("stage", n, keys, out);
+    executor.reduce("stage", n, detail::AnyTerm{}, sum);
+    { executor.read(sum) } -> std::same_as<detail::AnySum>;
+    { executor.number(n) } -> std::same_as<std::uint32_t>;
 };
 
 /// A vector whose new elements are left as they are: every stage writes all it reads.
@@ -51,6 +65,11 @@ struct UninitializedAllocator : std::allocator<T> {
 template <class T>
 using HostBuffer = std::vector<T, UninitializedAllocator<T>>;
 
+template <class T>
+std::uint32_t count_of(const HostBuffer<T>& buffer) {
+    return static_cast<std::uint32_t>(buffer.size());
+}
+
 /// True for a stage that says its items take a few nanoseconds each: `static constexpr bool is_cheap = true`. Executors
 /// then hand out many at once.
 template <class Stage>
@@ -64,8 +83,12 @@ constexpr bool is_cheap() {
 /// One item after the other, on the calling thread: the reference the other executors are compared with.
 class SerialExecutor {
 public:
+    using Count = std::uint32_t;
     template <class T>
     using Buffer = HostBuffer<T>;
+    template <class T>
+    using Sum = T;
+    static constexpr bool runs_on_host = true;
 
     template <class F>
     void for_each(const char*, std::uint32_t n, const F& stage) {
@@ -73,9 +96,9 @@ public:
     }
 
     /// out[i] = in[0] + ... + in[i-1]; returns the total.
-    std::uint32_t exclusive_scan(const char*, View<const std::uint32_t> in, View<std::uint32_t> out) {
+    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         std::uint32_t sum = 0;
-        for (std::uint32_t i = 0; i < in.size; ++i) {
+        for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t value = in[i];
             out[i] = sum;
             sum += value;
@@ -96,7 +119,36 @@ public:
     }
 
     /// Sorts keys and moves their values along; stable.
-    void sort(const char*, View<std::uint64_t> keys, View<std::uint32_t> values) { sort_(keys, values); }
+    void sort(const char*, std::uint32_t n, View<std::uint64_t> keys, View<std::uint32_t> values) {
+        sort_({keys.data, n}, {values.data, n});
+    }
+
+    /// sum[0] = term(0) + ... + term(n - 1), default-made for none.
+    template <class F, class T>
+    void reduce(const char*, std::uint32_t n, const F& term, T& sum) {
+        T all{};
+        for (std::uint32_t i = 0; i < n; ++i) all = all + term(i);
+        sum = all;
+    }
+
+    /// What a reduction came to.
+    template <class T>
+    T read(const T& sum) const {
+        return sum;
+    }
+
+    /// A count as a number.
+    std::uint32_t number(std::uint32_t count) const { return count; }
+
+    template <class T>
+    T first(const HostBuffer<T>& buffer) const {
+        return buffer[0];
+    }
+
+    template <class T>
+    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
+        buffer.assign(items.begin(), items.end());
+    }
 
 private:
     HostSort sort_;

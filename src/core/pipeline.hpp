@@ -10,6 +10,7 @@
 #include "pierce/core/stages/bounds.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/contacts.hpp"
+#include "pierce/core/stages/count.hpp"
 #include "pierce/core/stages/displacement.hpp"
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/stages/ray_gen.hpp"
@@ -33,7 +34,7 @@ public:
     /// One step: fills contacts() and `stats`.
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(stats);
-        const TracerCounts before = tracer_.counts();
+        const TracerCounts before = tracer_.counts(executor_);
         const bool remembers = scene.plan->temporal != Temporal::off;
         const bool complete = scene.plan->coverage == Coverage::complete;
         recall(scene);
@@ -49,11 +50,10 @@ public:
             time("edges", [&] { edges_.cast(scene, view_of(directed_), batch_, routes_); });
         }
         if (remembers) time("walk", [&] { walk(scene); });
-        const View<const Ray> full = remembers ? view_of(full_rays_) : view_of(batch_.rays);
+        const Buffer<Ray>& full = remembers ? full_rays_ : batch_.rays;
         time("update", [&] { tools_.update(scene.bodies, full); });
         time("trace", [&] {
-            tracer_.closest_hits(executor_, "trace", scene.bodies, full,
-                                 remembers ? view_of(full_hits_) : view_of(batch_.hits));
+            tools_.trace("trace", scene.bodies, full, remembers ? full_hits_ : batch_.hits);
             if (remembers) scatter_hits();
         });
         time("classify", [&] { test_inside(scene.bodies, batch_, view_of(routes_)); });
@@ -61,10 +61,8 @@ public:
         own_hits_.clear();
         if (scene.plan->traces_own_exits) {
             time("classify", [&] { generate_own_rays(scene.bodies); });
-            time("update", [&] { tools_.update(scene.bodies, view_of(own_rays_)); });
-            time("trace", [&] {
-                tracer_.closest_hits(executor_, "trace_own", scene.bodies, view_of(own_rays_), view_of(own_hits_));
-            });
+            time("update", [&] { tools_.update(scene.bodies, own_rays_); });
+            time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
         }
         time("classify", [&] { test_own_exit(scene.bodies); });
         if (complete) time("separation", [&] { separation(scene); });
@@ -72,7 +70,8 @@ public:
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });
 
-        count(before, *scene.plan, stats);
+        time("stats", [&] { count(*scene.plan); });
+        report(before, *scene.plan, stats);
     }
 
     View<const Contact> contacts() const { return view_of(contacts_); }
@@ -104,6 +103,9 @@ public:
 private:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
+    template <class Value>
+    using Sum = typename E::template Sum<Value>;
+    using Count = typename E::Count;
 
     /// This step's memory becomes last step's.
     void recall(const Scene& scene) {
@@ -151,7 +153,7 @@ private:
         sweep_.resize(bodies.size);
         counts_.resize(bodies.size);
         executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(keys_), view_of(order_)});
-        executor_.sort("sweep_sort", view_of(keys_), view_of(order_));
+        executor_.sort("sweep_sort", bodies.size, view_of(keys_), view_of(order_));
         executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
         stages::SweepPairs sweep{view_of(sweep_), view_of(counts_), {}, {}};
         executor_.for_each("sweep_count", bodies.size, sweep);
@@ -160,10 +162,10 @@ private:
         sweep.keys = view_of(box_keys_);
         if (!box_keys_.empty()) executor_.for_each("sweep_fill", bodies.size, sweep);
 
-        const auto overlapping = static_cast<std::uint32_t>(box_keys_.size());
+        const Count overlapping = count_of(box_keys_);
         counts_.resize(overlapping);
         executor_.for_each("test_pair", overlapping, stages::TestPair{bodies, view_of(box_keys_), view_of(counts_)});
-        const std::uint32_t total = tools_.place("pair_scan", counts_, offsets_);
+        const Count total = tools_.place("pair_scan", counts_, offsets_);
         keys_.resize(total);
         values_.resize(total);
         pairs_.resize(total);
@@ -172,7 +174,7 @@ private:
         executor_.for_each(
             "keep_pair", overlapping,
             stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_), view_of(values_)});
-        executor_.sort("pair_sort", view_of(keys_), view_of(values_));
+        executor_.sort("pair_sort", total, view_of(keys_), view_of(values_));
         executor_.for_each("link_pair", total,
                            stages::LinkPair{bodies, scene.ids, view_of(keys_), view_of(last_identities_), view_of(pairs_),
                                             view_of(identities_), view_of(links_)});
@@ -180,7 +182,7 @@ private:
 
     // Stage 3. How far pairs have moved.
     void displacement(const Scene& scene) {
-        const auto pair_count = static_cast<std::uint32_t>(pairs_.size());
+        const Count pair_count = count_of(pairs_);
         memory_.resize(pair_count);
         executor_.for_each("measure_displacement", pair_count,
                            stages::MeasureDisplacement{scene.bodies, view_of(pairs_), view_of(links_), view_of(last_memory_),
@@ -191,13 +193,13 @@ private:
     void vertex_cull(const Scene& scene) {
         const View<const BodyView> bodies = scene.bodies;
         const Temporal temporal = scene.plan->temporal;
-        const auto directed_count = static_cast<std::uint32_t>(2 * pairs_.size());
+        const Count directed_count = 2 * count_of(pairs_);
         directed_.resize(directed_count);
         counts_.resize(directed_count);
         executor_.for_each("direct_pair", directed_count,
                            stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_),
                                               view_of(last_memory_), view_of(directed_), view_of(counts_)});
-        const std::uint32_t block_count = tools_.place("block_scan", counts_, offsets_);
+        const Count block_count = tools_.place("block_scan", counts_, offsets_);
         blocks_.resize(block_count);
         block_records_.resize(temporal == Temporal::off ? 0 : block_count);
         block_offsets_.resize(directed_count);
@@ -210,7 +212,7 @@ private:
         executor_.for_each("cull_block", block_count,
                            stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_,
                                              view_of(block_records_), view_of(masks_), view_of(counts_)});
-        const std::uint32_t kept = tools_.place("patch_scan", counts_, offsets_);
+        const Count kept = tools_.place("patch_scan", counts_, offsets_);
         patches_.resize(kept);
         executor_.for_each("list_patches", block_count,
                            stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(block_records_),
@@ -227,14 +229,14 @@ private:
     // Stage 5. A ray per vertex left, or what stands in for it.
     void ray_gen(const Scene& scene) {
         const bool remembers = scene.plan->temporal != Temporal::off;
-        const std::uint32_t total = tools_.place("ray_scan", counts_, offsets_);
+        const Count total = tools_.place("ray_scan", counts_, offsets_);
         batch_.rays.resize(total);
         batch_.sources.resize(total);
         batch_.hits.resize(total);
         routes_.resize(remembers ? total : 0);
         records_.resize(remembers ? total : 0);
         executor_.for_each(
-            "generate_rays", static_cast<std::uint32_t>(patches_.size()),
+            "generate_rays", count_of(patches_),
             stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
                                  view_of(patch_records_), scene.settings, last_, view_of(batch_.rays),
                                  view_of(batch_.sources), view_of(batch_.hits), view_of(routes_), view_of(records_)});
@@ -242,32 +244,31 @@ private:
 
     // Stage 6. Walks; the lost ones join the full rays.
     void walk(const Scene& scene) {
-        const std::uint32_t walks =
-            tools_.list("walk_list", batch_.rays.size(), stages::HasRoute{view_of(routes_), Route::walk}, walk_slots_);
+        const Count walks =
+            tools_.list("walk_list", count_of(batch_.rays), stages::HasRoute{view_of(routes_), Route::walk}, walk_slots_);
         walk_counts_.resize(walks);
-        found_.resize(batch_.rays.size());
-        batch_.meetings.resize(batch_.rays.size());
+        found_.resize(count_of(batch_.rays));
+        batch_.meetings.resize(count_of(batch_.rays));
         executor_.for_each(
             "walk", walks,
             stages::Walk{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
                          view_of(walk_slots_), scene.plan->temporal, view_of(batch_.hits), view_of(routes_),
                          view_of(records_), view_of(found_), view_of(batch_.meetings), view_of(walk_counts_)});
-        const std::uint32_t full =
-            tools_.list("full_list", batch_.rays.size(), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
+        const Count full =
+            tools_.list("full_list", count_of(batch_.rays), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
         full_rays_.resize(full);
-        full_hits_.resize(full);
         executor_.for_each("gather_rays", full,
                            stages::Gather<Ray>{view_of(batch_.rays), view_of(full_slots_), view_of(full_rays_)});
     }
 
     void scatter_hits() {
-        executor_.for_each("scatter_hits", static_cast<std::uint32_t>(full_slots_.size()),
+        executor_.for_each("scatter_hits", count_of(full_slots_),
                            stages::Scatter<Hit>{view_of(full_hits_), view_of(full_slots_), view_of(batch_.hits)});
     }
 
     // Stage 9, first half. R1: which rays start inside their target.
     void test_inside(View<const BodyView> bodies, RayBatch<E>& batch, View<const Route> routes) {
-        const auto ray_count = static_cast<std::uint32_t>(batch.rays.size());
+        const Count ray_count = count_of(batch.rays);
         counts_.resize(ray_count);
         batch.meetings.resize(ray_count);
         executor_.for_each("test_inside", ray_count,
@@ -277,9 +278,8 @@ private:
     }
 
     void generate_own_rays(View<const BodyView> bodies) {
-        const auto count = static_cast<std::uint32_t>(batch_.candidates.size());
+        const Count count = count_of(batch_.candidates);
         own_rays_.resize(count);
-        own_hits_.resize(count);
         starts_inside_.resize(count);
         executor_.for_each("generate_own_rays", count,
                            stages::GenerateOwnRays{bodies, view_of(pairs_), edges_.chords(), view_of(batch_.rays),
@@ -289,21 +289,21 @@ private:
 
     // Stage 9, second half. R2 and R3: which of them are contacts.
     void test_own_exit(View<const BodyView> bodies) {
-        batch_.keep.resize(batch_.candidates.size());
+        batch_.keep.resize(count_of(batch_.candidates));
         executor_.for_each(
-            "test_own_exit", static_cast<std::uint32_t>(batch_.candidates.size()),
+            "test_own_exit", count_of(batch_.candidates),
             stages::TestOwnExit{bodies, view_of(batch_.rays), view_of(batch_.meetings), view_of(batch_.candidates),
                                 view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(batch_.keep)});
     }
 
     /// Contacts for pairs that overlap and have none.
     void separation(const Scene& scene) {
-        const auto before = static_cast<std::uint32_t>(batch_.rays.size());
+        const std::uint32_t before = count_of(batch_.rays);
         if (separation_.cast(scene, view_of(pairs_), view_of(directed_), edges_.chords(), batch_, routes_) == 0) return;
         // What was a candidate so far stays one; of the new rays, those that start inside are contacts.
-        const auto count = static_cast<std::uint32_t>(batch_.rays.size()) - before;
+        const std::uint32_t count = count_of(batch_.rays) - before;
         counts_.resize(count);
-        batch_.meetings.resize(batch_.rays.size());
+        batch_.meetings.resize(count_of(batch_.rays));
         executor_.for_each("test_separation", count,
                            stages::TestInside{scene.bodies,
                                               {batch_.rays.data() + before, count},
@@ -312,17 +312,17 @@ private:
                                               view_of(counts_),
                                               {batch_.meetings.data() + before, count}});
         tools_.list("separated", count, stages::IsInside{view_of(counts_)}, values_);
-        const auto candidates = batch_.candidates.size();
-        batch_.candidates.resize(candidates + values_.size());
-        batch_.keep.resize(candidates + values_.size());
-        executor_.for_each("keep_separated", static_cast<std::uint32_t>(values_.size()),
-                           stages::KeepSeparated{view_of(values_), before, static_cast<std::uint32_t>(candidates),
-                                                 view_of(batch_.candidates), view_of(batch_.keep)});
+        const std::uint32_t candidates = count_of(batch_.candidates), added = count_of(values_);
+        batch_.candidates.resize(candidates + added);
+        batch_.keep.resize(candidates + added);
+        executor_.for_each(
+            "keep_separated", added,
+            stages::KeepSeparated{view_of(values_), before, candidates, view_of(batch_.candidates), view_of(batch_.keep)});
     }
 
     /// Contacts move to the closest point of the target's surface nearby.
     void reproject(const Scene& scene) {
-        const auto count = static_cast<std::uint32_t>(batch_.candidates.size());
+        const Count count = count_of(batch_.candidates);
         aimed_.resize(count);
         accepted_.resize(count);
         executor_.for_each(
@@ -330,26 +330,26 @@ private:
             stages::AimAtClosest{scene.bodies, view_of(batch_.rays), view_of(batch_.sources), view_of(batch_.hits),
                                  view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
                                  view_of(aimed_.rays), view_of(aimed_.sources), view_of(accepted_)});
-        tools_.update(scene.bodies, view_of(aimed_.rays));
-        tracer_.closest_hits(executor_, "trace_aimed", scene.bodies, view_of(aimed_.rays), view_of(aimed_.hits));
+        tools_.update(scene.bodies, aimed_.rays);
+        tools_.trace("trace_aimed", scene.bodies, aimed_.rays, aimed_.hits);
         test_inside(scene.bodies, aimed_, {});
-        executor_.for_each("accept_aimed", static_cast<std::uint32_t>(aimed_.candidates.size()),
+        executor_.for_each("accept_aimed", count_of(aimed_.candidates),
                            stages::AcceptAimed{view_of(batch_.meetings), view_of(aimed_.meetings),
                                                view_of(batch_.candidates), view_of(aimed_.candidates), view_of(accepted_)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order.
     void contacts(const Scene& scene) {
-        const std::uint32_t total = tools_.place("contact_scan", batch_.keep, offsets_);
+        const Count total = tools_.place("contact_scan", batch_.keep, offsets_);
         contact_keys_.resize(total);
         order_.resize(total);
         ages_.resize(total);
         contacts_.resize(total);
         executor_.for_each(
-            "key_contacts", static_cast<std::uint32_t>(batch_.candidates.size()),
+            "key_contacts", count_of(batch_.candidates),
             stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates), view_of(batch_.keep),
                                 view_of(offsets_), view_of(contact_keys_), view_of(order_)});
-        executor_.sort("contact_sort", view_of(contact_keys_), view_of(order_));
+        executor_.sort("contact_sort", total, view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
@@ -360,7 +360,7 @@ private:
 
     // Stage 11. What the next step needs to know.
     void remember(const Scene& scene) {
-        const auto full = static_cast<std::uint32_t>(full_slots_.size());
+        const Count full = count_of(full_slots_);
         executor_.for_each("remember", full,
                            stages::Remember{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
                                             scene.plan->temporal, view_of(batch_.hits), view_of(batch_.meetings),
@@ -368,20 +368,19 @@ private:
         uncertain_.clear();
         if (scene.plan->temporal != Temporal::certified) return;
 
-        const std::uint32_t uncertain =
+        const Count uncertain =
             tools_.list("uncertain_list", full,
                         stages::IsUncertain{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
                                             view_of(batch_.hits), view_of(full_slots_), view_of(records_)},
                         uncertain_);
         full_rays_.resize(uncertain);
-        full_hits_.resize(uncertain);
         distances_.resize(uncertain);
         executor_.for_each("prolong_rays", uncertain,
                            stages::ProlongRay{scene.bodies, view_of(batch_.rays), view_of(full_slots_), view_of(uncertain_),
                                               view_of(full_rays_)});
-        tools_.update(scene.bodies, view_of(full_rays_));
-        tracer_.closest_hits(executor_, "prove", scene.bodies, view_of(full_rays_), view_of(full_hits_));
-        tracer_.distances(executor_, "distances", scene.bodies, view_of(full_rays_), view_of(distances_));
+        tools_.update(scene.bodies, full_rays_);
+        tools_.trace("prove", scene.bodies, full_rays_, full_hits_);
+        tracer_.distances(executor_, "distances", scene.bodies, uncertain, view_of(full_rays_), view_of(distances_));
         executor_.for_each("certify", uncertain,
                            stages::Certify{scene.bodies, view_of(directed_), view_of(batch_.sources), view_of(full_slots_),
                                            view_of(uncertain_), view_of(full_rays_), view_of(full_hits_),
@@ -389,48 +388,50 @@ private:
     }
 
     // Stage 12. What the step did; sums in contact order.
-    void count(const TracerCounts& before, const Plan& plan, StepStats& stats) const {
-        const TracerCounts after = tracer_.counts();
-        stats.pairs = static_cast<std::uint32_t>(pairs_.size());
-        const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
-        stats.rays = static_cast<std::uint32_t>(remembers ? full_slots_.size() : batch_.rays.size());
-        for (const Ray& ray : own_rays_) stats.own_rays += ray.t_max >= 0;
-        if (complete) {
-            stats.edges = edges_.segments().size;
+    void count(const Plan& plan) {
+        executor_.reduce("count_contacts", count_of(contacts_), stages::CountContact{view_of(contacts_)}, contact_sums_);
+        executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, hit_sum_);
+        executor_.reduce("count_own_rays", count_of(own_rays_), stages::CountTraced{view_of(own_rays_)}, own_ray_sum_);
+        if (plan.temporal == Temporal::off) return;
+        executor_.reduce("count_walks", count_of(walk_counts_), stages::CountWalk{view_of(walk_counts_)}, walk_sums_);
+        executor_.reduce("count_skipped", count_of(routes_), stages::CountSkipped{view_of(routes_)}, skipped_sum_);
+        executor_.reduce("count_predicted", count_of(records_), stages::CountPredicted{view_of(records_)}, predicted_sum_);
+        executor_.reduce("count_full_passes", count_of(memory_), stages::CountFullPass{view_of(memory_)}, full_pass_sum_);
+    }
+
+    void report(const TracerCounts& before, const Plan& plan, StepStats& stats) const {
+        const bool remembers = plan.temporal != Temporal::off;
+        stats.pairs = executor_.number(count_of(pairs_));
+        stats.rays = executor_.number(count_of(remembers ? full_rays_ : batch_.rays));
+        stats.contacts = executor_.number(count_of(contacts_));
+        stats.hits = executor_.read(hit_sum_);
+        stats.own_rays = executor_.read(own_ray_sum_);
+        if (plan.coverage == Coverage::complete) {
+            stats.edges = executor_.number(count_of(edges_.segments()));
             stats.chords = edges_.chords().size;
             stats.inside_tests = separation_.inside_tests();
             stats.separated_pairs = separation_.deep_pairs();
         }
-        stats.contacts = static_cast<std::uint32_t>(contacts_.size());
+        const TracerCounts after = tracer_.counts(executor_);
         stats.refits = static_cast<std::uint32_t>(after.refits - before.refits);
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);
         stats.triangle_tests = after.triangle_tests - before.triangle_tests;
-        for (const Hit& hit : batch_.hits) stats.hits += hit.triangle != no_triangle && !hit.predicted;
-        if (remembers) count_remembered(plan.temporal, stats);
-        double sum = 0;
-        for (std::size_t i = 0; i < contacts_.size(); ++i) {
-            const Contact& c = contacts_[i];
-            stats.touching_pairs += i == 0 || contacts_[i - 1].a != c.a || contacts_[i - 1].b != c.b;
-            sum += c.penetration_depth();
-            stats.edge_contacts += c.is_edge();
-            stats.reprojected += c.reprojected;
-            stats.penetration_max = max_of(c.penetration_depth(), stats.penetration_max);
-        }
-        if (!contacts_.empty()) stats.penetration_mean = sum / static_cast<double>(contacts_.size());
-    }
-
-    void count_remembered(Temporal temporal, StepStats& stats) const {
-        stats.walks = static_cast<std::uint32_t>(walk_slots_.size());
-        for (const stages::WalkCount& walk : walk_counts_) {
-            stats.walk_steps += walk.steps;
-            stats.lost_walks += walk.lost;
-        }
-        if (temporal == Temporal::certified)
-            for (Route route : routes_) stats.certified += route == Route::skip;
-        for (const VertexRecord& record : records_) stats.predictions += record.predicted;
-        for (const PairMemory& memory : memory_) stats.full_passes += memory.pass == Pass::full;
-        for (const Contact& c : contacts_) stats.predictions_true += c.found == Found::prediction;
-        stats.proofs = static_cast<std::uint32_t>(uncertain_.size());
+        const stages::ContactSums contacts = executor_.read(contact_sums_);
+        stats.touching_pairs = contacts.touching_pairs;
+        stats.edge_contacts = contacts.edges;
+        stats.reprojected = contacts.reprojected;
+        stats.predictions_true = contacts.predictions_true;
+        stats.penetration_max = contacts.depth_max;
+        if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
+        if (!remembers) return;
+        const stages::WalkSums walks = executor_.read(walk_sums_);
+        stats.walks = executor_.number(count_of(walk_slots_));
+        stats.walk_steps = walks.steps;
+        stats.lost_walks = walks.lost;
+        if (plan.temporal == Temporal::certified) stats.certified = executor_.read(skipped_sum_);
+        stats.predictions = executor_.read(predicted_sum_);
+        stats.full_passes = executor_.read(full_pass_sum_);
+        stats.proofs = executor_.number(count_of(uncertain_));
     }
 
     E& executor_;
@@ -458,6 +459,9 @@ private:
     Buffer<stages::WalkCount> walk_counts_;
     Buffer<double> distances_;
     Buffer<Contact> contacts_;
+    Sum<stages::ContactSums> contact_sums_;
+    Sum<stages::WalkSums> walk_sums_;
+    Sum<std::uint32_t> hit_sum_, own_ray_sum_, skipped_sum_, predicted_sum_, full_pass_sum_;
 
     // What steps remember, and last step's.
     Buffer<stages::SeenBody> seen_bodies_;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "pierce/core/config.hpp"
 #include "pierce/core/constants.hpp"
 
 namespace pierce {
@@ -12,10 +13,10 @@ namespace pierce {
 class RefitPolicy {
 public:
     /// A tree was built or rebuilt.
-    void restart() { *this = {}; }
+    PIERCE_HD void restart() { *this = {}; }
 
     /// Rays were traced through the tree and needed this many triangle tests.
-    void record(std::uint64_t rays, std::uint64_t tests) {
+    PIERCE_HD void record(std::uint64_t rays, std::uint64_t tests) {
         if (baseline_rays_ < constants::rebuild_baseline_rays) {
             baseline_rays_ += rays;
             baseline_tests_ += tests;
@@ -26,7 +27,7 @@ public:
         if (excess_ < 0) excess_ = 0;
     }
 
-    bool should_rebuild(std::uint32_t triangle_count) const {
+    PIERCE_HD bool should_rebuild(std::uint32_t triangle_count) const {
         return excess_ > constants::rebuild_cost * static_cast<double>(triangle_count);
     }
 

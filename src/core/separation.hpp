@@ -76,9 +76,9 @@ public:
         executor_.for_each("generate_stranded_rays", stranded, stages::GenerateStrandedRays{out, view_of(from_)});
         executor_.for_each("generate_contained_rays", contained,
                            stages::GenerateContainedRays{out, {from_.data() + stranded, contained}, stranded});
-        const View<const Ray> rays{batch.rays.data() + begin, added};
-        tools_.update(scene.bodies, rays);
-        tools_.tracer.closest_hits(executor_, "trace_separation", scene.bodies, rays, {batch.hits.data() + begin, added});
+        tools_.update(scene.bodies, added, {batch.rays.data() + begin, added});
+        tools_.tracer.closest_hits(executor_, "trace_separation", scene.bodies, added, {batch.rays.data() + begin, added},
+                                   {batch.hits.data() + begin, added});
         return added;
     }
 
@@ -96,17 +96,14 @@ private:
         const std::uint32_t count = tools_.place("part_scan", counts_, offsets_);
         part_rays_.resize(count);
         part_sources_.resize(count);
-        part_hits_.resize(count);
         executor_.for_each("generate_part_rays", directed.size,
                            stages::GeneratePartRays{scene.bodies, directed, view_of(counts_), view_of(offsets_),
                                                     view_of(part_rays_), view_of(part_sources_)});
-        inside_tests_ = 0;
-        for (const Ray& ray : part_rays_) inside_tests_ += ray.t_max >= 0;
+        inside_tests_ = tools_.list("parts_asked", count, stages::IsTraced{view_of(part_rays_)}, contained_);
         contained_.clear();
         if (inside_tests_ == 0) return;
-        tools_.update(scene.bodies, view_of(std::as_const(part_rays_)));
-        tools_.tracer.closest_hits(executor_, "trace_parts", scene.bodies, view_of(std::as_const(part_rays_)),
-                                   view_of(part_hits_));
+        tools_.update(scene.bodies, part_rays_);
+        tools_.trace("trace_parts", scene.bodies, part_rays_, part_hits_);
         tools_.list("contained", count, stages::LeavesTarget{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
                     contained_);
     }

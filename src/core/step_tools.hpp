@@ -37,29 +37,38 @@ class StepTools {
 public:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
+    using Count = typename E::Count;
 
     StepTools(E& its_executor, T& its_tracer) : executor(its_executor), tracer(its_tracer) {}
 
     /// Turns per-item counts into places to write to; returns how many there are in all.
-    std::uint32_t place(const char* name, const Buffer<std::uint32_t>& counts, Buffer<std::uint32_t>& offsets) {
-        offsets.resize(counts.size());
-        return executor.exclusive_scan(name, view_of(counts), view_of(offsets));
+    Count place(const char* name, const Buffer<std::uint32_t>& counts, Buffer<std::uint32_t>& offsets) {
+        offsets.resize(count_of(counts));
+        return executor.exclusive_scan(name, count_of(counts), view_of(counts), view_of(offsets));
     }
 
     /// Lists the items that are wanted; returns how many there are.
     template <class F>
-    std::uint32_t list(const char* name, std::size_t count, const F& wanted, Buffer<std::uint32_t>& items) {
+    Count list(const char* name, Count count, const F& wanted, Buffer<std::uint32_t>& items) {
         items.resize(count);
-        const std::uint32_t found = executor.select(name, static_cast<std::uint32_t>(count), wanted, view_of(items));
+        const Count found = executor.select(name, count, wanted, view_of(items));
         items.resize(found);
         return found;
     }
 
     /// Stage 7. Trees of the bodies these rays are aimed at, and of no others.
-    void update(View<const BodyView> bodies, View<const Ray> rays) {
+    void update(View<const BodyView> bodies, const Buffer<Ray>& rays) { update(bodies, count_of(rays), view_of(rays)); }
+
+    void update(View<const BodyView> bodies, Count count, View<const Ray> rays) {
         wanted_.assign(bodies.size, 0);
-        for (const Ray& ray : rays) wanted_[ray.target] |= static_cast<std::uint32_t>(ray.t_max >= 0);
-        tracer.update(executor, bodies, view_of(wanted_));
+        executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
+        tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
+    }
+
+    /// The triangle each ray crosses first.
+    void trace(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<Hit>& hits) {
+        hits.resize(count_of(rays));
+        tracer.closest_hits(executor, name, bodies, count_of(rays), view_of(rays), view_of(hits));
     }
 
     E& executor;

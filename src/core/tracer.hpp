@@ -41,12 +41,12 @@ PIERCE_HD Hit hit_or_prediction(const Ray& ray, const Surface& surface, First fi
 /// BruteForceTracer for every ray whose origin lies within the target's box, grown by a few touch tolerances.
 template <class T, class E>
 concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies, View<const std::uint32_t> wanted,
-                          View<const Ray> rays, View<Hit> hits, View<double> distances) {
+                          typename E::Count count, View<const Ray> rays, View<Hit> hits, View<double> distances) {
     tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit their positions
-    tracer.closest_hits(executor, "trace", bodies, rays, hits);
+    tracer.closest_hits(executor, "trace", bodies, count, rays, hits);
     // Distance from each ray's origin to its target's surface, distance_limit(target) at most.
-    tracer.distances(executor, "distance", bodies, rays, distances);
-    { tracer.counts() } -> std::convertible_to<TracerCounts>;
+    tracer.distances(executor, "distance", bodies, count, rays, distances);
+    { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };
 
 }  // namespace pierce

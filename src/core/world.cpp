@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pierce/core/brute_force_tracer.hpp"
+#include "pierce/core/bvh/bvh_tracer.hpp"
 #include "pierce/core/world_state.hpp"
 
 namespace pierce {
@@ -231,6 +232,11 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<cons
 std::unique_ptr<Backend> reference_backend() {
     return std::make_unique<PipelineBackend<SerialExecutor, BruteForceTracer>>(
         "reference, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BruteForceTracer>());
+}
+
+std::unique_ptr<Backend> bvh_backend() {
+    return std::make_unique<PipelineBackend<SerialExecutor, BvhTracer<SerialExecutor>>>(
+        "bvh, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BvhTracer<SerialExecutor>>());
 }
 
 }  // namespace pierce

@@ -133,12 +133,12 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
     s.check();
 }
 
-void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
-                                View<Hit> hits) {
+void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
+                                View<const Ray> rays, View<Hit> hits) {
     State& s = *state_;
     if (s.many_trees) s.sort_by_target(bodies.size, rays);
     s.tests.assign(rays.size, 0);
-    executor.for_each(name, rays.size, [&](std::uint32_t k) {
+    executor.for_each(name, count, [&](std::uint32_t k) {
         const std::uint32_t i = s.many_trees ? s.order[k] : k;
         const Ray& ray = rays[i];
         hits[i] = {};
@@ -158,15 +158,15 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<co
     }
 }
 
-void EmbreeTracer::distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
-                             View<double> found) {
+void EmbreeTracer::distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
+                             View<const Ray> rays, View<double> found) {
     State& s = *state_;
-    executor.for_each(name, rays.size, [&](std::uint32_t i) {
+    executor.for_each(name, count, [&](std::uint32_t i) {
         const std::uint32_t target = rays[i].target;
         found[i] = s.trees[target]->distance(rays[i].origin, distance_limit(bodies[target]));
     });
 }
 
-TracerCounts EmbreeTracer::counts() const { return state_->counts; }
+TracerCounts EmbreeTracer::counts(const TbbExecutor&) const { return state_->counts; }
 
 }  // namespace pierce

@@ -19,11 +19,11 @@ public:
     ~EmbreeTracer();
 
     void update(TbbExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted);
-    void closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
-                      View<Hit> hits);
-    void distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, View<const Ray> rays,
-                   View<double> found);
-    TracerCounts counts() const;
+    void closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
+                      View<const Ray> rays, View<Hit> hits);
+    void distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
+                   View<const Ray> rays, View<double> found);
+    TracerCounts counts(const TbbExecutor&) const;
 
 private:
     struct State;

@@ -36,8 +36,12 @@ private:
 /// answer is the same for any number of threads.
 class TbbExecutor {
 public:
+    using Count = std::uint32_t;
     template <class T>
     using Buffer = HostBuffer<T>;
+    template <class T>
+    using Sum = T;
+    static constexpr bool runs_on_host = true;
 
     explicit TbbExecutor(int threads) : arena_(threads) {}
 
@@ -67,8 +71,8 @@ public:
     }
 
     /// Serial: adding up a step's counts takes microseconds.
-    std::uint32_t exclusive_scan(const char* name, View<const std::uint32_t> in, View<std::uint32_t> out) {
-        return serial_.exclusive_scan(name, in, out);
+    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+        return serial_.exclusive_scan(name, n, in, out);
     }
 
     /// Serial: one or two nanoseconds an item.
@@ -78,7 +82,32 @@ public:
     }
 
     /// Serial too: keys are few.
-    void sort(const char* name, View<std::uint64_t> keys, View<std::uint32_t> values) { serial_.sort(name, keys, values); }
+    void sort(const char* name, std::uint32_t n, View<std::uint64_t> keys, View<std::uint32_t> values) {
+        serial_.sort(name, n, keys, values);
+    }
+
+    /// Serial, so that sums of floating-point numbers do not depend on the number of threads.
+    template <class F, class T>
+    void reduce(const char* name, std::uint32_t n, const F& term, T& sum) {
+        serial_.reduce(name, n, term, sum);
+    }
+
+    template <class T>
+    T read(const T& sum) const {
+        return sum;
+    }
+
+    std::uint32_t number(std::uint32_t count) const { return count; }
+
+    template <class T>
+    T first(const HostBuffer<T>& buffer) const {
+        return buffer[0];
+    }
+
+    template <class T>
+    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
+        serial_.upload(items, buffer);
+    }
 
 private:
     // Items per task at least; smaller tasks cost more than they balance.

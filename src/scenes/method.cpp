@@ -17,7 +17,8 @@ Method method_named(const std::string& name) {
 std::unique_ptr<Backend> make_backend(const RaySettings& settings) {
     if (settings.backend == "embree") return embree_backend(settings.threads);
     if (settings.backend == "reference") return reference_backend();
-    throw InputError("unknown backend '" + settings.backend + "'; there are: embree, reference");
+    if (settings.backend == "bvh") return bvh_backend();
+    throw InputError("unknown backend '" + settings.backend + "'; there are: embree, reference, bvh");
 }
 
 }  // namespace pierce::scenes

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 
+#include "pierce/core/atomics.hpp"
+#include "pierce/core/ray.hpp"
 #include "pierce/core/view.hpp"
 
-/// Moving listed items together and back.
+/// Moving listed items together and back, and what all kinds of rays share.
 namespace pierce::stages {
 
 /// Per place of a list: copies the item it names.
@@ -29,6 +31,25 @@ struct Scatter {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const { items[places[i]] = gathered[i]; }
+};
+
+/// Per ray: marks its target, if it is to be traced at all.
+struct MarkWanted {
+    View<const Ray> rays;
+    View<std::uint32_t> wanted;  ///< per body
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (rays[i].t_max >= 0) atomic_mark(wanted[rays[i].target]);
+    }
+};
+
+/// Tells rays that are traced from those that hit nothing by definition.
+struct IsTraced {
+    View<const Ray> rays;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return rays[i].t_max >= 0; }
 };
 
 }  // namespace pierce::stages

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+
+#include "pierce/core/config.hpp"
+
+/// The few atomic operations that items of a stage need, on host and device; on integers only, so that the order of items
+/// reaches no result. What a thread wrote before one of 32 bits is seen by whoever reads its result.
+namespace pierce {
+
+/// Adds, and returns what was there before.
+PIERCE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    __threadfence();
+    const std::uint32_t before = atomicAdd(&target, value);
+    __threadfence();
+    return before;
+#else
+    return __atomic_fetch_add(&target, value, __ATOMIC_ACQ_REL);
+#endif
+}
+
+PIERCE_HD inline std::uint64_t atomic_add(std::uint64_t& target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+    static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+    return atomicAdd(reinterpret_cast<unsigned long long*>(&target), value);
+#else
+    return __atomic_fetch_add(&target, value, __ATOMIC_ACQ_REL);
+#endif
+}
+
+/// Writes, and returns what was there before.
+PIERCE_HD inline std::uint32_t atomic_exchange(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    __threadfence();
+    const std::uint32_t before = atomicExch(&target, value);
+    __threadfence();
+    return before;
+#else
+    return __atomic_exchange_n(&target, value, __ATOMIC_ACQ_REL);
+#endif
+}
+
+/// Writes 1; any number of items may do so.
+PIERCE_HD inline void atomic_mark(std::uint32_t& target) {
+#if defined(__CUDA_ARCH__)
+    *static_cast<volatile std::uint32_t*>(&target) = 1;
+#else
+    __atomic_store_n(&target, 1u, __ATOMIC_RELAXED);
+#endif
+}
+
+}  // namespace pierce

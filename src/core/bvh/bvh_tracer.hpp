@@ -1,0 +1,159 @@
+#pragma once
+
+#include <utility>
+
+#include "pierce/core/bvh/forest_builder.hpp"
+#include "pierce/core/bvh/forest_plan.hpp"
+#include "pierce/core/bvh/refit.hpp"
+#include "pierce/core/bvh/traversal.hpp"
+#include "pierce/core/bvh/tree_work.hpp"
+#include "pierce/core/tracer.hpp"
+
+namespace pierce {
+namespace bvh {
+
+/// Per ray: its hit; and what that cost its tree, if it moves.
+struct Trace {
+    View<const BodyView> bodies;
+    Forest forest;
+    View<const Ray> rays;
+    View<Hit> hits;
+    View<TreeWork> work;  ///< per tree
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Ray ray = rays[i];
+        hits[i] = {};
+        if (!(ray.t_max >= 0)) return;
+        const BodyView& body = bodies[ray.target];
+        const Surface surface = body.surface();
+        const std::uint32_t t = forest.tree_of_body[ray.target];
+        const Tree& tree = forest.trees[t];
+        std::uint32_t tests = 0;
+        hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
+            const BoxRay box_ray(r, positions_box(body));
+            return first_crossing(r, surface,
+                                  [&](CrossingSearch& search) { tests += show_near(forest, tree, box_ray, search); });
+        });
+        if (!tree.moves) return;
+        atomic_add(work[t].rays, 1);
+        atomic_add(work[t].tests, tests);
+    }
+};
+
+/// Per ray: the distance of its origin to its target's surface.
+struct Distance {
+    View<const BodyView> bodies;
+    Forest forest;
+    View<const Ray> rays;
+    View<double> distances;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BodyView& body = bodies[rays[i].target];
+        distances[i] = distance(forest, forest.trees[forest.tree_of_body[rays[i].target]], body.surface(), rays[i].origin,
+                                distance_limit(body));
+    }
+};
+
+}  // namespace bvh
+
+/// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming body, all built in one set
+/// of launches. Deforming bodies' trees are refitted when their positions have changed and somebody asks; all are rebuilt
+/// when bodies come or go and when RefitPolicy finds one that has decayed.
+template <Executor E>
+class BvhTracer {
+public:
+    using Count = typename E::Count;
+
+    /// Which trees there must be. `bodies` as the host sees them.
+    void arrange(E& executor, View<const BodyView> bodies) {
+        if (!plan_.arrange(bodies)) return;
+        executor.upload(plan_.trees(), trees_);
+        executor.upload(plan_.tree_of_body(), tree_of_body_);
+        executor.upload(plan_.tree_of_leaf(), tree_of_leaf_);
+        nodes_.resize(plan_.leaf_count());
+        leaf_places_.resize(plan_.leaf_count());
+        visits_.resize(plan_.leaf_count());
+        stale_ = true;
+    }
+
+    /// Trees of bodies with wanted[body] != 0 fit their positions.
+    void update(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+        if constexpr (E::runs_on_host) {
+            arrange(executor, bodies);
+            look_for_decay(executor);
+        }
+        if (stale_) return build(executor, bodies);
+        executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
+        executor.for_each("mark_fitted", tree_count(), bvh::MarkFitted{bodies, wanted, forest(), view_of(total_)});
+    }
+
+    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
+                      View<Hit> hits) {
+        executor.for_each(name, count, bvh::Trace{bodies, forest(), rays, hits, view_of(work_)});
+        executor.for_each("judge_trees", tree_count(),
+                          bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
+    }
+
+    void distances(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
+                   View<double> distances) {
+        executor.for_each(name, count, bvh::Distance{bodies, forest(), rays, distances});
+    }
+
+    /// Has the next update build all trees if one of them has decayed.
+    void look_for_decay(const E& executor) {
+        if (total_.empty()) return;
+        const std::uint32_t decayed = executor.first(total_).decayed;
+        stale_ = stale_ || decayed != counts_.rebuilds;
+        counts_.rebuilds = decayed;
+    }
+
+    /// True if the next update builds trees.
+    bool is_stale() const { return stale_; }
+
+    TracerCounts counts(const E& executor) const {
+        TracerCounts counts = counts_;
+        if (total_.empty()) return counts;
+        const bvh::ForestWork total = executor.first(total_);
+        counts.refits = total.refits;
+        counts.triangle_tests = total.tests;
+        return counts;
+    }
+
+private:
+    template <class T>
+    using Buffer = typename E::template Buffer<T>;
+
+    std::uint32_t tree_count() const { return static_cast<std::uint32_t>(plan_.trees().size()); }
+
+    bvh::Forest forest() {
+        return {view_of(trees_),
+                view_of(std::as_const(tree_of_body_)),
+                view_of(std::as_const(tree_of_leaf_)),
+                view_of(nodes_),
+                view_of(leaf_places_),
+                view_of(visits_)};
+    }
+
+    void build(E& executor, View<const BodyView> bodies) {
+        builder_.build(executor, bodies, forest());
+        executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
+        work_.assign(tree_count(), {});
+        if (total_.empty()) total_.assign(1, {});
+        counts_.builds += tree_count();
+        stale_ = false;
+    }
+
+    bvh::ForestPlan plan_;
+    bvh::ForestBuilder<E> builder_;
+    bool stale_ = false;
+    TracerCounts counts_;
+    Buffer<bvh::Tree> trees_;
+    Buffer<std::uint32_t> tree_of_body_, tree_of_leaf_;
+    Buffer<bvh::Node> nodes_;
+    Buffer<bvh::Place> leaf_places_;
+    Buffer<std::uint32_t> visits_;
+    Buffer<bvh::TreeWork> work_;
+    Buffer<bvh::ForestWork> total_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,126 @@
+#pragma once
+
+#include "pierce/core/bvh/forest.hpp"
+#include "pierce/core/first_crossing.hpp"
+
+namespace pierce::bvh {
+
+/// A ray in float32, for boxes. Boxes are grown by constants::slab_margin of the largest coordinate, which covers all that
+/// rounding does to the slab test: no box is missed that the exact ray meets.
+class BoxRay {
+public:
+    PIERCE_HD BoxRay(const Ray& ray, const Box& around) {
+        double largest = around.max_coordinate();
+        for (int k = 0; k < 3; ++k) largest = max_of(std::fabs(ray.origin[k]), largest);
+        margin_ = constants::slab_margin * largest;
+        for (int k = 0; k < 3; ++k) {
+            low_[k] = round_up(ray.origin[k] + margin_);
+            high_[k] = round_down(ray.origin[k] - margin_);
+            // The reciprocal of a direction that is nearly zero stays finite, so that zero times it is not NaN.
+            const float d = static_cast<float>(ray.direction[k]);
+            inverse_[k] = std::fabs(d) > smallest ? 1.0f / d : std::copysign(1.0f / smallest, d);
+        }
+    }
+
+    PIERCE_HD double margin() const { return margin_; }
+
+    /// Where the ray enters the box, if it is inside somewhere between `begin` and `end`; else infinity.
+    PIERCE_HD float enter(const BoxF& box, float begin, float end) const {
+        float near = begin, far = end;
+        clip(0, box.lower.x, box.upper.x, near, far);
+        clip(1, box.lower.y, box.upper.y, near, far);
+        clip(2, box.lower.z, box.upper.z, near, far);
+        return near <= far ? near : INFINITY;
+    }
+
+private:
+    static constexpr float smallest = 0x1p-126f;
+
+    PIERCE_HD void clip(int k, float lower, float upper, float& near, float& far) const {
+        const float a = (lower - low_[k]) * inverse_[k], b = (upper - high_[k]) * inverse_[k];
+        near = max_of(min_of(a, b), near);
+        far = min_of(max_of(a, b), far);
+    }
+
+    double margin_ = 0;
+    float low_[3], high_[3], inverse_[3];
+};
+
+/// A stack of tree items. A binary tree over Morton codes is no deeper than the code has bits, 64, and the bits of a tie,
+/// 32; but a restructured tree may be.
+class ItemStack {
+public:
+    PIERCE_HD bool empty() const { return size_ == 0; }
+    PIERCE_HD bool full() const { return size_ == capacity; }
+    PIERCE_HD void push(Item item) { items_[size_++] = item; }
+    PIERCE_HD Item pop() { return items_[--size_]; }
+
+private:
+    static constexpr std::uint32_t capacity = constants::traversal_stack;
+    Item items_[capacity];
+    std::uint32_t size_ = 0;
+};
+
+/// Shows a search all triangles its ray may meet, near ones first; returns how many. A tree that is deeper than the stack
+/// shows all it has from there.
+PIERCE_HD inline std::uint32_t show_near(const Forest& forest, const Tree& tree, const BoxRay& ray, CrossingSearch& search) {
+    std::uint32_t tests = 0;
+    const float begin = round_down(search.begin() - ray.margin());
+    float end = round_up(search.limit() + ray.margin());
+    ItemStack stack;
+    Item item = tree.root;
+    while (true) {
+        if (item.is_leaf()) {
+            search.test(item.index());
+            ++tests;
+            end = round_up(search.limit() + ray.margin());
+            if (stack.empty()) return tests;
+            item = stack.pop();
+            continue;
+        }
+        const Node& node = forest.nodes[item.index()];
+        const float t0 = ray.enter(node.box[0], begin, end), t1 = ray.enter(node.box[1], begin, end);
+        const std::uint32_t first = t1 < t0 ? 1 : 0;
+        const float nearer = first ? t1 : t0, other = first ? t0 : t1;
+        if (!(nearer < INFINITY)) {
+            if (stack.empty()) return tests;
+            item = stack.pop();
+            continue;
+        }
+        item = node.child[first];
+        if (other < INFINITY) {
+            if (stack.full()) {
+                for (std::uint32_t t = 0; t < tree.count; ++t) search.test(t);
+                return tests + tree.count;
+            }
+            stack.push(node.child[1 - first]);
+        }
+    }
+}
+
+/// The distance from a point to a tree's surface, `limit` at most.
+PIERCE_HD inline double distance(const Forest& forest, const Tree& tree, const Surface& surface, Vec3d p, double limit) {
+    double nearest = limit;
+    ItemStack stack;
+    Item item = tree.root;
+    while (true) {
+        if (item.is_leaf()) {
+            nearest = min_of(distance_to(p, surface, item.index()), nearest);
+        } else {
+            const Node& node = forest.nodes[item.index()];
+            for (int side = 0; side < 2; ++side) {
+                const Box box{to_double(node.box[side].lower), to_double(node.box[side].upper)};
+                if (!((1 - constants::double_rounding) * box.distance(p) < nearest)) continue;
+                if (stack.full()) {
+                    for (std::uint32_t t = 0; t < tree.count; ++t) nearest = min_of(distance_to(p, surface, t), nearest);
+                    return nearest;
+                }
+                stack.push(node.child[side]);
+            }
+        }
+        if (stack.empty()) return nearest;
+        item = stack.pop();
+    }
+}
+
+}  // namespace pierce::bvh

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "pierce/core/contact.hpp"
+#include "pierce/core/ray.hpp"
+#include "pierce/core/stages/walk.hpp"
+#include "pierce/core/temporal.hpp"
+
+/// Stage 12, stats: what the step did, added up. One term per item of a reduction.
+namespace pierce::stages {
+
+/// 1 for a ray that is traced.
+struct CountTraced {
+    View<const Ray> rays;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return rays[i].t_max >= 0; }
+};
+
+/// 1 for a ray that meets the other body.
+struct CountHit {
+    View<const Hit> hits;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return hits[i].triangle != no_triangle && !hits[i].predicted;
+    }
+};
+
+/// What contacts add up to.
+struct ContactSums {
+    std::uint32_t touching_pairs = 0, edges = 0, reprojected = 0, predictions_true = 0;
+    double depth = 0, depth_max = 0;  ///< [length]
+
+    PIERCE_HD friend ContactSums operator+(const ContactSums& a, const ContactSums& b) {
+        return {a.touching_pairs + b.touching_pairs,     a.edges + b.edges, a.reprojected + b.reprojected,
+                a.predictions_true + b.predictions_true, a.depth + b.depth, max_of(a.depth_max, b.depth_max)};
+    }
+};
+
+struct CountContact {
+    View<const Contact> contacts;
+
+    PIERCE_HD ContactSums operator()(std::uint32_t i) const {
+        const Contact& c = contacts[i];
+        const bool first = i == 0 || contacts[i - 1].a != c.a || contacts[i - 1].b != c.b;
+        return {
+            first, c.is_edge(), c.reprojected, c.found == Found::prediction, c.penetration_depth(), c.penetration_depth()};
+    }
+};
+
+/// What walks add up to.
+struct WalkSums {
+    std::uint32_t steps = 0, lost = 0;
+
+    PIERCE_HD friend WalkSums operator+(const WalkSums& a, const WalkSums& b) {
+        return {a.steps + b.steps, a.lost + b.lost};
+    }
+};
+
+struct CountWalk {
+    View<const WalkCount> walks;
+
+    PIERCE_HD WalkSums operator()(std::uint32_t i) const { return {walks[i].steps, walks[i].lost}; }
+};
+
+/// 1 for a vertex that needed no ray.
+struct CountSkipped {
+    View<const Route> routes;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return routes[i] == Route::skip; }
+};
+
+/// 1 for a vertex that is expected to enter the other body.
+struct CountPredicted {
+    View<const VertexRecord> records;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return records[i].predicted; }
+};
+
+/// 1 for a pair whose vertices were all looked at.
+struct CountFullPass {
+    View<const PairMemory> memory;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return memory[i].pass == Pass::full; }
+};
+
+}  // namespace pierce::stages
