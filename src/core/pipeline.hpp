@@ -109,6 +109,7 @@ private:
 
     /// This step's memory becomes last step's.
     void recall(const Scene& scene) {
+        std::swap(pair_keys_, last_pair_keys_);
         std::swap(identities_, last_identities_);
         std::swap(contact_keys_, last_contact_keys_);
         std::swap(ages_, last_ages_);
@@ -117,7 +118,7 @@ private:
         std::swap(patch_records_, last_patch_records_);
         std::swap(records_, last_records_);
         if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
-            seen_bodies_.resize(scene.bodies.size, stages::SeenBody{});
+            executor_.extend(seen_bodies_, scene.bodies.size, stages::SeenBody{});
         last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
                  view_of(std::as_const(last_records_))};
     }
@@ -166,18 +167,19 @@ private:
         counts_.resize(overlapping);
         executor_.for_each("test_pair", overlapping, stages::TestPair{bodies, view_of(box_keys_), view_of(counts_)});
         const Count total = tools_.place("pair_scan", counts_, offsets_);
-        keys_.resize(total);
+        pair_keys_.resize(total);
         values_.resize(total);
         pairs_.resize(total);
         identities_.resize(total);
         links_.resize(total);
+        executor_.for_each("keep_pair", overlapping,
+                           stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(pair_keys_),
+                                            view_of(values_)});
+        executor_.sort("pair_sort", total, view_of(pair_keys_), view_of(values_));
         executor_.for_each(
-            "keep_pair", overlapping,
-            stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_), view_of(values_)});
-        executor_.sort("pair_sort", total, view_of(keys_), view_of(values_));
-        executor_.for_each("link_pair", total,
-                           stages::LinkPair{bodies, scene.ids, view_of(keys_), view_of(last_identities_), view_of(pairs_),
-                                            view_of(identities_), view_of(links_)});
+            "link_pair", total,
+            stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
+                             view_of(pairs_), view_of(identities_), view_of(links_)});
     }
 
     // Stage 3. How far pairs have moved.
@@ -201,7 +203,7 @@ private:
                                               view_of(last_memory_), view_of(directed_), view_of(counts_)});
         const Count block_count = tools_.place("block_scan", counts_, offsets_);
         blocks_.resize(block_count);
-        block_records_.resize(temporal == Temporal::off ? 0 : block_count);
+        block_records_.resize(temporal == Temporal::off ? Count{} : block_count);
         block_offsets_.resize(directed_count);
         executor_.for_each("list_blocks", directed_count,
                            stages::ListBlocks{view_of(counts_), view_of(offsets_), view_of(blocks_), view_of(memory_),
@@ -233,8 +235,8 @@ private:
         batch_.rays.resize(total);
         batch_.sources.resize(total);
         batch_.hits.resize(total);
-        routes_.resize(remembers ? total : 0);
-        records_.resize(remembers ? total : 0);
+        routes_.resize(remembers ? total : Count{});
+        records_.resize(remembers ? total : Count{});
         executor_.for_each(
             "generate_rays", count_of(patches_),
             stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
@@ -442,7 +444,7 @@ private:
 
     Buffer<stages::Moments> moments_;
     Buffer<stages::ChunkBounds> chunk_bounds_;
-    Buffer<std::uint64_t> keys_, box_keys_, contact_keys_, last_contact_keys_;
+    Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
     Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;

@@ -137,8 +137,8 @@ private:
     void build(E& executor, View<const BodyView> bodies) {
         builder_.build(executor, bodies, forest());
         executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
-        work_.assign(tree_count(), {});
-        if (total_.empty()) total_.assign(1, {});
+        executor.assign(work_, tree_count(), bvh::TreeWork{});
+        if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
         counts_.builds += tree_count();
         stale_ = false;
     }
