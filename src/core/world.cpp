@@ -179,6 +179,7 @@ const Plan& World::plan() {
 std::string World::backend() const { return state_->backend->description(); }
 
 std::vector<World::BodyBox> World::body_boxes() const {
+    state_->backend->fetch_bodies(view_of(state_->views));
     std::vector<BodyBox> boxes;
     for (std::size_t i = 0; i < state_->views.size(); ++i)
         if (state_->views[i].active) boxes.push_back({state_->ids[i], state_->views[i].world_box});
@@ -187,6 +188,7 @@ std::vector<World::BodyBox> World::body_boxes() const {
 
 std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
     if (!state_->planned) throw InputError("cast_rays needs a detect() after bodies were added, removed or changed");
+    state_->backend->fetch_bodies(view_of(state_->views));
     const auto& views = state_->views;
     std::vector<Ray> rays;
     std::vector<std::size_t> line;

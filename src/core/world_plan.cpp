@@ -59,6 +59,7 @@ void World::State::find_own_exits(MeshEntry& entry, std::uint32_t index) {
 void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
+    plan.revision = next_key++;
     chunks.clear();
     ranges.clear();
     views.assign(slots.size(), {});
