@@ -65,7 +65,7 @@ void add_temporal(CLI::App& command, pierce::Settings& settings) {
 
 void add_detection(CLI::App& command, DetectionOptions& options) {
     command.add_option("--method", options.method, "rays, gjk-epa, gjk-hull or gimpact")->capture_default_str();
-    command.add_option("--backend", options.rays.backend, "embree or reference, for rays")->capture_default_str();
+    command.add_option("--backend", options.rays.backend, "automatic (cuda if it can run, else embree), embree, cuda, bvh or reference; for rays")->capture_default_str();
     command.add_option("--threads", options.rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
     add_coverage(command, options.rays.world);
@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
     DetectOptions detect_options;
     CLI::App* detect_command = app.add_subcommand("detect", "contacts of meshes as they stand in their files");
     detect_command->add_option("meshes", detect_options.meshes, "OBJ, PLY, STL or OFF files")->required()->expected(2, -1);
-    detect_command->add_option("--backend", detect_options.detection.rays.backend, "embree or reference")
+    detect_command->add_option("--backend", detect_options.detection.rays.backend, "automatic, embree, cuda, bvh or reference")
         ->capture_default_str();
     detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
         ->check(CLI::Range(1, 1024));

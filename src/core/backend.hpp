@@ -16,6 +16,10 @@ public:
 
     /// What it is and how it was made, for people: "embree 3.13.5, 2 threads".
     virtual std::string description() const = 0;
+    /// True if steps run where set_device_positions() keeps positions.
+    virtual bool runs_on_device() const { return false; }
+    /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is Temporal::off then.
+    virtual bool certificates_pay() const { return true; }
     virtual void step(const Scene& scene, StepStats& stats) = 0;
     /// Results of the last step; valid until the next one.
     virtual View<const Contact> contacts() const = 0;

@@ -36,7 +36,7 @@ public:
 
     /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(), once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
-        StageTimer time(stats);
+        StageTimer time(executor_, stats);
         const bool remembers = scene.plan->temporal != Temporal::off;
         const bool complete = scene.plan->coverage == Coverage::complete;
         recall(scene);

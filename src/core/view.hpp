@@ -18,10 +18,7 @@ struct View {
     PIERCE_HD T* begin() const { return data; }
     PIERCE_HD T* end() const { return data + size; }
     template <class Const>
-        requires std::is_same_v<Const, const T>
-    PIERCE_HD operator View<Const>() const {
-        return {data, size};
-    }
+    requires std::is_same_v<Const, const T> PIERCE_HD operator View<Const>() const { return {data, size}; }
 };
 
 /// The view of a contiguous container.

@@ -75,12 +75,12 @@ const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "m
 
 BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::fixed, pose, {}, {}, {}, {}, 0, true});
+    return state_->add({mesh, Motion::fixed, pose});
 }
 
 BodyId World::add_rigid_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::rigid, pose, {}, {}, {}, {}, 0, true});
+    return state_->add({mesh, Motion::rigid, pose});
 }
 
 BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) {
@@ -88,7 +88,9 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
     if (positions.empty()) positions = shape.positions();
     check_count(positions.size(), shape);
     check_finite("body of mesh '" + shape.name() + "'", positions);
-    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {}, {}, state_->next_key++, true};
+    BodyEntry body(mesh, Motion::deforming, {});
+    body.positions.assign(positions.begin(), positions.end());
+    body.positions_version = state_->next_key++;
     const BodyId id = state_->add(std::move(body));
     state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
     state_->rotations[id.index] = {};
@@ -127,8 +129,20 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
         throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
     check_count(positions.size(), state_->mesh_of(entry));
     std::ranges::copy(positions, entry.positions.begin());
+    entry.device_positions = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
+}
+
+void World::set_device_positions(BodyId body, const Vec3f* positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+    if (!state_->backend->runs_on_device())
+        throw InputError("positions in device memory need a backend that runs there, not '" + backend() + "'");
+    entry.device_positions = positions;
+    entry.positions_version = state_->next_key++;
+    entry.finite = true;
 }
 
 void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
@@ -139,6 +153,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     check_count(positions.size(), shape);
     entry.mesh = mesh;
     entry.positions.assign(positions.begin(), positions.end());
+    entry.device_positions = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
     state_->planned = false;

@@ -104,6 +104,9 @@ public:
         buffer.assign(count, value);
     }
 
+    /// Stages are over when their call is.
+    void settle() const {}
+
     /// Keeps the items that are there.
     template <class T>
     void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {

@@ -22,10 +22,17 @@ std::string device_name() {
 class CudaBackend : public Backend {
 public:
     explicit CudaBackend(CudaOptions options)
-        : options_(options), name_(device_name()), mirror_(executor_), pipeline_(executor_, tracer_) {}
-    ~CudaBackend() override { drop_graphs(); }
+        : options_(options), name_(device_name()), mirror_(executor_), pipeline_(executor_, tracer_) {
+        for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
+    }
+    ~CudaBackend() override {
+        drop_graphs();
+        for (cudaEvent_t event : events_) cudaEventDestroy(event);
+    }
 
     std::string description() const override { return "cuda, " + name_; }
+    bool runs_on_device() const override { return true; }
+    bool certificates_pay() const override { return false; }
 
     void step(const Scene& host, StepStats& stats) override {
         if (mirror_.update(host)) tracer_.arrange(executor_, host.bodies);
@@ -104,9 +111,18 @@ private:
             check(cudaGraphInstantiate(&graph, captured, 0), "a graph of a step");
             cudaGraphDestroy(captured);
         }
-        if (graph != nullptr) check(cudaGraphLaunch(graph, executor_.stream()), "launch of a step");
         stats.stages.clear();
-        if (executor_.finish()) return pipeline_.report(*mirror_.scene().plan, stats);
+        if (graph != nullptr) {
+            check(cudaEventRecord(events_[0], executor_.stream()), "an event");
+            check(cudaGraphLaunch(graph, executor_.stream()), "launch of a step");
+            check(cudaEventRecord(events_[1], executor_.stream()), "an event");
+        }
+        if (executor_.finish()) {
+            float milliseconds = 0;
+            if (graph != nullptr) check(cudaEventElapsedTime(&milliseconds, events_[0], events_[1]), "a time");
+            stats.stages.push_back({"device", milliseconds});
+            return pipeline_.report(*mirror_.scene().plan, stats);
+        }
         // Something outgrew its bounds: once more, exactly, from the same memory.
         pipeline_.forget_step(mirror_.scene());
         restart();
@@ -138,6 +154,7 @@ private:
     std::unique_ptr<Backend> outside_ = bvh_backend();
     std::uint32_t bank_ = 0, repeated_ = 0, warm_ = 0;
     std::array<cudaGraphExec_t, 2> graphs_{};
+    std::array<cudaEvent_t, 2> events_{};
     mutable bool fetched_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;

@@ -265,6 +265,11 @@ public:
         copy(to, from, count, cudaMemcpyDeviceToHost);
     }
 
+    /// Waits at the end of a timed stage, except in steps that wait for nothing.
+    void settle() const {
+        if (!bounded_) wait();
+    }
+
     void wait() const { cuda::check(cudaStreamSynchronize(stream_), "waiting for the device"); }
 
 private:

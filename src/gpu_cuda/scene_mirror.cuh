@@ -12,6 +12,7 @@ namespace pierce::cuda {
 /// What the host may change about a body from step to step.
 struct BodyChange {
     Frame space;
+    const Vec3f* positions = nullptr;  ///< of a deforming body
     std::uint64_t positions_version = 0;
     bool active = true;
 };
@@ -25,10 +26,12 @@ struct ApplyChange {
         const BodyChange& change = changes[i];
         BodyView& body = bodies[i];
         body.active = change.active;
-        if (body.motion == Motion::deforming)
+        if (body.motion == Motion::deforming) {
             body.positions_version = change.positions_version;
-        else if (change.active)
+            body.positions.data = change.positions;
+        } else if (change.active) {
             body.fit = body.space = change.space;
+        }
     }
 };
 
@@ -192,7 +195,12 @@ private:
     void send_changes(View<const BodyView> host) {
         staged_changes_.resize(host.size);
         for (std::uint32_t b = 0; b < host.size; ++b) {
-            staged_changes_[b] = {host[b].space, host[b].positions_version, host[b].active};
+            staged_changes_[b] = {host[b].space, positions_.data() + first_vertex_[b], host[b].positions_version,
+                                  host[b].active};
+            if (host[b].device_positions != nullptr) {
+                staged_changes_[b].positions = host[b].device_positions;
+                continue;
+            }
             if (host[b].motion != Motion::deforming || sent_version_[b] == host[b].positions_version) continue;
             sent_version_[b] = host[b].positions_version;
             if (host[b].active)
