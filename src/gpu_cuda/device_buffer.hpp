@@ -25,7 +25,10 @@ public:
         swap(other);
         return *this;
     }
-    ~DeviceBuffer() { cudaFree(data_); }
+    ~DeviceBuffer() {
+        // While a step is captured, buffers are exchanged, and CUDA forbids even to free nothing.
+        if (data_ != nullptr) cudaFree(data_);
+    }
 
     T* data() { return data_; }
     const T* data() const { return data_; }
