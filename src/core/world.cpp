@@ -164,6 +164,8 @@ const StepStats& World::detect() {
     State& s = *state_;
     s.stats = {};
     s.refresh_views();
+    Settings settings = s.settings;
+    settings.temporal = s.plan.temporal;
     const Scene scene{view_of(s.views),
                       view_of(std::as_const(s.ids)),
                       view_of(s.rotations),
@@ -172,7 +174,7 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.blocks)),
                       view_of(std::as_const(s.patches)),
                       view_of(std::as_const(s.seen)),
-                      s.settings,
+                      settings,
                       &s.plan};
     s.backend->step(scene, s.stats);
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
