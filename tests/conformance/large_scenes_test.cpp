@@ -1,0 +1,273 @@
+// Complete coverage on meshes that were scanned or modelled (Debian's libcgal-demo), many at a time: colliding pairs against
+// exact predicates.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "pierce/core/world.hpp"
+#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/scenes/mesh_io.hpp"
+#include "support/random.hpp"
+#include "truth/exact_mesh.hpp"
+
+namespace pierce {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+using Pairs = std::set<Pair>;
+
+std::vector<Vec3d> in_double(std::span<const Vec3f> positions) {
+    std::vector<Vec3d> result;
+    for (Vec3f p : positions) result.push_back(to_double(p));
+    return result;
+}
+
+truth::ExactMesh exact(const MeshData& mesh) { return {in_double(mesh.positions), mesh.triangles}; }
+
+/// The file's mesh around the origin, its longest side of the given length.
+MeshData read_scaled(const std::string& name, double size) {
+    MeshData mesh = scenes::read_mesh(fs::path(PIERCE_MESH_FOLDER) / (name + ".off"));
+    Box box;
+    for (Vec3f p : mesh.positions) box.extend(to_double(p));
+    const Vec3d extent = box.upper - box.lower;
+    const double scale = size / std::max({extent.x, extent.y, extent.z});
+    for (Vec3f& p : mesh.positions) p = to_float(scale * (to_double(p) - box.center()));
+    return mesh;
+}
+
+/// What a body of a crowd is.
+struct Kind {
+    std::string mesh;
+    double size = 1;
+    bool deforms = false;
+    std::string within = "";  ///< its middle is put inside the body of this mesh, if there is one before it
+};
+
+/// Bodies of many meshes, how they stand, and which of them overlap.
+class Crowd {
+public:
+    explicit Crowd(std::vector<Kind> kinds) : kinds_(std::move(kinds)), poses_(kinds_.size()), twists_(kinds_.size()) {
+        for (const Kind& kind : kinds_) {
+            meshes_.push_back(read_scaled(kind.mesh, kind.size));
+            rest_.push_back(exact(meshes_.back()));
+            EXPECT_TRUE(rest_.back().closed()) << kind.mesh << " has no inside";
+        }
+    }
+
+    World world(std::unique_ptr<Backend> backend, const Settings& settings) const {
+        World world(std::move(backend), settings);
+        for (std::size_t i = 0; i < kinds_.size(); ++i) {
+            const MeshId mesh = world.add_mesh(kinds_[i].mesh, meshes_[i]);
+            if (kinds_[i].deforms)
+                world.add_deforming_body(mesh);
+            else
+                world.add_rigid_body(mesh);
+        }
+        return world;
+    }
+
+    /// Puts everything anywhere, middles in a box of twice this half width.
+    void scatter(test::Random& random, double half) {
+        for (std::size_t i = 0; i < kinds_.size(); ++i) {
+            poses_[i] = {random.in_box(half), random.rotation()};
+            twists_[i] = random.uniform(-0.5, 0.5);
+            for (std::size_t k = 0; k < i; ++k)
+                if (kinds_[i].within == kinds_[k].mesh)
+                    poses_[i].position = frame_of(poses_[k]).to_parent(point_inside(k, random));
+        }
+    }
+
+    /// Moves, turns and twists everything a little.
+    void move(test::Random& random, double way) {
+        for (std::size_t i = 0; i < kinds_.size(); ++i) {
+            poses_[i].position += random.in_box(way);
+            Quaternion& q = poses_[i].rotation;
+            for (double* part : {&q.x, &q.y, &q.z, &q.w}) *part += random.uniform(-way, way);
+            twists_[i] += random.uniform(-way, way);
+        }
+    }
+
+    /// Puts the world's bodies, all of which are the crowd's, where the crowd is.
+    void put(World& world) const {
+        for (std::uint32_t i = 0; i < kinds_.size(); ++i)
+            if (kinds_[i].deforms)
+                world.set_positions({i, 1}, twisted(i));
+            else
+                world.set_pose({i, 1}, poses_[i]);
+    }
+
+    struct Overlaps {
+        Pairs pairs;
+        std::size_t inside_one_another = 0;  ///< pairs whose surfaces do not meet
+    };
+
+    Overlaps overlaps() const {
+        std::deque<truth::ExactMesh> deformed;
+        std::vector<std::pair<const truth::ExactMesh*, Frame>> placed;
+        for (std::size_t i = 0; i < kinds_.size(); ++i)
+            if (kinds_[i].deforms)
+                placed.emplace_back(&deformed.emplace_back(exact({twisted(i), meshes_[i].triangles})), Frame{});
+            else
+                placed.emplace_back(&rest_[i], frame_of(poses_[i]));
+        Overlaps result;
+        for (std::uint32_t a = 0; a < placed.size(); ++a)
+            for (std::uint32_t b = a + 1; b < placed.size(); ++b) {
+                const auto& [first, frame_a] = placed[a];
+                const auto& [second, frame_b] = placed[b];
+                const Frame b_in_a = relative_frame(frame_b, frame_a);
+                const bool meet = first->surfaces_intersect(*second, b_in_a);
+                if (!meet && !first->overlaps(*second, b_in_a)) continue;
+                result.pairs.insert({a, b});
+                result.inside_one_another += !meet;
+            }
+        return result;
+    }
+
+    std::string name(Pair pair) const {
+        return kinds_[pair.first].mesh + " (" + std::to_string(pair.first) + ") and " + kinds_[pair.second].mesh + " (" +
+               std::to_string(pair.second) + ")";
+    }
+
+private:
+    std::vector<Vec3f> twisted(std::size_t i) const {
+        MeshData mesh = meshes_[i];
+        for (Vec3f& p : mesh.positions) {
+            const Vec3d q = to_double(p);
+            const double angle = twists_[i] * q.z / kinds_[i].size, c = std::cos(angle), s = std::sin(angle);
+            p = to_float({c * q.x - s * q.y, s * q.x + c * q.y, q.z});
+        }
+        return test::placed(mesh, poses_[i]);
+    }
+
+    Vec3d point_inside(std::size_t i, test::Random& random) const {
+        for (;;)
+            if (const Vec3d p = random.in_box(0.5); rest_[i].where(p) == truth::Where::inside) return p;
+    }
+
+    std::vector<Kind> kinds_;
+    std::vector<MeshData> meshes_;
+    std::vector<truth::ExactMesh> rest_;
+    std::vector<Pose> poses_;
+    std::vector<double> twists_;  ///< [rad] from end to end
+};
+
+/// The pairs of a world's last step.
+struct FoundPairs {
+    Pairs touching, overlapping, by_vertices;
+
+    explicit FoundPairs(const World& world) {
+        for (const Contact& c : world.contacts()) {
+            const Pair pair{c.a.index, c.b.index};
+            touching.insert(pair);
+            if (c.penetration_depth() > 0) overlapping.insert(pair);
+            if (!c.is_edge() && c.found != Found::separation) by_vertices.insert(pair);
+        }
+    }
+};
+
+Pairs without(const Pairs& all, const Pairs& some) {
+    Pairs rest;
+    std::ranges::set_difference(all, some, std::inserter(rest, rest.end()));
+    return rest;
+}
+
+class LargeScenesTest : public testing::Test {
+protected:
+    LargeScenesTest() : random(2024), trace(__FILE__, __LINE__, "seed " + std::to_string(random.seed())) {}
+
+    void SetUp() override {
+        if (!fs::exists(PIERCE_MESH_FOLDER)) GTEST_SKIP() << "libcgal-demo is not installed";
+    }
+
+    void TearDown() override {
+        for (const auto& [name, number] : seen) {
+            RecordProperty(name, std::to_string(number));
+            std::printf("%s: %zu\n", name.c_str(), number);
+        }
+    }
+
+    /// One step of every world, each of which must find the pairs that overlap and no others.
+    void compare(const Crowd& crowd, std::vector<World>& worlds) {
+        const Crowd::Overlaps truth = crowd.overlaps();
+        for (World& world : worlds) {
+            SCOPED_TRACE(world.plan().temporal == Temporal::off ? "off" : "certified");
+            crowd.put(world);
+            world.detect();
+            const FoundPairs found(world);
+            for (Pair p : without(truth.pairs, found.touching)) ADD_FAILURE() << crowd.name(p) << " are missed";
+            for (Pair p : without(found.overlapping, truth.pairs)) ADD_FAILURE() << crowd.name(p) << " do not overlap";
+        }
+        const FoundPairs found(worlds[0]);
+        seen["pairs of boxes"] += worlds[0].stats().pairs;
+        seen["overlapping"] += truth.pairs.size();
+        seen["inside one another"] += truth.inside_one_another;
+        seen["separated"] += worlds[0].stats().separated_pairs;
+        seen["touching only"] += without(found.touching, truth.pairs).size();
+        seen["missed by vertices"] += without(truth.pairs, found.by_vertices).size();
+    }
+
+    /// Anywhere, then on by small and large steps.
+    void run(Crowd& crowd, std::vector<World>& worlds, int scatters) {
+        for (int i = 0; i < scatters; ++i) {
+            crowd.scatter(random, i % 2 == 0 ? 0.7 : 1.3);
+            for (double way : {0.0, 0.0, 1e-4, 1e-3, 1e-2, 0.05}) {
+                SCOPED_TRACE("scatter " + std::to_string(i) + ", way " + std::to_string(way));
+                crowd.move(random, way);
+                compare(crowd, worlds);
+            }
+        }
+    }
+
+    test::Random random;
+    testing::ScopedTrace trace;
+    std::map<std::string, std::size_t> seen;
+};
+
+Settings complete(Temporal temporal) { return {.coverage = Coverage::complete, .temporal = temporal}; }
+
+TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
+    Crowd crowd({{"armadillo"},
+                 {"turbine"},
+                 {"bear_bis"},
+                 {"fandisk"},
+                 {"homer"},
+                 {"dino"},
+                 {"femur"},
+                 {"knot2"},
+                 {"retinal"},
+                 {"anchor"},
+                 {"spool"},
+                 {"blobby"},
+                 {"hand", 1, true},
+                 {"elephant", 1, true},
+                 {"cactus", 1, true},
+                 {"rotor", 0.15, false, "bear_bis"},
+                 {"hand", 0.1, false, "fandisk"},
+                 {"pinion", 0.1, true, "bear_bis"}});
+    std::vector<World> worlds;
+    for (Temporal temporal : {Temporal::certified, Temporal::off})
+        worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
+    run(crowd, worlds, 6);
+    EXPECT_GT(seen["overlapping"], 1000u);
+    EXPECT_GT(seen["inside one another"], 30u);
+    EXPECT_GT(seen["pairs of boxes"], seen["overlapping"] + 200);
+}
+
+TEST_F(LargeScenesTest, SoDoesTheReference) {
+    Crowd crowd({{"anchor"}, {"spool"}, {"hand"}, {"helmet"}, {"cactus", 1, true}, {"rotor", 0.15, false, "anchor"}});
+    std::vector<World> worlds;
+    for (Temporal temporal : {Temporal::certified, Temporal::off})
+        worlds.push_back(crowd.world(reference_backend(), complete(temporal)));
+    run(crowd, worlds, 2);
+    EXPECT_GT(seen["overlapping"], 50u);
+}
+
+}  // namespace
+}  // namespace pierce
