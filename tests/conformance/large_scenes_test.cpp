@@ -94,6 +94,27 @@ public:
         }
     }
 
+    /// Puts two rigid bodies side by side, all others far away, and returns by how much b must move along x to and fro: at
+    /// the first place the two overlap, at the second, further by `width`, they do not.
+    std::array<double, 2> part(std::size_t a, std::size_t b, test::Random& random, double width) {
+        for (std::size_t i = 0; i < kinds_.size(); ++i) poses_[i].position = {0, 100.0 + static_cast<double>(i) * 10, 0};
+        poses_[a] = {{}, random.rotation()};
+        poses_[b] = {{}, random.rotation()};
+        const auto overlap_at = [&](double x) {
+            place(b, x);
+            return rest_[a].overlaps(rest_[b], relative_frame(frame_of(poses_[b]), frame_of(poses_[a])));
+        };
+        double inside = 0, outside = 4;
+        while (!overlap_at(inside)) inside = random.uniform(-1, 1);
+        while (outside - inside > width) {
+            const double middle = (inside + outside) / 2;
+            (overlap_at(middle) ? inside : outside) = middle;
+        }
+        return {inside, outside};
+    }
+
+    void place(std::size_t i, double x) { poses_[i].position = {x, 0, 0}; }
+
     /// Puts the world's bodies, all of which are the crowd's, where the crowd is.
     void put(World& world) const {
         for (std::uint32_t i = 0; i < kinds_.size(); ++i)
@@ -216,7 +237,7 @@ protected:
     /// Anywhere, then on by small and large steps.
     void run(Crowd& crowd, std::vector<World>& worlds, int scatters) {
         for (int i = 0; i < scatters; ++i) {
-            crowd.scatter(random, i % 2 == 0 ? 0.7 : 1.3);
+            crowd.scatter(random, i % 2 == 0 ? 0.5 : 1.0);
             for (double way : {0.0, 0.0, 1e-4, 1e-3, 1e-2, 0.05}) {
                 SCOPED_TRACE("scatter " + std::to_string(i) + ", way " + std::to_string(way));
                 crowd.move(random, way);
@@ -254,10 +275,28 @@ TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
-    run(crowd, worlds, 6);
+    run(crowd, worlds, 10);
     EXPECT_GT(seen["overlapping"], 1000u);
     EXPECT_GT(seen["inside one another"], 30u);
     EXPECT_GT(seen["pairs of boxes"], seen["overlapping"] + 200);
+}
+
+TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
+    Crowd crowd({{"elephant"}, {"dino"}, {"knot2"}, {"anchor"}, {"fandisk"}, {"hand"}, {"cactus"}, {"rotor"}});
+    std::vector<World> worlds;
+    for (Temporal temporal : {Temporal::certified, Temporal::off})
+        worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
+    for (int i = 0; i < 300; ++i) {
+        const int a = random.integer(0, 7), b = (a + random.integer(1, 7)) % 8;
+        const double width = std::pow(10, random.uniform(-5, -2));
+        SCOPED_TRACE("pair " + std::to_string(i) + ", width " + std::to_string(width));
+        for (double x : crowd.part(static_cast<std::size_t>(a), static_cast<std::size_t>(b), random, width)) {
+            crowd.place(static_cast<std::size_t>(b), x);
+            compare(crowd, worlds);
+        }
+    }
+    EXPECT_EQ(seen["overlapping"], 300u);
+    EXPECT_GT(seen["missed by vertices"], 30u);
 }
 
 TEST_F(LargeScenesTest, SoDoesTheReference) {
@@ -265,7 +304,7 @@ TEST_F(LargeScenesTest, SoDoesTheReference) {
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(reference_backend(), complete(temporal)));
-    run(crowd, worlds, 2);
+    run(crowd, worlds, 5);
     EXPECT_GT(seen["overlapping"], 50u);
 }
 
