@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare.hpp"
 #include "frame_log.hpp"
 #include "picture.hpp"
 #include "pierce/core/error.hpp"
@@ -55,18 +56,6 @@ void require_rays(World* world, const fs::path& png) {
 
 scenes::SceneSetup scene_of(const RunOptions& options) {
     return scenes::make_scene(options.scene, {options.count, options.soft, options.seed});
-}
-
-/// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and size.
-void add_convex_pieces(scenes::SceneSetup& scene) {
-    for (scenes::SceneMesh& mesh : scene.meshes)
-        for (const scenes::SceneInfo& info : scenes::scene_list()) {
-            if (!mesh.convex_pieces.empty() || (mesh.name != "torus" && mesh.name != "bunny")) continue;
-            if ((mesh.name == "torus") != (info.name == "tori")) continue;
-            for (scenes::SceneMesh& known : scenes::make_scene(info.name, {1, false, 1}).meshes)
-                if (known.name == mesh.name && known.data.positions == mesh.data.positions)
-                    mesh.convex_pieces = std::move(known.convex_pieces);
-        }
 }
 
 std::uint32_t step_count(double seconds, double dt) {

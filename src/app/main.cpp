@@ -6,6 +6,7 @@
 
 #include "check.hpp"
 #include "commands.hpp"
+#include "compare.hpp"
 #include "paper_report.hpp"
 #include "pierce/core/error.hpp"
 
@@ -134,6 +135,26 @@ int main(int argc, char** argv) {
     check_command->add_flag("--self-intersections", check_options.self_intersections, "look for triangles that cross, too");
     check_command->add_option("--json", check_options.json, "write the findings to FILE")->type_name("FILE");
     check_command->callback([&] { code = check(check_options); });
+
+    CompareOptions compare_options;
+    CLI::App* compare_command =
+        app.add_subcommand("compare", "all methods on the same recorded frames: time beside error against the exact truth");
+    compare_command->add_option("folder", compare_options.folder, "folder with scene.json")->required();
+    compare_command
+        ->add_option(
+            "--methods", compare_options.methods,
+            "full, walk, walk-predict, certified, complete, reprojected, gjk-hull, gjk-epa, gimpact; all if not given")
+        ->delimiter(',');
+    compare_command->add_option("--threads", compare_options.threads, "threads for rays")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1024));
+    compare_command
+        ->add_option("--every", compare_options.every, "make the truth, if there is none yet, for every Nth frame")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    compare_command->add_option("--json", compare_options.json, "write all figures to FILE")->type_name("FILE");
+    compare_command->add_option("--plots", compare_options.plots, "draw time against error into DIR")->type_name("DIR");
+    compare_command->callback([&] { code = compare_recording(compare_options); });
 
     std::filesystem::path demo_png = "demo.png";
     CLI::App* demo_command = app.add_subcommand("demo", "100 tori by rays and by GJK/EPA, with a picture");

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -87,6 +88,34 @@ bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& n
     for (std::size_t i = 0; i < map.table.rows.size(); ++i)
         script += fmt::format("{},{},{:.6g}\n", i % xs.size(), i / xs.size(), map.table.rows[i][2]);
     script += "EOD\nplot $map using 1:2:3 with image pixels, $map using 1:2:(sprintf('%.3g', $3)) with labels\n";
+    return run_gnuplot(script);
+}
+
+bool write_plot(const Scatter& scatter, const fs::path& folder, const std::string& name) {
+    const fs::path csv = folder / (name + ".csv");
+    std::ofstream out(csv);
+    out << "name";
+    for (const std::string& column : scatter.columns) out << ',' << column;
+    out << '\n';
+    double least = 1, most = 0;
+    for (const Scatter::Point& point : scatter.points) {
+        out << point.name;
+        for (double value : point.values) out << ',' << fmt::format("{:.6g}", value);
+        out << '\n';
+        if (point.values[1] > 0) least = std::min(least, point.values[1]);
+        most = std::max(most, point.values[1]);
+    }
+    if (!out.flush()) throw InputError("cannot write '" + csv.string() + "'");
+    const double bottom = least / 10;
+    std::string script = head(scatter.title, scatter.x, scatter.y + " (bottom: none)", folder / (name + ".svg")) +
+                         "unset key\nset grid\nset logscale xy\n" +
+                         fmt::format("set yrange [{:g}:{:g}]\nset offsets graph 0.15, graph 0.15, 0, 0\n", bottom / 2,
+                                     std::max(2 * most, 10 * bottom)) +
+                         "set format y '%g'\n";
+    script += fmt::format(
+        "plot {0} skip 1 using 2:($3 > 0 ? $3 : {1:g}) with points pt 7 ps 1.2, {0} skip 1 using "
+        "2:($3 > 0 ? $3 : {1:g}):1 with labels offset 0,1 noenhanced\n",
+        quoted(csv.string()), bottom);
     return run_gnuplot(script);
 }
 

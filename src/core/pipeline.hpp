@@ -56,7 +56,17 @@ public:
                                  remembers ? view_of(full_hits_) : view_of(batch_.hits));
             if (remembers) scatter_hits();
         });
-        classify(scene, batch_, view_of(routes_), false, time);
+        time("classify", [&] { test_inside(scene.bodies, batch_, view_of(routes_)); });
+        own_rays_.clear();
+        own_hits_.clear();
+        if (scene.plan->traces_own_exits) {
+            time("classify", [&] { generate_own_rays(scene.bodies); });
+            time("update", [&] { tools_.update(scene.bodies, view_of(own_rays_)); });
+            time("trace", [&] {
+                tracer_.closest_hits(executor_, "trace_own", scene.bodies, view_of(own_rays_), view_of(own_hits_));
+            });
+        }
+        time("classify", [&] { test_own_exit(scene.bodies); });
         if (complete) time("separation", [&] { separation(scene); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         time("contacts", [&] { contacts(scene); });
@@ -255,31 +265,7 @@ private:
                            stages::Scatter<Hit>{view_of(full_hits_), view_of(full_slots_), view_of(batch_.hits)});
     }
 
-    // Stage 9. R1: which rays start inside their target. R2 and R3: which of those are contacts. `turned` rays do not follow
-    // the inward directions.
-    template <class Time>
-    void classify(const Scene& scene, RayBatch<E>& batch, View<const Route> routes, bool turned, Time&& time) {
-        time("classify", [&] {
-            test_inside(scene.bodies, batch, routes);
-            own_rays_.clear();
-            own_hits_.clear();
-        });
-        if (scene.plan->traces_own_exits) {
-            time("classify", [&] { generate_own_rays(scene.bodies, batch, turned); });
-            time("update", [&] { tools_.update(scene.bodies, view_of(own_rays_)); });
-            time("trace", [&] {
-                tracer_.closest_hits(executor_, "trace_own", scene.bodies, view_of(own_rays_), view_of(own_hits_));
-            });
-        }
-        time("classify", [&] {
-            batch.keep.resize(batch.candidates.size());
-            executor_.for_each(
-                "test_own_exit", static_cast<std::uint32_t>(batch.candidates.size()),
-                stages::TestOwnExit{scene.bodies, view_of(batch.rays), view_of(batch.meetings), view_of(batch.candidates),
-                                    view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(batch.keep)});
-        });
-    }
-
+    // Stage 9, first half. R1: which rays start inside their target.
     void test_inside(View<const BodyView> bodies, RayBatch<E>& batch, View<const Route> routes) {
         const auto ray_count = static_cast<std::uint32_t>(batch.rays.size());
         counts_.resize(ray_count);
@@ -290,16 +276,24 @@ private:
         tools_.list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, batch.candidates);
     }
 
-    void generate_own_rays(View<const BodyView> bodies, const RayBatch<E>& batch, bool turned) {
-        const auto count = static_cast<std::uint32_t>(batch.candidates.size());
+    void generate_own_rays(View<const BodyView> bodies) {
+        const auto count = static_cast<std::uint32_t>(batch_.candidates.size());
         own_rays_.resize(count);
         own_hits_.resize(count);
         starts_inside_.resize(count);
+        executor_.for_each("generate_own_rays", count,
+                           stages::GenerateOwnRays{bodies, view_of(pairs_), edges_.chords(), view_of(batch_.rays),
+                                                   view_of(batch_.sources), view_of(batch_.meetings),
+                                                   view_of(batch_.candidates), view_of(own_rays_), view_of(starts_inside_)});
+    }
+
+    // Stage 9, second half. R2 and R3: which of them are contacts.
+    void test_own_exit(View<const BodyView> bodies) {
+        batch_.keep.resize(batch_.candidates.size());
         executor_.for_each(
-            "generate_own_rays", count,
-            stages::GenerateOwnRays{bodies, view_of(pairs_), edges_.chords(), view_of(batch.rays), view_of(batch.sources),
-                                    view_of(batch.meetings), view_of(batch.candidates), turned, view_of(own_rays_),
-                                    view_of(starts_inside_)});
+            "test_own_exit", static_cast<std::uint32_t>(batch_.candidates.size()),
+            stages::TestOwnExit{bodies, view_of(batch_.rays), view_of(batch_.meetings), view_of(batch_.candidates),
+                                view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(batch_.keep)});
     }
 
     /// Contacts for pairs that overlap and have none.
@@ -338,11 +332,10 @@ private:
                                  view_of(aimed_.rays), view_of(aimed_.sources), view_of(accepted_)});
         tools_.update(scene.bodies, view_of(aimed_.rays));
         tracer_.closest_hits(executor_, "trace_aimed", scene.bodies, view_of(aimed_.rays), view_of(aimed_.hits));
-        classify(scene, aimed_, {}, true, [](const char*, auto&& stage) { stage(); });
-        executor_.for_each(
-            "accept_aimed", static_cast<std::uint32_t>(aimed_.candidates.size()),
-            stages::AcceptAimed{view_of(batch_.meetings), view_of(aimed_.meetings), view_of(batch_.candidates),
-                                view_of(aimed_.candidates), view_of(aimed_.keep), view_of(accepted_)});
+        test_inside(scene.bodies, aimed_, {});
+        executor_.for_each("accept_aimed", static_cast<std::uint32_t>(aimed_.candidates.size()),
+                           stages::AcceptAimed{view_of(batch_.meetings), view_of(aimed_.meetings),
+                                               view_of(batch_.candidates), view_of(aimed_.candidates), view_of(accepted_)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order.

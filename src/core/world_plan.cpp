@@ -110,7 +110,7 @@ void World::State::make_plan() {
     plan.coverage = settings.coverage;
     plan.reprojects = settings.reproject;
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
-    plan.traces_own_exits = plan.deforming_bodies > 0 || complete || plan.reprojects;
+    plan.traces_own_exits = plan.deforming_bodies > 0 || complete;
     const auto add = [&](bool needed, std::initializer_list<const char*> names) {
         if (needed) plan.stages.insert(plan.stages.end(), names.begin(), names.end());
     };

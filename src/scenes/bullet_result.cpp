@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "pierce/bullet/bullet_convert.hpp"
+
 namespace pierce::scenes {
 
 void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapping, const btDispatcherInfo& info,
@@ -17,6 +19,29 @@ void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapp
 
 void register_baseline(btCollisionDispatcher& dispatcher) { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
 
+std::vector<MethodContact> bullet_contacts(const btCollisionDispatcher& dispatcher,
+                                           const std::vector<bullet::BaselineShape>& shapes, Margin margins) {
+    std::vector<MethodContact> list;
+    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+        const btPersistentManifold& manifold = *const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
+        const auto first = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
+        const auto second = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
+        const double margin = margins == Margin::counts ? 0.0 : shapes[first].margin() + shapes[second].margin();
+        for (int i = 0; i < manifold.getNumContacts(); ++i) {
+            const btManifoldPoint& point = manifold.getContactPoint(i);
+            const double distance = point.getDistance() + margin;
+            if (distance > 0) continue;
+            // Bullet's normal points from its second body to its first.
+            const Vec3d normal = bullet::from_bullet(point.m_normalWorldOnB);
+            MethodContact c{std::min(first, second),          std::max(first, second), 0, no_vertex, -distance,
+                            first < second ? -normal : normal};
+            c.source = c.a;
+            list.push_back(c);
+        }
+    }
+    return list;
+}
+
 FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, Margin margins,
                           double detection_ms, double refit_ms, double epa_ms) {
     FrameResult result;
@@ -27,22 +52,11 @@ FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet:
     result.stages = {{"update", result.update_ms}, {"narrow", result.narrow_ms}, {"epa", result.response_ms}};
     result.pairs = dispatcher.pairs;
     double sum = 0;
-    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-        const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
-        const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
-        const double margin = margins == Margin::counts ? 0.0 : shapes[a].margin() + shapes[b].margin();
-        bool touches = false;
-        for (int i = 0; i < manifold.getNumContacts(); ++i) {
-            const double distance = manifold.getContactPoint(i).getDistance() + margin;
-            if (distance > 0) continue;
-            touches = true;
-            ++result.contacts;
-            sum -= distance;
-            result.penetration_max = std::max(result.penetration_max, -distance);
-        }
-        if (!touches) continue;
-        result.touching.emplace_back(std::min(a, b), std::max(a, b));
+    for (const MethodContact& c : bullet_contacts(dispatcher, shapes, margins)) {
+        ++result.contacts;
+        sum += c.depth;
+        result.penetration_max = std::max(result.penetration_max, c.depth);
+        result.touching.emplace_back(c.a, c.b);
     }
     if (result.contacts > 0) result.penetration_mean = sum / result.contacts;
     std::ranges::sort(result.touching);

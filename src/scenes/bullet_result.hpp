@@ -30,4 +30,8 @@ enum class Margin { counts, left_out };
 FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, Margin margins,
                           double detection_ms, double refit_ms, double epa_ms);
 
+/// The points of all manifolds at which bodies overlap.
+std::vector<MethodContact> bullet_contacts(const btCollisionDispatcher& dispatcher,
+                                           const std::vector<bullet::BaselineShape>& shapes, Margin margins);
+
 }  // namespace pierce::scenes

@@ -36,6 +36,17 @@ public:
     }
     World* world() override { return &scene_.world; }
 
+    std::vector<MethodContact> contacts() const override {
+        std::vector<MethodContact> list;
+        for (const Contact& c : scene_.world.contacts()) {
+            MethodContact m{scene_.index_of(c.a), scene_.index_of(c.b), 0, no_vertex, c.penetration_depth(), c.normal};
+            m.source = c.source == Side::a ? m.a : m.b;
+            if (!c.is_edge()) m.vertex = c.vertex;
+            list.push_back(m);
+        }
+        return list;
+    }
+
 private:
     SceneWorld scene_;
 };
@@ -92,6 +103,8 @@ public:
         return bullet_result(dispatcher_, shapes_, Margin::left_out, all, std::exchange(refit_ms_, 0.0),
                              configuration_.take_epa_milliseconds());
     }
+
+    std::vector<MethodContact> contacts() const override { return bullet_contacts(dispatcher_, shapes_, Margin::left_out); }
 
 private:
     bullet::TimedConfiguration configuration_;

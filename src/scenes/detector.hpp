@@ -18,6 +18,8 @@ public:
     virtual void set_pose(std::uint32_t body, const Pose& pose) = 0;
     virtual void set_positions(std::uint32_t body, std::span<const Vec3f> positions) = 0;
     virtual FrameResult detect() = 0;
+    /// Of the last detect().
+    virtual std::vector<MethodContact> contacts() const = 0;
     /// The world behind it, if the method is rays; else null.
     virtual World* world() { return nullptr; }
 };

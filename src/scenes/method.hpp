@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pierce/core/backend.hpp"
+#include "pierce/core/ids.hpp"
 #include "pierce/core/settings.hpp"
 #include "pierce/core/step_stats.hpp"
 
@@ -46,6 +47,15 @@ struct FrameResult {
     std::uint32_t status = 0;
     double penetration_mean = 0, penetration_max = 0;
     std::uint64_t hash = 0;
+};
+
+/// A contact in the same terms for every method: bodies by their index in the scene, a < b.
+struct MethodContact {
+    std::uint32_t a = 0, b = 0;
+    std::uint32_t source = 0;          ///< the body a vertex of which is inside the other one; a if no vertex is named
+    std::uint32_t vertex = no_vertex;  ///< of the source; no_vertex for anything else
+    double depth = 0;                  ///< [length] zero where the bodies only touch
+    Vec3d normal;                      ///< unit, from a to b
 };
 
 }  // namespace pierce::scenes

@@ -73,6 +73,35 @@ TEST(WalkTest, B3StopsOnADegenerateTriangle) {
     EXPECT_EQ(end.kind, WalkEnd::edge_on);
 }
 
+TEST(WalkTest, B5ALineInTheSheetsPlaneMeetsNothing) {
+    test::Random random(55);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const auto in_plane = [](int axis, double u, double v) {
+        return axis == 0 ? Vec3d{0.5, u, v} : axis == 1 ? Vec3d{v, 0.5, u} : Vec3d{u, v, 0.5};
+    };
+    for (int i = 0; i < 60; ++i) {
+        MeshData sheet;
+        for (int k = 0; k < 16; ++k)
+            sheet.positions.push_back(
+                to_float(in_plane(i % 3, k % 4 + random.uniform(0, 0.4), k / 4 + random.uniform(0, 0.4))));
+        for (std::uint32_t k = 0; k < 11; ++k) {
+            if (k % 4 == 3) continue;
+            sheet.triangles.push_back({{k, k + 1, k + 5}});
+            sheet.triangles.push_back({{k, k + 5, k + 4}});
+        }
+        const Mesh cloth("cloth", sheet);
+        const MeshView mesh = cloth.view();
+        Ray ray;
+        ray.origin = in_plane(i % 3, -1, random.uniform(-1, 4));
+        ray.direction = normalized(in_plane(i % 3, 2, random.uniform(0, 3)) - ray.origin);
+        ray.t_max = 9;
+        EXPECT_EQ(traced(mesh, mesh.positions, ray).triangle, no_triangle);
+        for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
+            EXPECT_EQ(walk(mesh, mesh.positions, {ray.origin, ray.direction}, t, constants::walk_steps).kind,
+                      WalkEnd::edge_on);
+    }
+}
+
 TEST(WalkTest, GivesUpAfterTheLastStepAndAtASilhouette) {
     const Mesh ball("ball", scenes::sphere(1, 3));
     const MeshView mesh = ball.view();

@@ -88,7 +88,6 @@ struct GenerateOwnRays {
     View<const RaySource> sources;
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates;
-    bool turned = false;  ///< rays do not follow the inward directions: the table does not apply
     View<Ray> own_rays;
     View<std::uint32_t> starts_inside;
 
@@ -101,7 +100,7 @@ struct GenerateOwnRays {
         const bool is_vertex = source.start == RayStart::vertex;
         Ray ray;
         ray.t_max = -1.0;
-        if (body.mesh.closed && (!is_vertex || body.motion == Motion::deforming || turned)) {
+        if (body.mesh.closed && (!is_vertex || body.motion == Motion::deforming)) {
             ray.origin = start_of(body, source, chords);
             ray.direction = relative_frame(target.space, body.space).rotation * into_target.direction;
             ray.target = body_index;

@@ -4,8 +4,9 @@
 #include "pierce/core/stages/classify.hpp"
 
 /// After stage 9, if asked for: contacts move to the point of the target's surface that is closest nearby. An inward ray
-/// leaves the target where it happens to point, which is never nearer than that; a ray towards the closest point is subject
-/// to the same three rules.
+/// leaves the target where it happens to point, which is never nearer than that. A ray towards the closest point must leave
+/// the target there too, or before (R1). The way need not run through its own body: of bodies that touch in a few vertices
+/// it often does not, and the contact has passed R2 and R3 along its inward ray.
 namespace pierce::stages {
 
 /// Per candidate that is a contact: walks from its triangle to the closest point, and aims a ray there. None where that is
@@ -40,17 +41,17 @@ struct AimAtClosest {
     }
 };
 
-/// Per aimed candidate that is inside: takes over whether it is a contact, too.
+/// Per aimed candidate whose ray leaves the target: accepts it.
 struct AcceptAimed {
     View<const Meeting> meetings, aimed_meetings;
-    View<const std::uint32_t> main_candidates, candidates, keep;  ///< candidates: of the aimed rays
+    View<const std::uint32_t> main_candidates, candidates;  ///< candidates: of the aimed rays
     View<std::uint32_t> accepted;
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t c = candidates[i];
-        accepted[c] = keep[i] && aimed_meetings[c].t < meetings[main_candidates[c]].t;
+        accepted[c] = aimed_meetings[c].t < meetings[main_candidates[c]].t;
     }
 };
 

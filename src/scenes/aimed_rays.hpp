@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/ray.hpp"
+
+namespace pierce::scenes {
+
+/// Where rays look for holes in a surface.
+enum class Aim : std::uint8_t { vertices, edges };
+
+/// Makes rays from points no further than `spread` from `center`, in each coordinate, to vertices of a mesh or points of its
+/// edges: as exact as double is. Each ends where it is aimed.
+class AimedRays {
+public:
+    AimedRays(const MeshData& mesh, Vec3d center, double spread, Aim aim, std::uint32_t seed);
+
+    std::vector<Ray> next(std::size_t count);
+
+private:
+    const MeshData& mesh_;
+    Vec3d center_;
+    double spread_;
+    Aim aim_;
+    std::mt19937_64 engine_;
+};
+
+}  // namespace pierce::scenes

@@ -1,0 +1,354 @@
+#include "pierce/scenes/hard_cases.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "pierce/scenes/shapes.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+using std::numbers::sqrt2, std::numbers::sqrt3;
+
+MeshData cube() { return box({0, 0, 0}, {1, 1, 1}); }
+
+/// `scale` and `by` are such that no coordinate is rounded.
+MeshData placed(MeshData mesh, float scale, Vec3f by) {
+    for (Vec3f& p : mesh.positions) p = scale * p + by;
+    return mesh;
+}
+
+MeshData joined(MeshData first, const MeshData& second) {
+    const auto count = static_cast<std::uint32_t>(first.positions.size());
+    first.positions.insert(first.positions.end(), second.positions.begin(), second.positions.end());
+    for (const Triangle& t : second.triangles)
+        first.triangles.push_back({{t.vertex[0] + count, t.vertex[1] + count, t.vertex[2] + count}});
+    return first;
+}
+
+MeshData octahedron() {
+    return {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+            {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}}};
+}
+
+/// The triangle a, b, c, clockwise seen against `along`, and everything it passes on its way along it.
+MeshData prism(Vec3f a, Vec3f b, Vec3f c, Vec3f along) {
+    return {{a, b, c, a + along, b + along, c + along},
+            {{{0, 1, 2}}, {{3, 5, 4}}, {{0, 3, 4}}, {{0, 4, 1}}, {{1, 4, 5}}, {{1, 5, 2}}, {{0, 2, 5}}, {{0, 5, 3}}}};
+}
+
+/// A pyramid that stands on its apex: the base is a square around `base`, in the plane of z.
+MeshData spike(Vec3f apex, Vec3f base, float half) {
+    return {{apex, base + Vec3f{-half, -half, 0}, base + Vec3f{half, -half, 0}, base + Vec3f{half, half, 0},
+             base + Vec3f{-half, half, 0}},
+            {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 4, 3}}, {{0, 1, 4}}, {{1, 2, 3}}, {{1, 3, 4}}}};
+}
+
+/// The cube's edge (0,0,0)-(1,0,0) is split in its middle on one side only; a triangle without area fills the gap.
+MeshData cube_with_filler() {
+    MeshData mesh = cube();
+    mesh.positions.push_back({0.5f, 0, 0});
+    mesh.triangles[4] = {{0, 8, 5}};
+    mesh.triangles.push_back({{8, 1, 5}});
+    mesh.triangles.push_back({{0, 1, 8}});
+    return mesh;
+}
+
+/// Two tetrahedra, tip to tip in one vertex: the second is the first reflected in the tip, or in the plane through it.
+MeshData bowtie(bool in_plane) {
+    MeshData mesh{{{0, 0, 0}, {1, 0, 1}, {-0.5f, 0.75f, 1}, {-0.5f, -0.75f, 1}},
+                  {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}}};
+    for (std::uint32_t v = 1; v < 4; ++v) {
+        const Vec3f p = mesh.positions[v];
+        mesh.positions.push_back(in_plane ? Vec3f{p.x, p.y, -p.z} : -p);
+    }
+    for (Triangle t : {Triangle{{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}}) mesh.triangles.push_back(t);
+    return mesh;
+}
+
+/// A pyramid over a C whose apex stands over a corner of it: no direction from the apex is behind all triangles around it.
+MeshData pyramid_over_c() {
+    MeshData mesh{
+        {{0, 0, 0}, {0, 0, -1}, {5, 0, -1}, {5, 5, -1}, {1, 5, -1}, {1, 3, -1}, {3, 3, -1}, {3, 2, -1}, {0, 2, -1}}, {}};
+    for (std::uint32_t k = 1; k <= 8; ++k) mesh.triangles.push_back({{0, k, k % 8 + 1}});
+    for (Triangle t : {Triangle{{1, 7, 2}}, {{1, 8, 7}}, {{3, 5, 4}}, {{3, 6, 5}}, {{2, 6, 3}}, {{2, 7, 6}}})
+        mesh.triangles.push_back(t);
+    return mesh;
+}
+
+/// A square sheet of four triangles around `center`, seen from above.
+MeshData sheet(Vec3f center, float half, bool upward) {
+    MeshData mesh{{center, center + Vec3f{-half, -half, 0}, center + Vec3f{half, -half, 0}, center + Vec3f{half, half, 0},
+                   center + Vec3f{-half, half, 0}},
+                  {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 4}}, {{0, 4, 1}}}};
+    for (Triangle& t : mesh.triangles)
+        if (!upward) std::swap(t.vertex[1], t.vertex[2]);
+    return mesh;
+}
+
+constexpr std::uint32_t defect = 2;  // the cube's triangle (0,0,1), (1,0,1), (1,1,1)
+
+MeshData cube_with_flipped_triangle() {
+    MeshData mesh = cube();
+    std::swap(mesh.triangles[defect].vertex[1], mesh.triangles[defect].vertex[2]);
+    return mesh;
+}
+
+MeshData cube_with_missing_triangle() {
+    MeshData mesh = cube();
+    mesh.triangles.erase(mesh.triangles.begin() + defect);
+    return mesh;
+}
+
+MeshData small_cube_around(Vec3f center) { return placed(box({-1, -1, -1}, {1, 1, 1}), 0x1p-4f, center); }
+
+HardContacts by_vertices(int a, int b, double depth, Vec3d push = {}) { return {a, b, 0, 0, false, depth, push}; }
+HardContacts by_edges(int a, int b, double depth, Vec3d push = {}) { return {0, 0, a, b, false, depth, push}; }
+HardContacts by_separation(double depth, Vec3d push) { return {0, 0, 0, 0, true, depth, push}; }
+
+/// 1 to 12: single rays against a mesh.
+void add_rays(std::vector<HardCase>& cases) {
+    const Vec3d down{0, 0, -1}, up{0, 0, 1}, right{1, 0, 0}, in{-1, -1, -1}, center{0.5, 0.5, 0.25};
+    cases.push_back({1, "edge_diagonal_hit", {{cube(), center, down, Meets::exit, 0.25}}, {}, {}, "one exit at 1/4", ""});
+    cases.push_back(
+        {2, "vertex_fan_hit", {{octahedron(), {0, 0, 0.25}, down, Meets::exit, 1.25}}, {}, {}, "one exit at 5/4", ""});
+    cases.push_back(
+        {3,
+         "resting_t0",
+         {{cube(), {0.3, 0.6, 1}, up, Meets::touching, 0}},
+         {{"", spike({0.3f, 0.6f, 1}, {0.3f, 0.6f, 2}, 0.25f), cube(), by_vertices(1, 0, 0), by_vertices(1, 0, 0)}},
+         {},
+         "touching, depth 0",
+         ""});
+    cases.push_back({4,
+                     "corner_kiss",
+                     {{placed(cube(), 1, {1, 1, 1}), {1, 1, 1}, in, Meets::touching, 0}},
+                     {{"", cube(), placed(cube(), 1, {1, 1, 1}), by_vertices(1, 1, 0), by_vertices(1, 1, 0)}},
+                     {},
+                     "touching, depth 0, once from either body",
+                     ""});
+    cases.push_back({5,
+                     "identical_pose",
+                     {{cube(), {1, 1, 1}, in, Meets::exit, sqrt3}},
+                     {{"", cube(), cube(), by_vertices(8, 8, sqrt3), by_vertices(8, 8, sqrt3)}},
+                     {},
+                     "every corner inside, along a diagonal of sqrt 3; the bodies would part by 1",
+                     ""});
+    cases.push_back(
+        {6, "coplanar_slide", {{cube(), {0.5, 0, 0.5}, right, Meets::touching, 0}}, {}, {}, "touching, depth 0", ""});
+    cases.push_back({7,
+                     "ridge_graze",
+                     {{prism({0, 0, 0}, {2, 0, 0}, {1, 0, 1}, {0, 1, 0}), {-1, 0.5, 1}, right, Meets::nothing, 0}},
+                     {},
+                     {},
+                     "nothing: entry and exit at 2 cancel",
+                     ""});
+    cases.push_back({8,
+                     "zero_area_filler",
+                     {{cube_with_filler(), {0.5, 0.25, 0.25}, down, Meets::exit, 0.25},
+                      {cube_with_filler(), {0.5, 0.25, 0.25}, {0, -1, -1}, Meets::exit, 0.25 * sqrt2}},
+                     {},
+                     {{cube_with_filler(), MeshDefect::degenerate_triangle, 1}},
+                     "exits at 1/4 and at sqrt 2 / 4, the edge point",
+                     ""});
+    cases.push_back({9,
+                     "needle_grazing",
+                     {{{{{0, 0, 0}, {1, 0, 0}, {0.5f, 1e-6f, 0}}, {{{0, 1, 2}}}},
+                       {0.5, 0.5, 0x1p-10},
+                       {0, 1, -0x1p-20},
+                       Meets::nothing,
+                       0}},
+                     {},
+                     {},
+                     "nothing",
+                     ""});
+    const double far = 0x1p20, tiny = 0x1p-40;
+    cases.push_back(
+        {10,
+         "far_from_origin",
+         {{placed(cube(), 1, {0x1p20f, 0x1p20f, 0x1p20f}), center + Vec3d{far, far, far}, down, Meets::exit, 0.25}},
+         {},
+         {},
+         "one exit at 1/4",
+         ""});
+    const MeshData slab = box({-far, -far, -8}, {far, far, 0});
+    cases.push_back(
+        {11,
+         "huge_face_small_depth",
+         {{slab, {1.0 / 3, 1.0 / 7, -4}, up, Meets::exit, 4}, {slab, {1.0 / 3, 1.0 / 7, -0x1p-10}, up, Meets::touching, 0}},
+         {},
+         {},
+         "the exit 4 away is at 4; the one 2^-10 away is touched",
+         "the exact answer for the second is an exit at 2^-10: less than the touch tolerance, 2.8 for a slab of "
+         "this extent, is touching"});
+    cases.push_back({12,
+                     "micro_scale",
+                     {{placed(cube(), 0x1p-40f, {}), tiny * center, down, Meets::exit, tiny / 4}},
+                     {},
+                     {},
+                     "one exit at 2^-42",
+                     ""});
+}
+
+/// 13 to 17: pairs of closed bodies.
+void add_pairs(std::vector<HardCase>& cases) {
+    const Vec3d up{0, 0, 1}, down{0, 0, -1};
+    cases.push_back({13,
+                     "plate_in_block",
+                     {},
+                     {{"", box({-1, -1, 0}, {1, 1, 0.01}), box({-2, -2, -2}, {2, 2, 2}), {}, by_separation(2, up)}},
+                     {},
+                     "vertices: nothing, every ray leaves the plate first; complete: depth 2, upward",
+                     ""});
+    const double lift = static_cast<double>(0.1f);
+    cases.push_back({14,
+                     "crossed_bars",
+                     {},
+                     {{"",
+                       box({-2, -0.1, -0.1}, {2, 0.1, 0.1}),
+                       box({-0.1, -2, 0}, {0.1, 2, 0.2}),
+                       {},
+                       by_edges(3, 3, lift * sqrt2, down)}},
+                     {},
+                     "vertices: nothing, none is inside; complete: depth 0.1 sqrt 2 at four ridges and 0.1 at two "
+                     "diagonals; the first bar down",
+                     ""});
+    const double dip = static_cast<double>(0.02f);
+    cases.push_back(
+        {15,
+         "coin_on_table",
+         {},
+         {{"", box({2, 1, -0.02}, {2.1, 1.1, 0.08}), box({-5, -5, -1}, {5, 5, 0}), by_vertices(4, 0, dip * sqrt3, up),
+           by_vertices(4, 0, dip * sqrt3, up), dip}},
+         {},
+         "the coin's four lower corners, 0.02 sqrt 3 deep along their rays and 0.02 re-projected; none of the table",
+         ""});
+    const float ridge = 0.05f;
+    cases.push_back({16,
+                     "crossed_wedges",
+                     {},
+                     {{"",
+                       prism({-2, 0, -ridge}, {-2, -1, 1 - ridge}, {-2, 1, 1 - ridge}, {4, 0, 0}),
+                       prism({0, -2, 0}, {-1, -2, -1}, {1, -2, -1}, {0, 4, 0}),
+                       {},
+                       by_edges(1, 1, static_cast<double>(ridge), up)}},
+                     {},
+                     "vertices: nothing, none is inside; complete: depth 0.05 at both ridges",
+                     ""});
+    const double sting = 1 - static_cast<double>(0.9f);
+    cases.push_back({17,
+                     "spike_in_face",
+                     {{cube(), {0.5, 0.5, static_cast<double>(0.9f)}, up, Meets::exit, sting}},
+                     {{"",
+                       spike({0.5f, 0.5f, 0.9f}, {0.5f, 0.5f, 2}, 0.5f),
+                       cube(),
+                       by_vertices(1, 0, sting, up),
+                       {1, 0, 4, 1, false, sting, up}}},
+                     {},
+                     "the apex, 0.1 deep, upward",
+                     ""});
+}
+
+/// 18 to 23: meshes with defects, and open ones.
+void add_defects(std::vector<HardCase>& cases) {
+    const Vec3d up{0, 0, 1}, down{0, 0, -1}, right{1, 0, 0}, center{0.5, 0.5, 0.5}, at_defect{0.25, -0.25, 0.5};
+    const MeshData layer = box({-4, -4, -0.125}, {4, 4, 0.125});
+    cases.push_back(
+        {18,
+         "bowtie_vertex",
+         {},
+         {{"reflected in the tip", bowtie(false), layer, {}, {0, 0, 6, 2, false, -1, {}}},
+          {"reflected in a plane", bowtie(true), layer, {}, {0, 0, 6, 2, false, -1, {}}}},
+         {{bowtie(false), MeshDefect::bowtie_vertex, 1},
+          {bowtie(false), MeshDefect::no_inward_direction, 1},
+          {bowtie(true), MeshDefect::bowtie_vertex, 1}},
+         "no contact at the tip, whose normals cancel; complete: the edges around it and the layer's",
+         "the exact answer has a normal and a ray for each of the two fans: Pierce's vertices have one normal, and "
+         "the mesh check names those with two fans"});
+    cases.push_back(
+        {19,
+         "no_visible_cone",
+         {},
+         {{"", pyramid_over_c(), box({-9, -9, -0.25}, {9, 9, 1}), {1, 0, 0, 0, false, -1, {}}, {1, 0, 2, 2, false, -1, {}}}},
+         {{pyramid_over_c(), MeshDefect::no_inward_direction, 0}},
+         "the apex is in contact: the direction against its normal is not behind all triangles, but leads inside",
+         "the exact answer flags the apex and sends a ray for each triangle; Pierce flags a vertex only if the "
+         "direction against its normal leaves the solid"});
+    const double third = static_cast<double>(1.0f / 3.0f), height = static_cast<double>(0.98f);
+    const Vec3f place{1.0f / 3.0f, 0.25f, 0.98f};
+    cases.push_back(
+        {20,
+         "cloth_wrong_side",
+         {{cube(), {third, 0.25, height}, down, Meets::exit, height},
+          {cube(), {third, 0.25, height}, up, Meets::exit, 1 - height}},
+         {{"facing down", sheet(place, 0.125f, false), cube(), by_vertices(5, 0, 1 - height, up),
+           by_vertices(5, 0, 1 - height, up)},
+          {"facing up", sheet(place, 0.125f, true), cube(), {}, by_separation(1 - height, up)}},
+         {},
+         "depth 0.02, upward, if the sheet faces down; if it faces up, complete finds this and vertices nothing",
+         "facing up, the sheet's inward rays go down: 0.98 is beyond an open body's range, so vertices report nothing, "
+         "neither 0.98 nor 0.02"});
+    cases.push_back({21,
+                     "flipped_triangle",
+                     {{cube_with_flipped_triangle(), center, at_defect, Meets::entry, std::sqrt(0.375)},
+                      {cube_with_flipped_triangle(), center, right, Meets::exit, 0.5}},
+                     {{"", small_cube_around({0.5f, 0.5f, 0.5f}), cube_with_flipped_triangle(), {}, {}}},
+                     {{cube_with_flipped_triangle(), MeshDefect::flipped_edge, 3}},
+                     "an entry through the flipped triangle, exits through others; no contact",
+                     "the exact answer is that the center is inside (winding number 5/6); to Pierce such a mesh is open and "
+                     "has no inside: a note of the plan and the mesh check say so"});
+    cases.push_back(
+        {22,
+         "missing_triangle",
+         {{cube_with_missing_triangle(), center, at_defect, Meets::nothing, 0},
+          {cube_with_missing_triangle(), center, right, Meets::exit, 0.5}},
+         {{"", small_cube_around({0.5f, 0.5f, 0.5f}), cube_with_missing_triangle(), {}, {}}},
+         {{cube_with_missing_triangle(), MeshDefect::border_edge, 3}},
+         "nothing through the hole, exits elsewhere; no contact",
+         "the exact answer is that the center is inside (winding number 11/12); to Pierce such a mesh is open and "
+         "has no inside: a note of the plan and the mesh check say so"});
+    cases.push_back({23,
+                     "internal_wall",
+                     {{joined(cube(), placed(cube(), 1, {1, 0, 0})), {0.5, 1.0 / 3, 1.0 / 3}, right, Meets::exit, 1.5}},
+                     {},
+                     {},
+                     "one exit at 3/2",
+                     ""});
+}
+
+/// 24 and 25: motions.
+void add_motions(std::vector<HardCase>& cases) {
+    const MeshData plate = box({-1, -1, -0.005}, {1, 1, 0.005});
+    cases.push_back({24,
+                     "bullet_through_plate",
+                     {{plate, {0, 0, 1}, {0, 0, -1}, Meets::entry, 1 - static_cast<double>(0.005f)}},
+                     {{"before the step", small_cube_around({0, 0, 1}), plate, {}, {}},
+                      {"after it", small_cube_around({0, 0, -1}), plate, {}, {}}},
+                     {},
+                     "outside before and after the step; a ray along the motion enters at 0.4975 of it",
+                     "not answered by a single pose: no contact is reported, and none at the time of impact"});
+    const MeshData low = sheet({0, 0, 0}, 1, true), high = sheet({0, 0, 0.1f}, 1, true);
+    cases.push_back(
+        {25,
+         "comoving_fold",
+         {},
+         {{"before the step", low, high, {}, {}},
+          {"after it", sheet({0, 0, 0.2f}, 1, true), sheet({0, 0, 0.3f}, 1, true), {}, {}}},
+         {},
+         "no collision",
+         "not answered by a single pose: open bodies are in contact with closed ones only, whatever their motion"});
+}
+
+}  // namespace
+
+std::vector<HardCase> hard_cases() {
+    std::vector<HardCase> cases;
+    add_rays(cases);
+    add_pairs(cases);
+    add_defects(cases);
+    add_motions(cases);
+    return cases;
+}
+
+}  // namespace pierce::scenes

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/mesh_defect.hpp"
+
+namespace pierce::scenes {
+
+/// How a ray meets the surface it meets first.
+enum class Meets : std::uint8_t {
+    nothing,
+    entry,     ///< from outside
+    exit,      ///< from inside
+    touching,  ///< the origin lies on the surface: an exit at distance zero
+};
+
+/// What a ray meets first in a mesh.
+struct HardRay {
+    MeshData mesh;
+    Vec3d origin, direction;  ///< the direction need not be unit
+    Meets meets = Meets::nothing;
+    double t = 0;  ///< [length]; zero where nothing is met
+};
+
+/// What two bodies' contacts are under one coverage.
+struct HardContacts {
+    int vertices_a = 0, vertices_b = 0;  ///< contacts of the first body's vertices, and of the second's
+    int edges_a = 0, edges_b = 0;        ///< contacts of parts of edges
+    bool separated = false;  ///< the contacts lie along the direction of separation; their number is not part of the answer
+    double depth = 0;        ///< the deepest [length]; negative: not part of the answer
+    Vec3d push;              ///< unit, the way the first body is pushed, all depths together; zero: not part of the answer
+
+    bool any() const { return separated || vertices_a + vertices_b + edges_a + edges_b > 0; }
+};
+
+/// Two meshes, their positions as they stand, and their contacts.
+struct HardBodies {
+    std::string situation;
+    MeshData a, b;
+    HardContacts vertices, complete;
+    double reprojected = -1;  ///< the deepest once contacts are re-projected, by vertices [length]; negative: not part of it
+};
+
+/// What the check of a mesh must find.
+struct HardFinding {
+    MeshData mesh;
+    MeshDefect kind = MeshDefect::no_triangles;
+    std::uint32_t count = 0;
+};
+
+/// One of the twenty-five hard cases: what is asked and the exact answers.
+struct HardCase {
+    int number = 0;
+    std::string name;
+    std::vector<HardRay> rays;
+    std::vector<HardBodies> bodies;
+    std::vector<HardFinding> findings;
+    std::string answer;   ///< one line
+    std::string differs;  ///< where Pierce's rules answer something else than the exact answer, and why; mostly empty
+};
+
+/// All of them, by number.
+std::vector<HardCase> hard_cases();
+
+}  // namespace pierce::scenes

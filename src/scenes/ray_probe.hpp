@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pierce/core/backend.hpp"
+#include "pierce/scenes/hard_cases.hpp"
+
+namespace pierce::scenes {
+
+/// How a ray meets a mesh first.
+struct Met {
+    Meets how = Meets::nothing;
+    double t = 0;  ///< [length]
+    std::uint32_t triangle = no_triangle;
+};
+
+/// Aims single rays at a mesh, by a backend's own tracer and without a world.
+class RayProbe {
+public:
+    explicit RayProbe(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
+
+    /// What each ray meets first in a body of the mesh. The rays' targets are set to it.
+    std::vector<Met> meet(const MeshData& mesh, std::vector<Ray> rays, Motion motion = Motion::fixed);
+    /// What a ray without an end meets first.
+    Met meet(const MeshData& mesh, Vec3d origin, Vec3d direction, Motion motion = Motion::fixed);
+
+private:
+    std::unique_ptr<Backend> backend_;
+    std::uint64_t next_key_ = 1;
+};
+
+}  // namespace pierce::scenes
