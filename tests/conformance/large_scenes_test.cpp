@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
@@ -255,6 +256,7 @@ Settings complete(Temporal temporal) { return {.coverage = Coverage::complete, .
 
 TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
     Crowd crowd({{"armadillo"},
+                 {"camel"},
                  {"turbine"},
                  {"bear_bis"},
                  {"fandisk"},
@@ -300,12 +302,13 @@ TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
 }
 
 TEST_F(LargeScenesTest, SoDoesTheReference) {
-    Crowd crowd({{"anchor"}, {"spool"}, {"hand"}, {"helmet"}, {"cactus", 1, true}, {"rotor", 0.15, false, "anchor"}});
+    Crowd crowd({{"anchor"}, {"spool"}, {"hand"}, {"helmet"}, {"cactus", 1, true}, {"rotor", 0.05, false, "anchor"}});
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(reference_backend(), complete(temporal)));
     run(crowd, worlds, 5);
     EXPECT_GT(seen["overlapping"], 50u);
+    EXPECT_GT(seen["inside one another"], 0u);
 }
 
 }  // namespace
