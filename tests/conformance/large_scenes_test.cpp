@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "pierce/core/constants.hpp"
 #include "pierce/core/world.hpp"
 #include "pierce/cpu_embree/embree_backend.hpp"
 #include "pierce/scenes/mesh_io.hpp"
@@ -132,24 +133,31 @@ public:
 
     Overlaps overlaps() const {
         std::deque<truth::ExactMesh> deformed;
-        std::vector<std::pair<const truth::ExactMesh*, Frame>> placed;
-        for (std::size_t i = 0; i < kinds_.size(); ++i)
-            if (kinds_[i].deforms)
-                placed.emplace_back(&deformed.emplace_back(exact({twisted(i), meshes_[i].triangles})), Frame{});
-            else
-                placed.emplace_back(&rest_[i], frame_of(poses_[i]));
+        std::vector<Placed> bodies;
+        for (std::size_t i = 0; i < kinds_.size(); ++i) bodies.push_back(placed(i, deformed));
         Overlaps result;
-        for (std::uint32_t a = 0; a < placed.size(); ++a)
-            for (std::uint32_t b = a + 1; b < placed.size(); ++b) {
-                const auto& [first, frame_a] = placed[a];
-                const auto& [second, frame_b] = placed[b];
-                const Frame b_in_a = relative_frame(frame_b, frame_a);
-                const bool meet = first->surfaces_intersect(*second, b_in_a);
-                if (!meet && !first->overlaps(*second, b_in_a)) continue;
+        for (std::uint32_t a = 0; a < bodies.size(); ++a)
+            for (std::uint32_t b = a + 1; b < bodies.size(); ++b) {
+                const Frame b_in_a = relative_frame(bodies[b].frame, bodies[a].frame);
+                const bool meet = bodies[a].mesh->surfaces_intersect(*bodies[b].mesh, b_in_a);
+                if (!meet && !bodies[a].mesh->overlaps(*bodies[b].mesh, b_in_a)) continue;
                 result.pairs.insert({a, b});
                 result.inside_one_another += !meet;
             }
         return result;
+    }
+
+    /// True if two touch tolerances' way, in one of 26 directions, parts the two: they overlap by less than that.
+    bool overlap_within_tolerance(Pair pair) const {
+        std::deque<truth::ExactMesh> deformed;
+        const Placed a = placed(pair.first, deformed), b = placed(pair.second, deformed);
+        const double way = 2 * constants::touch_tolerance * std::max(a.mesh->box().extent(), b.mesh->box().extent());
+        for (int direction = 0; direction < 27; ++direction) {
+            Frame moved = b.frame;
+            moved.origin += way * normalized(Vec3d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0});
+            if (!a.mesh->overlaps(*b.mesh, relative_frame(moved, a.frame))) return true;
+        }
+        return false;
     }
 
     std::string name(Pair pair) const {
@@ -158,6 +166,17 @@ public:
     }
 
 private:
+    struct Placed {
+        const truth::ExactMesh* mesh;
+        Frame frame;
+    };
+
+    /// `deformed` keeps the mesh of a body that deforms.
+    Placed placed(std::size_t i, std::deque<truth::ExactMesh>& deformed) const {
+        if (!kinds_[i].deforms) return {&rest_[i], frame_of(poses_[i])};
+        return {&deformed.emplace_back(exact({twisted(i), meshes_[i].triangles})), {}};
+    }
+
     std::vector<Vec3f> twisted(std::size_t i) const {
         MeshData mesh = meshes_[i];
         for (Vec3f& p : mesh.positions) {
@@ -215,7 +234,7 @@ protected:
         }
     }
 
-    /// One step of every world, each of which must find the pairs that overlap and no others.
+    /// One step of every world, each of which must find the pairs that overlap, by more than the tolerance, and no others.
     void compare(const Crowd& crowd, std::vector<World>& worlds) {
         const Crowd::Overlaps truth = crowd.overlaps();
         for (World& world : worlds) {
@@ -223,7 +242,10 @@ protected:
             crowd.put(world);
             world.detect();
             const FoundPairs found(world);
-            for (Pair p : without(truth.pairs, found.touching)) ADD_FAILURE() << crowd.name(p) << " are missed";
+            for (Pair p : without(truth.pairs, found.touching)) {
+                ++seen["missed"];
+                EXPECT_TRUE(crowd.overlap_within_tolerance(p)) << crowd.name(p) << " are missed";
+            }
             for (Pair p : without(found.overlapping, truth.pairs)) ADD_FAILURE() << crowd.name(p) << " do not overlap";
         }
         const FoundPairs found(worlds[0]);
@@ -277,9 +299,9 @@ TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
-    run(crowd, worlds, 10);
+    run(crowd, worlds, 6);
     EXPECT_GT(seen["overlapping"], 1000u);
-    EXPECT_GT(seen["inside one another"], 30u);
+    EXPECT_GT(seen["inside one another"], 20u);
     EXPECT_GT(seen["pairs of boxes"], seen["overlapping"] + 200);
 }
 
@@ -298,6 +320,7 @@ TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
         }
     }
     EXPECT_EQ(seen["overlapping"], 300u);
+    EXPECT_LT(seen["missed"], 10u) << "within the tolerance, by either of the two worlds";
     EXPECT_GT(seen["missed by vertices"], 30u);
 }
 
@@ -306,7 +329,7 @@ TEST_F(LargeScenesTest, SoDoesTheReference) {
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(reference_backend(), complete(temporal)));
-    run(crowd, worlds, 5);
+    run(crowd, worlds, 4);
     EXPECT_GT(seen["overlapping"], 50u);
     EXPECT_GT(seen["inside one another"], 0u);
 }
