@@ -81,7 +81,7 @@ int show_plan(const RunOptions& options) {
                                                              : "poses only: no vertex is looked at");
     fmt::print("update    {}\n", plan.measures_deformation ? "one static tree per mesh, one refitted tree per deforming body"
                                                            : "one static tree per mesh, built once");
-    fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources"
+    fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources and of edges"
                                                        : "own exits looked up: they were traced once per mesh");
     fmt::print("remembers {}\n", plan.temporal == Temporal::off ? "nothing: every step stands alone"
                                  : plan.temporal == Temporal::paper
