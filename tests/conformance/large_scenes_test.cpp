@@ -299,9 +299,9 @@ TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
-    run(crowd, worlds, 6);
-    EXPECT_GT(seen["overlapping"], 1000u);
-    EXPECT_GT(seen["inside one another"], 20u);
+    run(crowd, worlds, 5);
+    EXPECT_GT(seen["overlapping"], 800u);
+    EXPECT_GT(seen["inside one another"], 10u);
     EXPECT_GT(seen["pairs of boxes"], seen["overlapping"] + 200);
 }
 
@@ -310,7 +310,7 @@ TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 200; ++i) {
         const int a = random.integer(0, 7), b = (a + random.integer(1, 7)) % 8;
         const double width = std::pow(10, random.uniform(-5, -2));
         SCOPED_TRACE("pair " + std::to_string(i) + ", width " + std::to_string(width));
@@ -319,7 +319,7 @@ TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
             compare(crowd, worlds);
         }
     }
-    EXPECT_EQ(seen["overlapping"], 300u);
+    EXPECT_EQ(seen["overlapping"], 200u);
     EXPECT_LT(seen["missed"], 10u) << "within the tolerance, by either of the two worlds";
     EXPECT_GT(seen["missed by vertices"], 30u);
 }
