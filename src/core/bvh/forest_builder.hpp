@@ -19,7 +19,7 @@ public:
         executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
         executor.for_each("leaf_keys", leaves,
                           LeafKeys{bodies, forest, tree_bits(forest.trees.size), view_of(keys_), view_of(leaves_)});
-        executor.sort("leaf_sort", leaves, view_of(keys_), view_of(leaves_));
+        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_));
         executor.for_each("build_lbvh", leaves, BuildLbvh{bodies, forest, view_of(keys_), view_of(leaves_)});
         executor.for_each("clear_visits", leaves, Fill{forest.visits, 0});
     }

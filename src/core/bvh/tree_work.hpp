@@ -19,7 +19,7 @@ struct ForestWork {
     std::uint32_t decayed = 0;  ///< trees for which a rebuild pays
 };
 
-/// Per tree, after rays were traced: has its refit decayed?
+/// Per tree, before it is refitted again: has its refit decayed?
 struct JudgeTree {
     View<TreeWork> work;
     View<const Tree> trees;
