@@ -78,7 +78,7 @@ PIERCE_HD inline std::uint32_t show_near(const Forest& forest, const Tree& tree,
             item = stack.pop();
             continue;
         }
-        const Node& node = forest.nodes[item.index()];
+        const Node node = forest.nodes[item.index()];
         const float t0 = ray.enter(node.box[0], begin, end), t1 = ray.enter(node.box[1], begin, end);
         const std::uint32_t first = t1 < t0 ? 1 : 0;
         const float nearer = first ? t1 : t0, other = first ? t0 : t1;
