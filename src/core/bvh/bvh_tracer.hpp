@@ -64,6 +64,8 @@ class BvhTracer {
 public:
     using Count = typename E::Count;
 
+    explicit BvhTracer(TreeBuilder builder = TreeBuilder::lbvh) : builder_(builder) {}
+
     /// Which trees there must be. `bodies` as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {
         if (!plan_.arrange(bodies)) return;

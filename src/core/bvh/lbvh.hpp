@@ -63,20 +63,16 @@ struct BuildLbvh {
             // The node that splits between places k and k + 1 is node k; it is the child's that differs less from beyond.
             const bool is_left = left == begin || (right != last && splits_later(left - 1, right));
             const std::uint32_t at = is_left ? right : left - 1;
-            Node& node = forest.nodes[at];
             const std::uint32_t side = is_left ? 0 : 1;
-            node.child[side] = item;
-            node.box[side] = box;
-            (item.is_leaf() ? forest.leaf_places[begin + item.index()] : forest.nodes[item.index()].parent) =
-                Place::at(at, side);
+            set_child(forest, tree, Place::at(at, side), item, box);
             const std::uint32_t other = atomic_exchange(forest.visits[at], is_left ? left : right);
             if (other == no_node) return;
             (is_left ? right : left) = other;
             item = Item::node(at);
-            box = join(box, node.box[1 - side]);
+            box = join(box, forest.nodes[at].box[1 - side]);
         }
         tree.root = item;
-        (item.is_leaf() ? forest.leaf_places[begin + item.index()] : forest.nodes[item.index()].parent) = {};
+        set_place(forest, tree, item, {});
     }
 
 private:

@@ -1,0 +1,187 @@
+#pragma once
+
+#include <utility>
+
+#include "pierce/core/atomics.hpp"
+#include "pierce/core/bvh/lbvh.hpp"
+#include "pierce/core/executor.hpp"
+
+/// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it has seven parts, is put
+/// together anew in the best of all ways. Every leaf is one triangle, so the cost of the parts is the same in all of them,
+/// and the best way is the one whose nodes have the least area.
+namespace pierce::bvh {
+
+/// The top of a subtree: `inner` nodes and the parts below them.
+class Treelet {
+public:
+    /// Opens parts, the largest first. The subtree has that many leaves at least.
+    PIERCE_HD Treelet(const Forest& forest, std::uint32_t root) {
+        const Node& top = forest.nodes[root];
+        part_[0] = Item::node(root);
+        box_[0] = join(top.box[0], top.box[1]);
+        for (std::uint32_t n = 0; n < inner; ++n) {
+            const std::uint32_t k = largest_node(n + 1);
+            node_[n] = part_[k].index();
+            area_ += box_[k].half_area();
+            const Node& node = forest.nodes[node_[n]];
+            part_[k] = node.child[0];
+            box_[k] = node.box[0];
+            part_[n + 1] = node.child[1];
+            box_[n + 1] = node.box[1];
+        }
+    }
+
+    /// Puts the nodes together anew if that makes them smaller.
+    PIERCE_HD void improve(const Forest& forest) {
+        for (Set set = 1; set <= all; ++set) {
+            least_[set] = 0;
+            if (is_one(set)) continue;
+            const Set half = best_half(set);
+            least_[set] = box_of(set).half_area() + least_[half] + least_[set ^ half];
+        }
+        if (least_[all] < area_) rebuild(forest);
+    }
+
+private:
+    static constexpr std::uint32_t parts = constants::treelet_parts, inner = parts - 1;
+
+    using Set = std::uint32_t;  ///< of parts, one bit each
+    static constexpr Set all = (Set{1} << parts) - 1;
+    PIERCE_HD static bool is_one(Set set) { return (set & (set - 1)) == 0; }
+
+    /// Of the first n parts, one that is a node.
+    PIERCE_HD std::uint32_t largest_node(std::uint32_t n) const {
+        std::uint32_t largest = n;
+        for (std::uint32_t k = 0; k < n; ++k)
+            if (!part_[k].is_leaf() && (largest == n || box_[k].half_area() > box_[largest].half_area())) largest = k;
+        return largest;
+    }
+
+    PIERCE_HD BoxF box_of(Set set) const {
+        BoxF box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+        for (std::uint32_t k = 0; k < parts; ++k)
+            if (set >> k & 1) box.extend(box_[k]);
+        return box;
+    }
+
+    /// The child that leaves least area below a node over `set`: the one without the set's first part.
+    PIERCE_HD Set best_half(Set set) const {
+        const Set rest = set & (set - 1);
+        Set best = rest;
+        float least = least_[rest] + least_[set ^ rest];
+        for (Set half = (rest - 1) & rest; half != 0; half = (half - 1) & rest) {
+            const float area = least_[half] + least_[set ^ half];
+            if (area < least) {
+                least = area;
+                best = half;
+            }
+        }
+        return best;
+    }
+
+    PIERCE_HD void rebuild(const Forest& forest) const {
+        const Tree& tree = forest.trees[forest.tree_of_leaf[node_[0]]];
+        Set set[inner] = {all};
+        std::uint32_t known = 1;
+        for (std::uint32_t n = 0; n < inner; ++n) {
+            const Set half = best_half(set[n]), halves[2] = {set[n] ^ half, half};
+            for (std::uint32_t side = 0; side < 2; ++side) {
+                Item child;
+                if (is_one(halves[side])) {
+                    std::uint32_t k = 0;
+                    while (halves[side] >> k != 1) ++k;
+                    child = part_[k];
+                } else {
+                    set[known] = halves[side];
+                    child = Item::node(node_[known++]);
+                }
+                set_child(forest, tree, Place::at(node_[n], side), child, box_of(halves[side]));
+            }
+        }
+    }
+
+    Item part_[parts];
+    BoxF box_[parts];            ///< of the parts
+    std::uint32_t node_[inner];  ///< root first
+    float area_ = 0;             ///< of the nodes
+    float least_[all + 1];       ///< per set of parts: area of the best tree over it, itself counted
+};
+
+/// Per place in `leaves`: climbs from that leaf, counting leaves in `forest.visits`, as long as it comes second to every
+/// node, up to one with enough leaves.
+struct FindTreelets {
+    Forest forest;
+    View<const std::uint32_t> leaves;
+    std::uint32_t smallest = 0;  ///< leaves that are enough
+    View<std::uint32_t> found;   ///< the node, or no_node
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        found[i] = no_node;
+        std::uint32_t count = 1;
+        for (Place place = forest.leaf_places[leaves[i]]; !place.is_root(); place = forest.nodes[place.node()].parent) {
+            const std::uint32_t others = atomic_add(forest.visits[place.node()], count);
+            if (others == 0) return;
+            count += others;
+            if (count < smallest) continue;
+            found[i] = place.node();
+            return;
+        }
+    }
+};
+
+/// Per node whose subtree is finished: improves the treelet there and, if the node above has no other unfinished child,
+/// hands that on.
+struct ImproveTreelets {
+    Forest forest;
+    View<const std::uint32_t> nodes, places;  ///< item i is nodes[places[i]]
+    View<std::uint32_t> next;                 ///< the node above, or no_node
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t node = nodes[places[i]];
+        Treelet(forest, node).improve(forest);
+        const Place place = forest.nodes[node].parent;
+        const bool ready = !place.is_root() && atomic_add(forest.visits[place.node()], forest.visits[node]) != 0;
+        next[i] = ready ? place.node() : no_node;
+    }
+};
+
+/// True for places that hold a node.
+struct HoldsNode {
+    View<const std::uint32_t> nodes;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return nodes[i] != no_node; }
+};
+
+/// Restructures all trees of a forest, from the leaves up; one launch improves every treelet whose subtree is finished, so
+/// that few threads wait for each other.
+template <Executor E>
+class TreeletRestructuring {
+public:
+    /// `leaves`: all of them, neighbours close together. Leaves no use in `forest.visits`.
+    void run(E& executor, const Forest& forest, View<const std::uint32_t> leaves) {
+        for (Buffer* buffer : {&nodes_, &next_, &places_}) buffer->resize(leaves.size);
+        for (std::uint32_t round = 0; round < constants::treelet_rounds; ++round) {
+            executor.for_each("clear_visits", leaves.size, Fill{forest.visits, 0});
+            executor.for_each("find_treelets", leaves.size,
+                              FindTreelets{forest, leaves, constants::treelet_parts << round, view_of(next_)});
+            for (std::uint32_t n = keep(executor, leaves.size); n > 0; n = keep(executor, n))
+                executor.for_each("improve_treelets", n,
+                                  ImproveTreelets{forest, view_of(std::as_const(nodes_)), view_of(std::as_const(places_)),
+                                                  view_of(next_)});
+        }
+    }
+
+private:
+    using Buffer = typename E::template Buffer<std::uint32_t>;
+
+    /// The nodes among the first n of next_ come next; how many?
+    std::uint32_t keep(E& executor, std::uint32_t n) {
+        std::swap(nodes_, next_);
+        return executor.number(
+            executor.select("select_treelets", n, HoldsNode{view_of(std::as_const(nodes_))}, view_of(places_)));
+    }
+
+    Buffer nodes_, next_, places_;
+};
+
+}  // namespace pierce::bvh
