@@ -38,11 +38,11 @@ inline constexpr std::uint32_t treelet_rounds = 3;
 /// far doubles the work and gains a few per cent of a tree's cost.
 inline constexpr std::uint32_t cluster_radius = 8;
 
-/// Leading Morton bits in which all leaves of a cluster agree: a grid of 16 cells a side, so that a tree has 4096 clusters
-/// at most and one thread can put them together.
-inline constexpr std::uint32_t cluster_bits = 12;
+/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a tree has 4096 at most and one
+/// thread can put them together.
+inline constexpr std::uint32_t cell_bits = 12;
 
-/// Places along each axis where a split of clusters is tried.
+/// Bins along each axis between which a split of cells is tried (Wald 2007).
 inline constexpr std::uint32_t split_bins = 16;
 
 /// A triangle whose three edge functions are all below this lies in a plane with the ray

@@ -27,6 +27,22 @@ using bvh::Tree;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
+constexpr TreeBuilder builders[] = {TreeBuilder::lbvh, TreeBuilder::hlbvh, TreeBuilder::trbvh, TreeBuilder::ploc};
+
+std::string builder_name(const testing::TestParamInfo<TreeBuilder>& info) {
+    switch (info.param) {
+        case TreeBuilder::lbvh:
+            return "lbvh";
+        case TreeBuilder::hlbvh:
+            return "hlbvh";
+        case TreeBuilder::trbvh:
+            return "trbvh";
+        case TreeBuilder::ploc:
+            return "ploc";
+    }
+    return "";
+}
+
 /// Deforming bodies, one per mesh, as stages see them.
 class Bodies {
 public:
@@ -320,7 +336,7 @@ TEST_P(BvhTest, RefitsToWhatARebuildHasToo) {
     expect_trees(trees, bodies.views());
 }
 
-INSTANTIATE_TEST_SUITE_P(Builders, BvhTest, testing::Values(TreeBuilder::lbvh, TreeBuilder::trbvh));
+INSTANTIATE_TEST_SUITE_P(Builders, BvhTest, testing::ValuesIn(builders), builder_name);
 
 /// A sphere with waves.
 MeshData bumpy_sphere(int levels) {
@@ -330,29 +346,87 @@ MeshData bumpy_sphere(int levels) {
 }
 
 /// What every builder's tree of a mesh costs, and the sweep's last.
-std::vector<double> costs(const char* name, const MeshData& mesh) {
+std::vector<double> costs(const MeshData& mesh) {
     const Bodies bodies({mesh});
-    std::cout << name << ", " << mesh.triangles.size() << " triangles:";
     std::vector<double> found;
-    for (TreeBuilder how : {TreeBuilder::lbvh, TreeBuilder::trbvh}) {
+    for (TreeBuilder how : builders) {
         Trees trees = build(how, bodies.views());
         found.push_back(bvh::sah_cost(trees.forest(), trees.trees[0]));
     }
     found.push_back(test::sweep_sah_cost(bodies.views()[0].surface()));
-    for (double cost : found) std::cout << ' ' << cost;
-    std::cout << '\n';
     return found;
 }
 
 TEST(TreeQualityTest, RestructuredTreesAreAsGoodAsASweeps) {
     test::Random random(8);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
-    for (const std::vector<double>& cost :
-         {costs("torus", scenes::torus(1, 0.4, 200, 100)), costs("bumpy sphere", bumpy_sphere(5)),
-          costs("slim torus", scenes::torus(1, 0.02, 1000, 20)), costs("soup", soup(random, 20000))}) {
-        const double lbvh = cost[0], trbvh = cost[1], sweep = cost[2];
-        EXPECT_LT(trbvh, 0.95 * lbvh);
-        EXPECT_LT(trbvh, 1.05 * sweep);
+    struct Case {
+        const char* name;
+        MeshData mesh;
+        double above_sweep;
+    };
+    const Case cases[] = {{"torus", scenes::torus(1, 0.4, 200, 100), 1.05},
+                          {"slim torus", scenes::torus(1, 0.02, 1000, 20), 1.05},
+                          {"sphere", scenes::sphere(1, 5), 1.05},
+                          {"bumpy sphere", bumpy_sphere(5), 1.07},
+                          {"soup", soup(random, 20000), 0.9}};
+    std::cout << "SAH cost: lbvh hlbvh trbvh ploc sweep\n";
+    for (const Case& one : cases) {
+        SCOPED_TRACE(one.name);
+        const std::vector<double> cost = costs(one.mesh);
+        std::cout << one.name << ", " << one.mesh.triangles.size() << " triangles:";
+        for (double c : cost) std::cout << ' ' << c;
+        std::cout << '\n';
+        const double lbvh = cost[0], hlbvh = cost[1], trbvh = cost[2], ploc = cost[3], sweep = cost[4];
+        EXPECT_LT(hlbvh, 0.99 * lbvh);
+        EXPECT_LT(ploc, 0.97 * lbvh);
+        EXPECT_LT(trbvh, 0.93 * lbvh);
+        EXPECT_LT(trbvh, one.above_sweep * sweep);
+    }
+}
+
+/// Small spheres in a row, which then change places at random: the tree holds boxes as long as the row, until it is rebuilt.
+TEST(BvhTracerTest, RebuildsADecayedTree) {
+    test::Random random(9);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    constexpr int count = 50;
+    const MeshData one = scenes::sphere(0.5, 1);
+    MeshData row;
+    for (int i = 0; i < count; ++i)
+        for (Triangle t : one.triangles) {
+            for (std::uint32_t& v : t.vertex) v += static_cast<std::uint32_t>(i * std::ssize(one.positions));
+            row.triangles.push_back(t);
+        }
+    row.positions.resize(count * one.positions.size());
+    Bodies bodies({row});
+    std::vector<int> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    const auto place = [&] {
+        for (std::size_t v = 0; v < row.positions.size(); ++v) {
+            const int at = order[v / one.positions.size()];
+            bodies.mesh(0).positions[v] = one.positions[v % one.positions.size()] + Vec3f{static_cast<float>(at), 0, 0};
+        }
+        bodies.moved();
+    };
+    for (TreeBuilder how : builders) {
+        SCOPED_TRACE(static_cast<int>(how));
+        BvhTracer<SerialExecutor> tracer(how);
+        BruteForceTracer reference;
+        const SerialExecutor executor;
+        std::ranges::sort(order);
+        for (int step = 0; step < 20; ++step) {
+            place();
+            const std::vector<Ray> rays = random_rays(random, bodies.views(), 400);
+            EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
+            if (step == 5) {
+                EXPECT_EQ(tracer.counts(executor).rebuilds, 0u) << "nothing has decayed yet";
+                for (int i = count - 1; i > 0; --i)
+                    std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.integer(0, i))]);
+            }
+        }
+        EXPECT_EQ(tracer.counts(executor).rebuilds, 1u);
+        EXPECT_EQ(tracer.counts(executor).builds, 2u);
+        EXPECT_GT(tracer.counts(executor).refits, 0u);
     }
 }
 

@@ -25,6 +25,9 @@ struct Item {
 struct BoxF {
     Vec3f lower, upper;
 
+    /// The box of no points.
+    PIERCE_HD static BoxF none() { return {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
+
     PIERCE_HD void extend(const BoxF& b) {
         lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y), min_of(b.lower.z, lower.z)};
         upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y), max_of(b.upper.z, upper.z)};
@@ -91,6 +94,12 @@ PIERCE_HD inline void set_child(const Forest& forest, const Tree& tree, Place pl
     node.child[place.side()] = item;
     node.box[place.side()] = box;
     set_place(forest, tree, item, place);
+}
+
+/// Makes an item the root of its tree.
+PIERCE_HD inline void set_root(const Forest& forest, Tree& tree, Item item) {
+    tree.root = item;
+    set_place(forest, tree, item, {});
 }
 
 /// The box of a triangle.

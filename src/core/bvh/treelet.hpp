@@ -58,7 +58,7 @@ private:
     }
 
     PIERCE_HD BoxF box_of(Set set) const {
-        BoxF box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+        BoxF box = BoxF::none();
         for (std::uint32_t k = 0; k < parts; ++k)
             if (set >> k & 1) box.extend(box_[k]);
         return box;
