@@ -28,15 +28,16 @@ struct Trace {
         const Surface surface = body.surface();
         const std::uint32_t t = forest.tree_of_body[ray.target];
         const Tree& tree = forest.trees[t];
-        std::uint32_t tests = 0;
+        RayWork done;
         hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
             const BoxRay box_ray(r, positions_box(body));
             return first_crossing(r, surface,
-                                  [&](CrossingSearch& search) { tests += show_near(forest, tree, box_ray, search); });
+                                  [&](CrossingSearch& search) { show_near(forest, tree, box_ray, search, done); });
         });
         if (!tree.moves) return;
         atomic_add(work[t].rays, 1);
-        atomic_add(work[t].tests, tests);
+        atomic_add(work[t].nodes, done.nodes);
+        atomic_add(work[t].tests, done.tests);
     }
 };
 
