@@ -33,11 +33,13 @@ public:
 
     /// Puts the nodes together anew if that makes them smaller.
     PIERCE_HD void improve(const Forest& forest) {
-        for (Set set = 1; set <= all; ++set) {
-            least_[set] = 0;
-            if (is_one(set)) continue;
-            const Set half = best_half(set);
-            least_[set] = box_of(set).half_area() + least_[half] + least_[set ^ half];
+        // Sets that differ in their first parts only share the box of the others.
+        constexpr std::uint32_t shared = parts / 2;
+        constexpr Set firsts = (Set{1} << shared) - 1;
+        for (Set others = 0; others <= all; others += firsts + 1) {
+            const BoxF beyond = box_of(others, shared, parts);
+            for (Set set = others; set <= (others | firsts); ++set)
+                least_[set] = is_one(set) ? 0 : join(box_of(set, 0, shared), beyond).half_area() + least_below(set);
         }
         if (least_[all] < area_) rebuild(forest);
     }
@@ -57,26 +59,29 @@ private:
         return largest;
     }
 
-    PIERCE_HD BoxF box_of(Set set) const {
+    /// Around those parts k of a set for which begin <= k < end.
+    PIERCE_HD BoxF box_of(Set set, std::uint32_t begin = 0, std::uint32_t end = parts) const {
         BoxF box = BoxF::none();
-        for (std::uint32_t k = 0; k < parts; ++k)
+        for (std::uint32_t k = begin; k < end; ++k)
             if (set >> k & 1) box.extend(box_[k]);
         return box;
     }
 
-    /// The child that leaves least area below a node over `set`: the one without the set's first part.
+    /// Area below the best node over `set`: the least of all ways to halve it. One half has the set's first part.
+    PIERCE_HD float least_below(Set set) const {
+        const Set rest = set & (set - 1);
+        float least = INFINITY;
+        for (Set half = rest; half != 0; half = (half - 1) & rest) least = min_of(least_[half] + least_[set ^ half], least);
+        return least;
+    }
+
+    /// The other half, where that is so.
     PIERCE_HD Set best_half(Set set) const {
         const Set rest = set & (set - 1);
-        Set best = rest;
-        float least = least_[rest] + least_[set ^ rest];
-        for (Set half = (rest - 1) & rest; half != 0; half = (half - 1) & rest) {
-            const float area = least_[half] + least_[set ^ half];
-            if (area < least) {
-                least = area;
-                best = half;
-            }
-        }
-        return best;
+        const float least = least_below(set);
+        Set half = rest;
+        while (least_[half] + least_[set ^ half] > least) half = (half - 1) & rest;
+        return half;
     }
 
     PIERCE_HD void rebuild(const Forest& forest) const {
