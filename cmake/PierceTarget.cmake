@@ -18,6 +18,11 @@ function(pierce_options target)
         "$<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off;-fno-math-errno;-fno-trapping-math>")
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                              $<$<BOOL:${PIERCE_WERROR}>:-Werror>>)
+    # The same rules on the device: no fused multiply-adds, division and square root rounded as IEEE 754 says.
+    target_compile_options(${target} PRIVATE
+        "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--expt-relaxed-constexpr;-fmad=false;-prec-div=true;-prec-sqrt=true;-ftz=false>"
+        "$<$<COMPILE_LANGUAGE:CUDA>:-Xcompiler=-Wall,-Wextra,-ffp-contract=off>"
+        $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${PIERCE_WERROR}>>:-Werror=all-warnings>)
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
         # GCC 12 warns about its own std::string (gcc.gnu.org/bugzilla 105651).
         target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)

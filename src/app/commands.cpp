@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compare.hpp"
+#include "detection_json.hpp"
 #include "frame_log.hpp"
 #include "picture.hpp"
 #include "pierce/core/error.hpp"
@@ -26,20 +27,10 @@ using scenes::FrameResult;
 
 constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo short
 
-constexpr const char* temporal_names[] = {"off", "paper", "certified"};
-constexpr const char* coverage_names[] = {"vertices", "complete"};
-constexpr const char* found_names[] = {"full", "walk", "prediction", "separation"};
-
 json detection_json(const DetectionOptions& options) {
-    const Settings& settings = options.rays.world;
-    return {{"method", options.method},
-            {"backend", options.rays.backend},
-            {"threads", options.rays.threads},
-            {"temporal", temporal_names[static_cast<int>(settings.temporal)]},
-            {"predict", settings.predict},
-            {"full_every", settings.full_every},
-            {"coverage", coverage_names[static_cast<int>(settings.coverage)]},
-            {"reproject", settings.reproject}};
+    json result = rays_json(options.rays);
+    result["method"] = options.method;
+    return result;
 }
 
 std::vector<BodyId> ground_of(const scenes::SceneSetup& scene) {
@@ -90,7 +81,7 @@ int show_plan(const RunOptions& options) {
                                                              : "poses only: no vertex is looked at");
     fmt::print("update    {}\n", plan.measures_deformation ? "one static tree per mesh, one refitted tree per deforming body"
                                                            : "one static tree per mesh, built once");
-    fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources"
+    fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources and of edges"
                                                        : "own exits looked up: they were traced once per mesh");
     fmt::print("remembers {}\n", plan.temporal == Temporal::off ? "nothing: every step stands alone"
                                  : plan.temporal == Temporal::paper
@@ -200,23 +191,7 @@ int detect(const DetectOptions& options) {
         fmt::print("{} and {}: {} contacts, depth mean {:.6g}, max {:.6g}\n", names[contacts[begin].a.index],
                    names[contacts[begin].b.index], end - begin, sum / static_cast<double>(end - begin), deepest);
     }
-    const auto xyz = [](Vec3d v) { return json{v.x, v.y, v.z}; };
-    for (const Contact& c : contacts) {
-        list.push_back({{"a", c.a.index},
-                        {"b", c.b.index},
-                        {"source", c.source == Side::a ? "a" : "b"},
-                        {"vertex", c.vertex},
-                        {"triangle", c.triangle},
-                        {"barycentric", c.barycentric},
-                        {"point_a", xyz(c.point_a)},
-                        {"point_b", xyz(c.point_b)},
-                        {"normal", xyz(c.normal)},
-                        {"distance", c.distance},
-                        {"grazing", c.grazing},
-                        {"reprojected", c.reprojected},
-                        {"found", found_names[static_cast<int>(c.found)]}});
-        if (c.is_edge()) list.back().update({{"edge_end", c.edge_end}, {"along", c.along}});
-    }
+    for (const Contact& c : contacts) list.push_back(contact_json(c));
     fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n", stats.contacts, stats.touching_pairs,
                stats.pairs, stats.rays, stats.milliseconds, world.backend());
     if (!options.detection.json.empty())

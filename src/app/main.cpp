@@ -7,6 +7,7 @@
 #include "check.hpp"
 #include "commands.hpp"
 #include "compare.hpp"
+#include "explain.hpp"
 #include "paper_report.hpp"
 #include "pierce/core/error.hpp"
 
@@ -63,13 +64,19 @@ void add_temporal(CLI::App& command, pierce::Settings& settings) {
         ->check(CLI::Range(1u, 1000000u));
 }
 
+void add_rays(CLI::App& command, pierce::scenes::RaySettings& rays) {
+    command.add_option("--backend", rays.backend,
+                       "automatic (cuda if it can run here, else embree), embree, cuda, bvh or reference; for rays")
+        ->capture_default_str();
+    command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
+        ->check(CLI::Range(1, 1024));
+    add_coverage(command, rays.world);
+    add_temporal(command, rays.world);
+}
+
 void add_detection(CLI::App& command, DetectionOptions& options) {
     command.add_option("--method", options.method, "rays, gjk-epa, gjk-hull or gimpact")->capture_default_str();
-    command.add_option("--backend", options.rays.backend, "embree or reference, for rays")->capture_default_str();
-    command.add_option("--threads", options.rays.threads, "threads for rays; all there are if not given")
-        ->check(CLI::Range(1, 1024));
-    add_coverage(command, options.rays.world);
-    add_temporal(command, options.rays.world);
+    add_rays(command, options.rays);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")->type_name("FILE");
 }
 
@@ -121,13 +128,29 @@ int main(int argc, char** argv) {
     DetectOptions detect_options;
     CLI::App* detect_command = app.add_subcommand("detect", "contacts of meshes as they stand in their files");
     detect_command->add_option("meshes", detect_options.meshes, "OBJ, PLY, STL or OFF files")->required()->expected(2, -1);
-    detect_command->add_option("--backend", detect_options.detection.rays.backend, "embree or reference")
+    detect_command->add_option("--backend", detect_options.detection.rays.backend, "automatic, embree, cuda, bvh or reference")
         ->capture_default_str();
     detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
         ->check(CLI::Range(1, 1024));
     add_coverage(*detect_command, detect_options.detection.rays.world);
     detect_command->add_option("--json", detect_options.detection.json, "write the contacts to FILE")->type_name("FILE");
     detect_command->callback([&] { code = detect(detect_options); });
+
+    ExplainOptions explain_options;
+    CLI::App* explain_command = app.add_subcommand("explain", "why a vertex has, or has not, a contact with another body");
+    explain_command->add_option("inputs", explain_options.inputs, "two mesh files as they stand, or a recording's folder")
+        ->required()
+        ->expected(1, 2);
+    explain_command->add_option("--vertex", explain_options.vertex, "the vertex, counted from 0")->required();
+    explain_command->add_option("--of", explain_options.of, "of meshes: which one has the vertex, a (the default) or b")
+        ->check(CLI::IsMember({"a", "b"}));
+    explain_command->add_option("--frame", explain_options.frame, "of a recording: the frame, counted from 0");
+    explain_command->add_option("--bodies", explain_options.bodies, "of a recording: the vertex's body, and the other one")
+        ->type_name("BODY OTHER")
+        ->expected(2);
+    add_rays(*explain_command, explain_options.rays);
+    explain_command->add_option("--json", explain_options.json, "write the explanation to FILE")->type_name("FILE");
+    explain_command->callback([&] { code = explain(explain_options); });
 
     CheckOptions check_options;
     CLI::App* check_command = app.add_subcommand("check", "what is wrong with meshes, and what that means for detection");

@@ -16,6 +16,10 @@ public:
 
     /// What it is and how it was made, for people: "embree 3.13.5, 2 threads".
     virtual std::string description() const = 0;
+    /// True if steps run where set_device_positions() keeps positions.
+    virtual bool runs_on_device() const { return false; }
+    /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is Temporal::off then.
+    virtual bool certificates_pay() const { return true; }
     virtual void step(const Scene& scene, StepStats& stats) = 0;
     /// Results of the last step; valid until the next one.
     virtual View<const Contact> contacts() const = 0;
@@ -23,6 +27,8 @@ public:
     /// What spared a vertex its ray in the last step. `side`: the pair's body it belongs to.
     virtual Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
                                     std::uint32_t vertex) const = 0;
+    /// Brings the world's views of its bodies up to date with what the last step found out about where they are.
+    virtual void fetch_bodies(View<BodyView>) const {}
     /// Traces rays outside a step, bringing the targets' trees up to date first.
     virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
 };
@@ -38,9 +44,12 @@ public:
           pipeline_(*executor_, *tracer_) {}
 
     std::string description() const override { return description_; }
-    void step(const Scene& scene, StepStats& stats) override { pipeline_.step(scene, stats); }
-    View<const Contact> contacts() const override { return pipeline_.contacts(); }
-    View<const Pair> pairs() const override { return pipeline_.pairs(); }
+    void step(const Scene& scene, StepStats& stats) override {
+        pipeline_.step(scene, stats);
+        pipeline_.report(*scene.plan, stats);
+    }
+    View<const Contact> contacts() const override { return view_of(pipeline_.contacts()); }
+    View<const Pair> pairs() const override { return view_of(pipeline_.pairs()); }
 
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
                             std::uint32_t vertex) const override {

@@ -20,13 +20,14 @@ enum class Motion : std::uint8_t {
 /// world for a deforming one. Its *fit* is the frame in which it looks most like the mesh's rest shape.
 struct BodyView {
     MeshView mesh;
-    View<const Vec3f> positions;    ///< in the body's space
-    View<const PatchBlock> blocks;  ///< in the body's space
-    View<const Offsets> patches;    ///< in the body's space
-    View<const double> own_exit;    ///< per vertex, length of the inward ray inside the rest shape; not for deforming
-    Frame space;                    ///< body's space to world
-    Frame fit;                      ///< rest shape to world
-    Box fit_box;                    ///< around the vertices, in `fit`
+    View<const Vec3f> positions;              ///< in the body's space
+    View<const PatchBlock> blocks;            ///< in the body's space
+    View<const Offsets> patches;              ///< in the body's space
+    const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's positions, if on the device
+    View<const double> own_exit;  ///< per vertex, length of the inward ray inside the rest shape; not for deforming
+    Frame space;                  ///< body's space to world
+    Frame fit;                    ///< rest shape to world
+    Box fit_box;                  ///< around the vertices, in `fit`
     Box world_box;
     double deviation = 0;                 ///< no vertex is further than this from its place in the rest shape under `fit`
     double shape_motion = 0;              ///< no vertex has moved further in `fit` since the last step

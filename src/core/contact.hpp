@@ -41,14 +41,14 @@ struct Contact {
     Vec3d face_normal;    ///< unit, outward, of the target triangle
     double distance = 0;  ///< signed, negative where the bodies overlap, zero where they touch
 
-    double penetration_depth() const { return max_of(-distance, 0.0); }
+    PIERCE_HD double penetration_depth() const { return max_of(-distance, 0.0); }
 
-    bool is_edge() const { return edge_end != no_vertex; }
+    PIERCE_HD bool is_edge() const { return edge_end != no_vertex; }
     /// The part of the source's vertices in the source point: of `vertex` (k = 0) and `edge_end` (k = 1).
-    double source_weight(int k) const { return k == 0 ? 1 - along : along; }
+    PIERCE_HD double source_weight(int k) const { return k == 0 ? 1 - along : along; }
 
     /// The same for the same vertex, or edge's part, and pair in every step; unique within the pair.
-    std::uint64_t feature() const {
+    PIERCE_HD std::uint64_t feature() const {
         const std::uint64_t side = static_cast<std::uint64_t>(source);
         return is_edge() ? std::uint64_t{edge} << 32 | std::uint64_t{chord} << 2 | 2 | side
                          : std::uint64_t{vertex} << 2 | side;

@@ -43,6 +43,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
+    executor.settle();
 };
 
 /// A vector whose new elements are left as they are: every stage writes all it reads.
@@ -139,6 +140,20 @@ public:
 
     /// A count as a number.
     std::uint32_t number(std::uint32_t count) const { return count; }
+
+    template <class T>
+    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.assign(count, value);
+    }
+
+    /// Stages are over when their call is.
+    void settle() const {}
+
+    /// Keeps the items that are there.
+    template <class T>
+    void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.resize(count, value);
+    }
 
     template <class T>
     T first(const HostBuffer<T>& buffer) const {

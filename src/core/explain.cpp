@@ -241,8 +241,8 @@ std::string Explanation::text() const {
     }
     if (certificate.kind != Certificate::none) {
         constexpr const char* who[] = {"", "its patch of vertices", "all of its patch that was not near", "this vertex"};
-        s += std::string(" The step needed no ray: ") + who[certificate.kind] +
-             " is proved to stay outside until the bodies have moved " + number(certificate.left) + ".";
+        s += std::string(" No ray is needed until the bodies have moved on by ") + number(certificate.left) + ": " +
+             who[certificate.kind] + " is proved to stay outside.";
     }
     return s;
 }

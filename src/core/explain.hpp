@@ -27,7 +27,7 @@ enum class Reason : std::uint8_t {
     not_looked_at,   ///< Temporal::paper leaves the vertex alone until the pair's next full pass
 };
 
-/// What the last step knew beforehand: the vertex stays outside until the two bodies have moved on, relative to each other.
+/// A proof that the vertex stays outside, and needs no ray, until the two bodies have moved on, relative to each other.
 struct Certificate {
     enum Kind : std::uint8_t { none, patch, patch_rest, vertex };
     Kind kind = none;  ///< of the vertex's whole patch, of those of the patch that were not near, or of the vertex itself

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "pierce/core/config.hpp"
 
@@ -24,16 +26,25 @@ PIERCE_HD constexpr T clamp_to(T value, T low, T high) {
     return min_of(max_of(value, low), high);
 }
 
+/// The smallest float32 above zero.
+inline constexpr float smallest_float = 0x1p-149f;
+
+/// The float32 next to `f` on the way from zero to infinity, or back. `f` is not zero.
+PIERCE_HD inline float outward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + 1); }
+PIERCE_HD inline float inward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) - 1); }
+
 /// The nearest float32 that is not above `value`.
 PIERCE_HD inline float round_down(double value) {
     const float f = static_cast<float>(value);
-    return static_cast<double>(f) > value ? std::nextafter(f, -INFINITY) : f;
+    if (!(static_cast<double>(f) > value)) return f;
+    return f == 0 ? -smallest_float : f < 0 ? outward_neighbor(f) : inward_neighbor(f);
 }
 
 /// The nearest float32 that is not below `value`.
 PIERCE_HD inline float round_up(double value) {
     const float f = static_cast<float>(value);
-    return static_cast<double>(f) < value ? std::nextafter(f, INFINITY) : f;
+    if (!(static_cast<double>(f) < value)) return f;
+    return f == 0 ? smallest_float : f > 0 ? outward_neighbor(f) : inward_neighbor(f);
 }
 
 /// The angle of the vector (x, y) from the x axis for y >= 0, in [0, pi] radians, with an error below 2e-8 (Abramowitz and

@@ -28,13 +28,15 @@ namespace pierce {
 template <Executor E, Tracer<E> T>
 class Pipeline {
 public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
     Pipeline(E& executor, T& tracer)
         : executor_(executor), tracer_(tracer), tools_(executor, tracer), edges_(tools_), separation_(tools_) {}
 
-    /// One step: fills contacts() and `stats`.
+    /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(), once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
-        StageTimer time(stats);
-        const TracerCounts before = tracer_.counts(executor_);
+        StageTimer time(executor_, stats);
         const bool remembers = scene.plan->temporal != Temporal::off;
         const bool complete = scene.plan->coverage == Coverage::complete;
         recall(scene);
@@ -71,11 +73,65 @@ public:
         if (remembers) time("remember", [&] { remember(scene); });
 
         time("stats", [&] { count(*scene.plan); });
-        report(before, *scene.plan, stats);
     }
 
-    View<const Contact> contacts() const { return view_of(contacts_); }
-    View<const Pair> pairs() const { return view_of(pairs_); }
+    /// What the last step did and found.
+    void report(const Plan& plan, StepStats& stats) {
+        const bool remembers = plan.temporal != Temporal::off;
+        stats.pairs = executor_.number(count_of(pairs_));
+        stats.rays = executor_.number(remembers ? count_of(full_slots_) : count_of(batch_.rays));
+        stats.contacts = executor_.number(count_of(contacts_));
+        stats.hits = executor_.read(hit_sum_);
+        stats.own_rays = executor_.read(own_ray_sum_);
+        if (plan.coverage == Coverage::complete) {
+            stats.edges = executor_.number(count_of(edges_.segments()));
+            stats.chords = edges_.chords().size;
+            stats.inside_tests = separation_.inside_tests();
+            stats.separated_pairs = separation_.deep_pairs();
+        }
+        const TracerCounts after = tracer_.counts(executor_);
+        stats.refits = static_cast<std::uint32_t>(after.refits - reported_.refits);
+        stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
+        stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
+        reported_ = after;
+        const stages::ContactSums contacts = executor_.read(contact_sums_);
+        stats.touching_pairs = contacts.touching_pairs;
+        stats.edge_contacts = contacts.edges;
+        stats.reprojected = contacts.reprojected;
+        stats.predictions_true = contacts.predictions_true;
+        stats.penetration_max = contacts.depth_max;
+        if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
+        if (!remembers) return;
+        const stages::WalkSums walks = executor_.read(walk_sums_);
+        stats.walks = executor_.number(count_of(walk_slots_));
+        stats.walk_steps = walks.steps;
+        stats.lost_walks = walks.lost;
+        if (plan.temporal == Temporal::certified) stats.certified = executor_.read(skipped_sum_);
+        stats.predictions = executor_.read(predicted_sum_);
+        stats.full_passes = executor_.read(full_pass_sum_);
+        stats.proofs = executor_.number(count_of(uncertain_));
+    }
+
+    /// This step's memory becomes last step's.
+    void recall(const Scene& scene) {
+        std::swap(pair_keys_, last_pair_keys_);
+        std::swap(identities_, last_identities_);
+        std::swap(contact_keys_, last_contact_keys_);
+        std::swap(ages_, last_ages_);
+        std::swap(memory_, last_memory_);
+        std::swap(block_records_, last_block_records_);
+        std::swap(patch_records_, last_patch_records_);
+        std::swap(records_, last_records_);
+        if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
+            executor_.extend(seen_bodies_, scene.bodies.size, stages::SeenBody{});
+        last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
+                 view_of(std::as_const(last_records_))};
+    }
+    /// The last step never was: step() may be called again in its place.
+    void forget_step(const Scene& scene) { recall(scene); }
+
+    const Buffer<Contact>& contacts() const { return contacts_; }
+    const Buffer<Pair>& pairs() const { return pairs_; }
 
     /// What spared a vertex of a pair its ray in the last step, if it was a proof.
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side, std::uint32_t vertex) const {
@@ -101,26 +157,9 @@ public:
     }
 
 private:
-    template <class Item>
-    using Buffer = typename E::template Buffer<Item>;
     template <class Value>
     using Sum = typename E::template Sum<Value>;
     using Count = typename E::Count;
-
-    /// This step's memory becomes last step's.
-    void recall(const Scene& scene) {
-        std::swap(identities_, last_identities_);
-        std::swap(contact_keys_, last_contact_keys_);
-        std::swap(ages_, last_ages_);
-        std::swap(memory_, last_memory_);
-        std::swap(block_records_, last_block_records_);
-        std::swap(patch_records_, last_patch_records_);
-        std::swap(records_, last_records_);
-        if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
-            seen_bodies_.resize(scene.bodies.size, stages::SeenBody{});
-        last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
-                 view_of(std::as_const(last_records_))};
-    }
 
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
@@ -166,18 +205,19 @@ private:
         counts_.resize(overlapping);
         executor_.for_each("test_pair", overlapping, stages::TestPair{bodies, view_of(box_keys_), view_of(counts_)});
         const Count total = tools_.place("pair_scan", counts_, offsets_);
-        keys_.resize(total);
+        pair_keys_.resize(total);
         values_.resize(total);
         pairs_.resize(total);
         identities_.resize(total);
         links_.resize(total);
+        executor_.for_each("keep_pair", overlapping,
+                           stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(pair_keys_),
+                                            view_of(values_)});
+        executor_.sort("pair_sort", total, view_of(pair_keys_), view_of(values_));
         executor_.for_each(
-            "keep_pair", overlapping,
-            stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(keys_), view_of(values_)});
-        executor_.sort("pair_sort", total, view_of(keys_), view_of(values_));
-        executor_.for_each("link_pair", total,
-                           stages::LinkPair{bodies, scene.ids, view_of(keys_), view_of(last_identities_), view_of(pairs_),
-                                            view_of(identities_), view_of(links_)});
+            "link_pair", total,
+            stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
+                             view_of(pairs_), view_of(identities_), view_of(links_)});
     }
 
     // Stage 3. How far pairs have moved.
@@ -201,7 +241,7 @@ private:
                                               view_of(last_memory_), view_of(directed_), view_of(counts_)});
         const Count block_count = tools_.place("block_scan", counts_, offsets_);
         blocks_.resize(block_count);
-        block_records_.resize(temporal == Temporal::off ? 0 : block_count);
+        block_records_.resize(temporal == Temporal::off ? Count{} : block_count);
         block_offsets_.resize(directed_count);
         executor_.for_each("list_blocks", directed_count,
                            stages::ListBlocks{view_of(counts_), view_of(offsets_), view_of(blocks_), view_of(memory_),
@@ -233,8 +273,8 @@ private:
         batch_.rays.resize(total);
         batch_.sources.resize(total);
         batch_.hits.resize(total);
-        routes_.resize(remembers ? total : 0);
-        records_.resize(remembers ? total : 0);
+        routes_.resize(remembers ? total : Count{});
+        records_.resize(remembers ? total : Count{});
         executor_.for_each(
             "generate_rays", count_of(patches_),
             stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
@@ -399,41 +439,6 @@ private:
         executor_.reduce("count_full_passes", count_of(memory_), stages::CountFullPass{view_of(memory_)}, full_pass_sum_);
     }
 
-    void report(const TracerCounts& before, const Plan& plan, StepStats& stats) const {
-        const bool remembers = plan.temporal != Temporal::off;
-        stats.pairs = executor_.number(count_of(pairs_));
-        stats.rays = executor_.number(count_of(remembers ? full_rays_ : batch_.rays));
-        stats.contacts = executor_.number(count_of(contacts_));
-        stats.hits = executor_.read(hit_sum_);
-        stats.own_rays = executor_.read(own_ray_sum_);
-        if (plan.coverage == Coverage::complete) {
-            stats.edges = executor_.number(count_of(edges_.segments()));
-            stats.chords = edges_.chords().size;
-            stats.inside_tests = separation_.inside_tests();
-            stats.separated_pairs = separation_.deep_pairs();
-        }
-        const TracerCounts after = tracer_.counts(executor_);
-        stats.refits = static_cast<std::uint32_t>(after.refits - before.refits);
-        stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - before.rebuilds);
-        stats.triangle_tests = after.triangle_tests - before.triangle_tests;
-        const stages::ContactSums contacts = executor_.read(contact_sums_);
-        stats.touching_pairs = contacts.touching_pairs;
-        stats.edge_contacts = contacts.edges;
-        stats.reprojected = contacts.reprojected;
-        stats.predictions_true = contacts.predictions_true;
-        stats.penetration_max = contacts.depth_max;
-        if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
-        if (!remembers) return;
-        const stages::WalkSums walks = executor_.read(walk_sums_);
-        stats.walks = executor_.number(count_of(walk_slots_));
-        stats.walk_steps = walks.steps;
-        stats.lost_walks = walks.lost;
-        if (plan.temporal == Temporal::certified) stats.certified = executor_.read(skipped_sum_);
-        stats.predictions = executor_.read(predicted_sum_);
-        stats.full_passes = executor_.read(full_pass_sum_);
-        stats.proofs = executor_.number(count_of(uncertain_));
-    }
-
     E& executor_;
     T& tracer_;
     StepTools<E, T> tools_;
@@ -442,7 +447,7 @@ private:
 
     Buffer<stages::Moments> moments_;
     Buffer<stages::ChunkBounds> chunk_bounds_;
-    Buffer<std::uint64_t> keys_, box_keys_, contact_keys_, last_contact_keys_;
+    Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
     Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
@@ -462,6 +467,8 @@ private:
     Sum<stages::ContactSums> contact_sums_;
     Sum<stages::WalkSums> walk_sums_;
     Sum<std::uint32_t> hit_sum_, own_ray_sum_, skipped_sum_, predicted_sum_, full_pass_sum_;
+
+    TracerCounts reported_;
 
     // What steps remember, and last step's.
     Buffer<stages::SeenBody> seen_bodies_;

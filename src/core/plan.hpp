@@ -10,6 +10,7 @@ namespace pierce {
 
 /// What a world's bodies ask of a step, decided when bodies are added, removed or change kind.
 struct Plan {
+    std::uint64_t revision = 0;  ///< changes with every new plan
     std::uint32_t fixed_bodies = 0, rigid_bodies = 0, deforming_bodies = 0;
     std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
     bool moving = false;                ///< anything can touch at all

@@ -23,8 +23,8 @@ public:
         const auto all = static_cast<std::uint32_t>(batch.rays.size());
         const View<const RaySource> sources = view_of(std::as_const(batch.sources));
         const View<const RaySource> from_chords{sources.data + (all - chords.size), chords.size};
-        reached_.assign(pairs.size, 0);
-        touching_.assign(pairs.size, 0);
+        executor_.assign(reached_, pairs.size, 0u);
+        executor_.assign(touching_, pairs.size, 0u);
         executor_.for_each("mark_touching", candidates,
                            stages::MarkTouching{sources, view_of(batch.candidates), view_of(batch.keep), view_of(reached_),
                                                 view_of(touching_)});
@@ -53,7 +53,7 @@ public:
         executor_.for_each(
             "gather_sources", contained,
             stages::Gather<RaySource>{view_of(part_sources_), view_of(contained_), {from_.data() + stranded, contained}});
-        deep_.assign(pairs.size, 0);
+        executor_.assign(deep_, pairs.size, 0u);
         executor_.for_each("mark_deep", stranded + contained, stages::MarkReached{view_of(from_), view_of(deep_)});
         deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)}, deep_pairs_);
         directions_.resize(pairs.size);

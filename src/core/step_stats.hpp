@@ -49,15 +49,18 @@ struct StepStats {
     double penetration_mean = 0, penetration_max = 0;  ///< [length] over the contacts
 };
 
-/// Times stages into a StepStats; a stage that runs twice adds up.
+/// Times stages into a StepStats; a stage that runs twice adds up. Stages of an executor that does not wait for them are
+/// over when it says so.
+template <class E>
 class StageTimer {
 public:
-    explicit StageTimer(StepStats& stats) : stats_(stats) {}
+    StageTimer(const E& executor, StepStats& stats) : executor_(executor), stats_(stats) {}
 
     template <class F>
     void operator()(const char* name, F&& stage) {
         const auto begin = std::chrono::steady_clock::now();
         stage();
+        executor_.settle();
         const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
         for (StepStats::Stage& s : stats_.stages)
             if (s.name == name) {
@@ -68,6 +71,7 @@ public:
     }
 
 private:
+    const E& executor_;
     StepStats& stats_;
 };
 

@@ -60,7 +60,7 @@ public:
     void update(View<const BodyView> bodies, const Buffer<Ray>& rays) { update(bodies, count_of(rays), view_of(rays)); }
 
     void update(View<const BodyView> bodies, Count count, View<const Ray> rays) {
-        wanted_.assign(bodies.size, 0);
+        executor.assign(wanted_, bodies.size, 0u);
         executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
         tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
     }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <bit>
-
 #include "pierce/core/constants.hpp"
 #include "pierce/core/pose.hpp"
 #include "pierce/core/ray.hpp"
@@ -71,14 +69,14 @@ struct RecordsView {
         const BlockRecord& block = blocks[first_block + patch / constants::block_size];
         const std::uint32_t bit = 1u << patch % constants::block_size;
         if (!(block.kept & bit)) return nullptr;
-        return &patches[block.first_patch + static_cast<std::uint32_t>(std::popcount(block.kept & (bit - 1)))];
+        return &patches[block.first_patch + bit_count(block.kept & (bit - 1))];
     }
 
     /// The record of the patch's k-th vertex, or null.
     PIERCE_HD const VertexRecord* vertex(const PatchRecord* patch, std::uint32_t k) const {
         const std::uint32_t bit = 1u << k;
         if (patch == nullptr || !(patch->mask & bit)) return nullptr;
-        return &vertices[patch->first_vertex + static_cast<std::uint32_t>(std::popcount(patch->mask & (bit - 1)))];
+        return &vertices[patch->first_vertex + bit_count(patch->mask & (bit - 1))];
     }
 };
 

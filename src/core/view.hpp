@@ -17,7 +17,8 @@ struct View {
     PIERCE_HD T& operator[](std::size_t i) const { return data[i]; }
     PIERCE_HD T* begin() const { return data; }
     PIERCE_HD T* end() const { return data + size; }
-    PIERCE_HD operator View<const T>() const { return {data, size}; }
+    template <class Const>
+    requires std::is_same_v<Const, const T> PIERCE_HD operator View<Const>() const { return {data, size}; }
 };
 
 /// The view of a contiguous container.

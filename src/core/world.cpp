@@ -75,12 +75,12 @@ const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "m
 
 BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::fixed, pose, {}, {}, {}, {}, 0, true});
+    return state_->add({mesh, Motion::fixed, pose});
 }
 
 BodyId World::add_rigid_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
-    return state_->add({mesh, Motion::rigid, pose, {}, {}, {}, {}, 0, true});
+    return state_->add({mesh, Motion::rigid, pose});
 }
 
 BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) {
@@ -88,7 +88,9 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
     if (positions.empty()) positions = shape.positions();
     check_count(positions.size(), shape);
     check_finite("body of mesh '" + shape.name() + "'", positions);
-    BodyEntry body{mesh, Motion::deforming, {}, {positions.begin(), positions.end()}, {}, {}, {}, state_->next_key++, true};
+    BodyEntry body(mesh, Motion::deforming, {});
+    body.positions.assign(positions.begin(), positions.end());
+    body.positions_version = state_->next_key++;
     const BodyId id = state_->add(std::move(body));
     state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
     state_->rotations[id.index] = {};
@@ -127,8 +129,20 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
         throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
     check_count(positions.size(), state_->mesh_of(entry));
     std::ranges::copy(positions, entry.positions.begin());
+    entry.device_positions = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
+}
+
+void World::set_device_positions(BodyId body, const Vec3f* positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+    if (!state_->backend->runs_on_device())
+        throw InputError("positions in device memory need a backend that runs there, not '" + backend() + "'");
+    entry.device_positions = positions;
+    entry.positions_version = state_->next_key++;
+    entry.finite = true;
 }
 
 void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
@@ -139,6 +153,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     check_count(positions.size(), shape);
     entry.mesh = mesh;
     entry.positions.assign(positions.begin(), positions.end());
+    entry.device_positions = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
     state_->planned = false;
@@ -149,6 +164,8 @@ const StepStats& World::detect() {
     State& s = *state_;
     s.stats = {};
     s.refresh_views();
+    Settings settings = s.settings;
+    settings.temporal = s.plan.temporal;
     const Scene scene{view_of(s.views),
                       view_of(std::as_const(s.ids)),
                       view_of(s.rotations),
@@ -157,7 +174,7 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.blocks)),
                       view_of(std::as_const(s.patches)),
                       view_of(std::as_const(s.seen)),
-                      s.settings,
+                      settings,
                       &s.plan};
     s.backend->step(scene, s.stats);
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -179,6 +196,7 @@ const Plan& World::plan() {
 std::string World::backend() const { return state_->backend->description(); }
 
 std::vector<World::BodyBox> World::body_boxes() const {
+    state_->backend->fetch_bodies(view_of(state_->views));
     std::vector<BodyBox> boxes;
     for (std::size_t i = 0; i < state_->views.size(); ++i)
         if (state_->views[i].active) boxes.push_back({state_->ids[i], state_->views[i].world_box});
@@ -187,6 +205,7 @@ std::vector<World::BodyBox> World::body_boxes() const {
 
 std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
     if (!state_->planned) throw InputError("cast_rays needs a detect() after bodies were added, removed or changed");
+    state_->backend->fetch_bodies(view_of(state_->views));
     const auto& views = state_->views;
     std::vector<Ray> rays;
     std::vector<std::size_t> line;

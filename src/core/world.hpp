@@ -59,6 +59,10 @@ public:
     /// Moves the vertices of a deforming body; copied. Positions that are not finite exclude the body from detect() until
     /// good ones are set. Throws InputError for a wrong count or a body that does not deform.
     void set_positions(BodyId body, std::span<const Vec3f> positions);
+    /// The same with positions in device memory, which must stay as they are until the next detect() is over. Nobody
+    /// checks them: a body with a position that is not finite has no contacts or wrong ones. Throws InputError unless the
+    /// backend runs on the device.
+    void set_device_positions(BodyId body, const Vec3f* positions);
     /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`.
     void set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions);
 

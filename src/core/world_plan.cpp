@@ -59,6 +59,9 @@ void World::State::find_own_exits(MeshEntry& entry, std::uint32_t index) {
 void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
+    plan.revision = next_key++;
+    plan.temporal = settings.temporal;
+    if (plan.temporal == Temporal::certified && !backend->certificates_pay()) plan.temporal = Temporal::off;
     chunks.clear();
     ranges.clear();
     views.assign(slots.size(), {});
@@ -88,7 +91,7 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
-            body.seen.resize(settings.temporal == Temporal::off ? 0 : patch_count(view.mesh));
+            body.seen.resize(plan.temporal == Temporal::off ? 0 : patch_count(view.mesh));
             seen[i] = view_of(body.seen);
             add_chunks(i);
         } else {
@@ -106,7 +109,6 @@ void World::State::make_plan() {
 
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;
     plan.measures_deformation = plan.deforming_bodies > 0;
-    plan.temporal = settings.temporal;
     plan.coverage = settings.coverage;
     plan.reprojects = settings.reproject;
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
@@ -137,9 +139,10 @@ void World::State::refresh_views() {
             stats.status |= body_excluded;
             ++stats.excluded_bodies;
         }
-        if (body.motion == Motion::deforming)
+        if (body.motion == Motion::deforming) {
             views[i].positions_version = body.positions_version;
-        else if (body.finite)
+            views[i].device_positions = body.device_positions;
+        } else if (body.finite)
             views[i].fit = views[i].space = frame_of(body.pose);
     }
 }

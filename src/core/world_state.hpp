@@ -18,11 +18,16 @@ struct MeshEntry {
 
 /// A body of a world.
 struct BodyEntry {
+    BodyEntry() = default;
+    BodyEntry(MeshId its_mesh, Motion its_motion, const Pose& its_pose)
+        : mesh(its_mesh), motion(its_motion), pose(its_pose) {}
+
     MeshId mesh;
     Motion motion = Motion::fixed;
     Pose pose;
-    std::vector<Vec3f> positions;    ///< of a deforming body
-    std::vector<PatchBlock> blocks;  ///< of a deforming body
+    std::vector<Vec3f> positions;             ///< of a deforming body
+    const Vec3f* device_positions = nullptr;  ///< in place of those
+    std::vector<PatchBlock> blocks;           ///< of a deforming body
     std::vector<Offsets> patches;
     std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;

@@ -100,6 +100,20 @@ public:
     std::uint32_t number(std::uint32_t count) const { return count; }
 
     template <class T>
+    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.assign(count, value);
+    }
+
+    /// Stages are over when their call is.
+    void settle() const {}
+
+    /// Keeps the items that are there.
+    template <class T>
+    void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.resize(count, value);
+    }
+
+    template <class T>
     T first(const HostBuffer<T>& buffer) const {
         return buffer[0];
     }

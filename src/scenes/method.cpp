@@ -2,6 +2,9 @@
 
 #include "pierce/core/error.hpp"
 #include "pierce/cpu_embree/embree_backend.hpp"
+#if PIERCE_HAS_CUDA
+#include "pierce/gpu_cuda/cuda_backend.hpp"
+#endif
 
 namespace pierce::scenes {
 
@@ -14,11 +17,23 @@ Method method_named(const std::string& name) {
     throw InputError("unknown method '" + name + "'; there are: " + known);
 }
 
+namespace {
+
+#if !PIERCE_HAS_CUDA
+std::string cuda_problem() { return "this build has no CUDA (PIERCE_CUDA=ON)"; }
+
+std::unique_ptr<Backend> cuda_backend() { throw InputError("the cuda backend cannot run here: " + cuda_problem()); }
+#endif
+
+}  // namespace
+
 std::unique_ptr<Backend> make_backend(const RaySettings& settings) {
+    if (settings.backend == "automatic") return cuda_problem().empty() ? cuda_backend() : embree_backend(settings.threads);
+    if (settings.backend == "cuda") return cuda_backend();
     if (settings.backend == "embree") return embree_backend(settings.threads);
     if (settings.backend == "reference") return reference_backend();
     if (settings.backend == "bvh") return bvh_backend();
-    throw InputError("unknown backend '" + settings.backend + "'; there are: embree, reference, bvh");
+    throw InputError("unknown backend '" + settings.backend + "'; there are: automatic, embree, cuda, bvh, reference");
 }
 
 }  // namespace pierce::scenes

@@ -59,6 +59,9 @@ TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
         const auto expected = hashes(recording, {"reference", 1, settings}, expected_contacts);
         EXPECT_GT(expected_contacts, 100u);
         EXPECT_EQ(hashes(recording, {"bvh", 1, settings}, contacts), expected);
+        if (test::has_backend("cuda")) {
+            EXPECT_EQ(hashes(recording, {"cuda", 1, settings}, contacts), expected);
+        }
         for (int threads : {1, 2, 5}) {
             EXPECT_EQ(hashes(recording, {"embree", threads, settings}, contacts), expected) << threads << " threads";
             EXPECT_EQ(contacts, expected_contacts);

@@ -1,14 +1,24 @@
 #include "support/backends.hpp"
 
 #include "pierce/cpu_embree/embree_backend.hpp"
+#if PIERCE_HAS_CUDA
+#include "pierce/gpu_cuda/cuda_backend.hpp"
+#endif
 
 namespace pierce::test {
 
 std::vector<NamedBackend> backends() {
-    return {{"reference", [] { return reference_backend(); }},
-            {"bvh", [] { return bvh_backend(); }},
-            {"embree_1", [] { return embree_backend(1); }},
-            {"embree_3", [] { return embree_backend(3); }}};
+    std::vector<NamedBackend> all = {{"reference", [] { return reference_backend(); }},
+                                     {"bvh", [] { return bvh_backend(); }},
+                                     {"embree_1", [] { return embree_backend(1); }},
+                                     {"embree_3", [] { return embree_backend(3); }}};
+#if PIERCE_HAS_CUDA
+    if (cuda_problem().empty()) {
+        all.push_back({"cuda", [] { return cuda_backend(); }});
+        all.push_back({"cuda_stepwise", [] { return cuda_backend({.graph = false}); }});
+    }
+#endif
+    return all;
 }
 
 }  // namespace pierce::test

@@ -17,8 +17,15 @@ struct NamedBackend {
     std::function<std::unique_ptr<Backend>()> make;
 };
 
-/// Every backend of this build: the reference, and Embree with one thread and with several.
+/// Every backend that can run here: the reference, our own trees, Embree with one thread and with several, and CUDA.
 std::vector<NamedBackend> backends();
+
+/// True if a backend of this name can run here.
+inline bool has_backend(const std::string& name) {
+    for (const NamedBackend& backend : backends())
+        if (backend.name == name) return true;
+    return false;
+}
 
 inline std::string backend_name(const testing::TestParamInfo<NamedBackend>& info) { return info.param.name; }
 inline void PrintTo(const NamedBackend& backend, std::ostream* os) { *os << backend.name; }

@@ -83,7 +83,6 @@ public:
     void update(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
         if constexpr (E::runs_on_host) {
             arrange(executor, bodies);
-            look_for_decay(executor);
         }
         if (stale_) return build(executor, bodies);
         executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
@@ -102,24 +101,18 @@ public:
         executor.for_each(name, count, bvh::Distance{bodies, forest(), rays, distances});
     }
 
-    /// Has the next update build all trees if one of them has decayed.
-    void look_for_decay(const E& executor) {
-        if (total_.empty()) return;
-        const std::uint32_t decayed = executor.first(total_).decayed;
-        stale_ = stale_ || decayed != counts_.rebuilds;
-        counts_.rebuilds = decayed;
-    }
-
     /// True if the next update builds trees.
     bool is_stale() const { return stale_; }
 
-    TracerCounts counts(const E& executor) const {
-        TracerCounts counts = counts_;
-        if (total_.empty()) return counts;
+    /// If a tree has decayed since the last call, the next update builds all of them.
+    TracerCounts counts(const E& executor) {
+        if (total_.empty()) return counts_;
         const bvh::ForestWork total = executor.first(total_);
-        counts.refits = total.refits;
-        counts.triangle_tests = total.tests;
-        return counts;
+        stale_ = stale_ || total.decayed != counts_.rebuilds;
+        counts_.rebuilds = total.decayed;
+        counts_.refits = total.refits;
+        counts_.triangle_tests = total.tests;
+        return counts_;
     }
 
 private:
@@ -140,8 +133,8 @@ private:
     void build(E& executor, View<const BodyView> bodies) {
         builder_.build(executor, bodies, forest());
         executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
-        work_.assign(tree_count(), {});
-        if (total_.empty()) total_.assign(1, {});
+        executor.assign(work_, tree_count(), bvh::TreeWork{});
+        if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
         counts_.builds += tree_count();
         stale_ = false;
     }

@@ -18,7 +18,7 @@ public:
             high_[k] = round_down(ray.origin[k] - margin_);
             // The reciprocal of a direction that is nearly zero stays finite, so that zero times it is not NaN.
             const float d = static_cast<float>(ray.direction[k]);
-            inverse_[k] = std::fabs(d) > smallest ? 1.0f / d : std::copysign(1.0f / smallest, d);
+            inverse_[k] = 1.0f / (std::fabs(d) > smallest ? d : d < 0 ? -smallest : smallest);
         }
     }
 

@@ -32,7 +32,7 @@ struct CullEdgeBlock {
         const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
                                 2 * source.deviation + constants::touch_tolerance * span);
         masks[i] = balls.near & first_bits(count);
-        counts[i] = static_cast<std::uint32_t>(std::popcount(masks[i]));
+        counts[i] = bit_count(masks[i]);
     }
 };
 
@@ -107,7 +107,7 @@ struct CullEdgeGroup {
         const BallsNearby balls(bodies[d.target], d.to_fit, center, middles, radius, reach,
                                 constants::touch_tolerance * reach);
         masks[i] = balls.near & first_bits(group.count);
-        counts[i] = static_cast<std::uint32_t>(std::popcount(masks[i]));
+        counts[i] = bit_count(masks[i]);
     }
 };
 
@@ -128,7 +128,7 @@ struct ListEdges {
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t slot = offsets[i];
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            items[slot++] = {groups[i].directed, groups[i].first + static_cast<std::uint32_t>(std::countr_zero(mask))};
+            items[slot++] = {groups[i].directed, groups[i].first + lowest_bit(mask)};
     }
 };
 

@@ -112,9 +112,6 @@ struct PairIdentity {
     BodyId a, b;
     std::uint64_t mesh_a = 0, mesh_b = 0;
 
-    PIERCE_HD bool comes_before(const PairIdentity& other) const {
-        return a.index != other.a.index ? a.index < other.a.index : b.index < other.b.index;
-    }
     PIERCE_HD bool is(const PairIdentity& other) const {
         return a.index == other.a.index && a.generation == other.a.generation && b.index == other.b.index &&
                b.generation == other.b.generation && mesh_a == other.mesh_a && mesh_b == other.mesh_b;
@@ -127,7 +124,7 @@ inline constexpr std::uint32_t no_pair = 0xffffffffu;
 struct LinkPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
-    View<const std::uint64_t> keys;
+    View<const std::uint64_t> keys, last_keys;
     View<const PairIdentity> last;
     View<Pair> pairs;
     View<PairIdentity> identities;
@@ -136,15 +133,14 @@ struct LinkPair {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Pair pair{static_cast<std::uint32_t>(keys[i] >> 32), static_cast<std::uint32_t>(keys[i])};
         const PairIdentity identity{ids[pair.a], ids[pair.b], bodies[pair.a].mesh_key, bodies[pair.b].mesh_key};
-        std::uint32_t low = 0, high = last.size;
+        std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;
-            const bool before = last[middle].comes_before(identity);
-            (before ? low : high) = before ? middle + 1 : middle;
+            (last_keys[middle] < keys[i] ? low : high) = last_keys[middle] < keys[i] ? middle + 1 : middle;
         }
         pairs[i] = pair;
         identities[i] = identity;
-        links[i] = low < last.size && last[low].is(identity) ? low : no_pair;
+        links[i] = low < last_keys.size && last_keys[low] == keys[i] && last[low].is(identity) ? low : no_pair;
     }
 };
 

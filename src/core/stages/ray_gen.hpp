@@ -101,7 +101,7 @@ struct GenerateRays {
         const PatchRecord* before = routes.size > 0 ? last.patch(d.last_blocks, item.index) : nullptr;
         std::uint32_t slot = patch_records[i].first_vertex = offsets[i];
         for (std::uint32_t mask = patch_records[i].mask; mask != 0; mask &= mask - 1, ++slot) {
-            const auto k = static_cast<std::uint32_t>(std::countr_zero(mask));
+            const auto k = lowest_bit(mask);
             const std::uint32_t v = source.mesh.patch_vertices[patch_begin(item.index) + k];
             sources[slot] = {item.directed / 2, v, static_cast<std::uint8_t>(item.directed % 2)};
             hits[slot] = {};

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <bit>
-
+#include "pierce/core/bits.hpp"
 #include "pierce/core/body.hpp"
 #include "pierce/core/patch.hpp"
 #include "pierce/core/stages/displacement.hpp"
@@ -177,7 +176,7 @@ struct CullBlock {
         }
         if (temporal != Temporal::off) records[i].kept = mask;
         masks[i] = mask;
-        counts[i] = static_cast<std::uint32_t>(std::popcount(mask));
+        counts[i] = bit_count(mask);
     }
 
 private:
@@ -202,8 +201,7 @@ struct ListPatches {
         std::uint32_t slot = offsets[i];
         if (records.size > 0) records[i].first_patch = slot;
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            patches[slot++] = {blocks[i].directed,
-                               blocks[i].index * constants::block_size + static_cast<std::uint32_t>(std::countr_zero(mask))};
+            patches[slot++] = {blocks[i].directed, blocks[i].index * constants::block_size + lowest_bit(mask)};
     }
 };
 
@@ -248,7 +246,7 @@ struct CullVertices {
             }
         }
         records[i] = record;
-        counts[i] = static_cast<std::uint32_t>(std::popcount(record.mask));
+        counts[i] = bit_count(record.mask);
     }
 
 private:

@@ -1,0 +1,179 @@
+// Steps on the GPU, positions already there: times beside what was found, and Embree's answer to the same frames.
+//   pierce_gpu_steps RECORDING|lattice:COUNT... [--steps N] [--check N] [--stages]
+// A recording's frames are replayed; a lattice is COUNT soft tori that touch their neighbours and wobble. Prints CSV.
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/gpu_cuda/cuda_backend.hpp"
+#include "pierce/gpu_cuda/device_buffer.hpp"
+#include "pierce/scenes/recording.hpp"
+#include "pierce/scenes/shapes.hpp"
+
+namespace pierce {
+namespace {
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+/// Tori of the paper's scene that touch their neighbours and wobble.
+scenes::Recording lattice(std::uint32_t count, std::uint32_t frames) {
+    scenes::Recording recording;
+    recording.frame_count = frames;
+    recording.meshes.push_back({"torus", scenes::torus(2, 0.5, 30, 10), {}});
+    const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(count))));
+    const std::vector<Vec3f>& shape = recording.meshes[0].data.positions;
+    recording.bodies.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        scenes::RecordedBody& body = recording.bodies[i];
+        body.motion = Motion::deforming;
+        const double phase = 0.7 * i;
+        for (std::uint32_t f = 0; f < frames; ++f) {
+            const double t = 0.05 * f + phase;
+            const Frame at = frame_of({{4.2 * (i % side), 4.2 * (i / side % side), 1.7 * (i / side / side)},
+                                       {0.2 * std::sin(t), 0.2 * std::cos(1.3 * t), 0.1 * std::sin(phase), 0.9}});
+            for (const Vec3f& p : shape) {
+                const double squeeze = 1 + 0.03 * std::sin(2 * t + p.x);
+                const Vec3f q = to_float(at.to_parent({p.x * squeeze, p.y / squeeze, p.z * squeeze}));
+                body.values.insert(body.values.end(), {q.x, q.y, q.z});
+            }
+        }
+    }
+    return recording;
+}
+
+/// A world of a recording's bodies.
+struct Player {
+    const scenes::Recording& recording;
+    World world;
+    std::vector<BodyId> bodies;
+
+    Player(const scenes::Recording& played, std::unique_ptr<Backend> backend)
+        : recording(played), world(std::move(backend)) {
+        std::vector<MeshId> meshes;
+        for (const auto& mesh : recording.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+            const MeshId mesh = meshes[recording.bodies[b].mesh];
+            if (deforms(b))
+                bodies.push_back(world.add_deforming_body(mesh, recording.positions(b, 0)));
+            else
+                bodies.push_back(recording.bodies[b].motion == Motion::fixed
+                                     ? world.add_fixed_body(mesh, recording.pose(b, 0))
+                                     : world.add_rigid_body(mesh, recording.pose(b, 0)));
+        }
+    }
+
+    bool deforms(std::uint32_t body) const { return recording.bodies[body].motion == Motion::deforming; }
+
+    void put_rigid(std::uint32_t frame) {
+        for (std::uint32_t b = 0; b < bodies.size(); ++b)
+            if (recording.bodies[b].motion == Motion::rigid) world.set_pose(bodies[b], recording.pose(b, frame));
+    }
+    void put(std::uint32_t frame) {
+        put_rigid(frame);
+        for (std::uint32_t b = 0; b < bodies.size(); ++b)
+            if (deforms(b)) world.set_positions(bodies[b], recording.positions(b, frame));
+    }
+};
+
+void run(const std::string& name, const scenes::Recording& recording, std::uint32_t steps, std::uint32_t checks,
+         bool stages) {
+    Player gpu(recording, cuda_backend({.graph = !stages}));
+    std::size_t vertices = 0, triangles = 0;
+    std::vector<std::size_t> first;
+    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+        first.push_back(vertices);
+        const MeshData& mesh = recording.meshes[recording.bodies[b].mesh].data;
+        triangles += mesh.triangles.size();
+        if (gpu.deforms(b)) vertices += mesh.positions.size();
+    }
+    // Two frames in device memory by turns: what is read does not change while it is read.
+    cuda::DeviceBuffer<Vec3f> device[2];
+    std::vector<Vec3f> staged(vertices);
+    for (auto& buffer : device) buffer.resize(static_cast<std::uint32_t>(vertices));
+
+    std::vector<double> wall, on_device;
+    std::map<std::string, std::vector<double>> by_stage;
+    std::vector<std::string> order;
+    std::vector<std::uint64_t> hashes;
+    StepStats last;
+    const auto frame_of_step = [&](std::uint32_t i) { return i % recording.frame_count; };
+    for (std::uint32_t i = 0; i < steps; ++i) {
+        gpu.put_rigid(frame_of_step(i));
+        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b)
+            if (gpu.deforms(b))
+                std::ranges::copy(recording.positions(b, frame_of_step(i)),
+                                  staged.begin() + static_cast<std::ptrdiff_t>(first[b]));
+        cuda::check(cudaMemcpy(device[i % 2].data(), staged.data(), vertices * sizeof(Vec3f), cudaMemcpyHostToDevice),
+                    "a frame's positions");
+        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b)
+            if (gpu.deforms(b)) gpu.world.set_device_positions(gpu.bodies[b], device[i % 2].data() + first[b]);
+        last = gpu.world.detect();
+        if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
+        if (i < 8) continue;  // trees, buffers and graphs come into being
+        wall.push_back(last.milliseconds);
+        for (const auto& stage : last.stages) {
+            if (std::string(stage.name) == "device") on_device.push_back(stage.milliseconds);
+            if (by_stage[stage.name].empty()) order.push_back(stage.name);
+            by_stage[stage.name].push_back(stage.milliseconds);
+        }
+    }
+
+    std::uint32_t differ = 0;
+    std::vector<double> embree;
+    if (checks > 0) {
+        Player cpu(recording, embree_backend());
+        for (std::uint32_t i = 0; i < checks; ++i) {
+            cpu.put(frame_of_step(i));
+            embree.push_back(cpu.world.detect().milliseconds);
+            differ += contact_hash(cpu.world.contacts()) != hashes[i];
+        }
+    }
+    std::printf("%s,%zu,%zu,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", name.c_str(), recording.bodies.size(), triangles,
+                stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts, last.touching_pairs,
+                median(on_device), median(wall), median(embree), checks, differ);
+    if (stages)
+        for (const std::string& stage : order) std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
+    std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace pierce
+
+int main(int argc, char** argv) {
+    std::uint32_t steps = 64, checks = 8;
+    bool stages = false;
+    std::vector<std::string> scenes;
+    for (int i = 1; i < argc; ++i) {
+        const std::string argument = argv[i];
+        if (argument == "--steps" && i + 1 < argc)
+            steps = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+        else if (argument == "--check" && i + 1 < argc)
+            checks = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+        else if (argument == "--stages")
+            stages = true;
+        else
+            scenes.push_back(argument);
+    }
+    std::puts("scene,bodies,triangles,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,embree_ms,checked,differ");
+    for (const std::string& scene : scenes) {
+        if (scene.starts_with("lattice:")) {
+            const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(8)));
+            pierce::run(scene, pierce::lattice(count, count > 2000 ? 4 : 16), steps, std::min(checks, steps), stages);
+        } else {
+            const auto recording = pierce::scenes::as_deforming(pierce::scenes::read_recording(scene));
+            pierce::run(scene.substr(scene.find_last_of('/') + 1), recording, steps, std::min(checks, steps), stages);
+        }
+    }
+}

@@ -1,0 +1,178 @@
+#include <cuda_runtime.h>
+
+#include <array>
+
+#include "pierce/core/bvh/bvh_tracer.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/gpu_cuda/cuda_backend.hpp"
+#include "pierce/gpu_cuda/cuda_executor.cuh"
+#include "pierce/gpu_cuda/scene_mirror.cuh"
+
+namespace pierce {
+namespace {
+
+using cuda::check;
+
+std::string device_name() {
+    cudaDeviceProp properties;
+    check(cudaGetDeviceProperties(&properties, 0), "the device's properties");
+    return properties.name;
+}
+
+class CudaBackend : public Backend {
+public:
+    explicit CudaBackend(CudaOptions options)
+        : options_(options), name_(device_name()), mirror_(executor_), pipeline_(executor_, tracer_) {
+        for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
+    }
+    ~CudaBackend() override {
+        drop_graphs();
+        for (cudaEvent_t event : events_) cudaEventDestroy(event);
+    }
+
+    std::string description() const override { return "cuda, " + name_; }
+    bool runs_on_device() const override { return true; }
+    bool certificates_pay() const override { return false; }
+
+    void step(const Scene& host, StepStats& stats) override {
+        if (mirror_.update(host)) tracer_.arrange(executor_, host.bodies);
+        if (tracer_.is_stale()) restart();
+        bank_ = 1 - bank_;
+        if (!can_repeat(*host.plan) || repeated_ < rehearsals) {
+            exact_step(stats);
+            repeated_ = can_repeat(*host.plan) ? repeated_ + 1 : 0;
+        } else {
+            bounded_step(stats);
+        }
+        fetched_ = false;
+    }
+
+    View<const Contact> contacts() const override {
+        fetch();
+        return view_of(contacts_);
+    }
+    View<const Pair> pairs() const override {
+        fetch();
+        return view_of(pairs_);
+    }
+
+    Certificate certificate(View<const BodyView>, Pair, std::uint32_t, std::uint32_t) const override { return {}; }
+
+    void fetch_bodies(View<BodyView> bodies) const override { mirror_.fetch(bodies); }
+
+    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
+        outside_->closest_hits(bodies, rays, hits);
+    }
+
+private:
+    // The first steps after a change come one by one, so that trees are there and buffers large enough.
+    static constexpr std::uint32_t rehearsals = 2;
+
+    /// Steps whose course does not depend on what they find.
+    bool can_repeat(const Plan& plan) const {
+        return options_.graph && plan.coverage == Coverage::vertices && plan.temporal == Temporal::off;
+    }
+
+    void restart() {
+        repeated_ = 0;
+        drop_graphs();
+    }
+
+    void drop_graphs() {
+        for (cudaGraphExec_t& graph : graphs_) {
+            if (graph != nullptr) cudaGraphExecDestroy(graph);
+            graph = nullptr;
+        }
+        warm_ = 0;
+    }
+
+    void exact_step(StepStats& stats) {
+        executor_.begin_exact(bank_);
+        pipeline_.step(mirror_.scene(), stats);
+        executor_.end();
+        executor_.finish();
+        pipeline_.report(*mirror_.scene().plan, stats);
+    }
+
+    /// Two steps without a graph give every buffer its size; then each of the two banks is captured once and played back.
+    void bounded_step(StepStats& stats) {
+        cudaGraphExec_t& graph = graphs_[bank_];
+        if (graph != nullptr) {
+            executor_.begin_bounded(bank_);
+            pipeline_.recall(mirror_.scene());
+        } else if (warm_ < 2) {
+            ++warm_;
+            bounded_stages(stats);
+        } else {
+            check(cudaStreamBeginCapture(executor_.stream(), cudaStreamCaptureModeThreadLocal), "capture of a step");
+            bounded_stages(stats);
+            cudaGraph_t captured = nullptr;
+            check(cudaStreamEndCapture(executor_.stream(), &captured), "capture of a step");
+            check(cudaGraphInstantiate(&graph, captured, 0), "a graph of a step");
+            cudaGraphDestroy(captured);
+        }
+        stats.stages.clear();
+        if (graph != nullptr) {
+            check(cudaEventRecord(events_[0], executor_.stream()), "an event");
+            check(cudaGraphLaunch(graph, executor_.stream()), "launch of a step");
+            check(cudaEventRecord(events_[1], executor_.stream()), "an event");
+        }
+        if (executor_.finish()) {
+            float milliseconds = 0;
+            if (graph != nullptr) check(cudaEventElapsedTime(&milliseconds, events_[0], events_[1]), "a time");
+            stats.stages.push_back({"device", milliseconds});
+            return pipeline_.report(*mirror_.scene().plan, stats);
+        }
+        // Something outgrew its bounds: once more, exactly, from the same memory.
+        pipeline_.forget_step(mirror_.scene());
+        restart();
+        exact_step(stats);
+    }
+
+    void bounded_stages(StepStats& stats) {
+        executor_.begin_bounded(bank_);
+        pipeline_.step(mirror_.scene(), stats);
+        executor_.end();
+    }
+
+    void fetch() const {
+        if (fetched_) return;
+        fetched_ = true;
+        contacts_.resize(executor_.number(count_of(pipeline_.contacts())));
+        pairs_.resize(executor_.number(count_of(pipeline_.pairs())));
+        executor_.copy_to_host(contacts_.data(), pipeline_.contacts().data(), contacts_.size());
+        executor_.copy_to_host(pairs_.data(), pipeline_.pairs().data(), pairs_.size());
+        executor_.wait();
+    }
+
+    CudaOptions options_;
+    std::string name_;
+    CudaExecutor executor_;
+    BvhTracer<CudaExecutor> tracer_;
+    cuda::SceneMirror mirror_;
+    Pipeline<CudaExecutor, BvhTracer<CudaExecutor>> pipeline_;
+    std::unique_ptr<Backend> outside_ = bvh_backend();
+    std::uint32_t bank_ = 0, repeated_ = 0, warm_ = 0;
+    std::array<cudaGraphExec_t, 2> graphs_{};
+    std::array<cudaEvent_t, 2> events_{};
+    mutable bool fetched_ = true;
+    mutable std::vector<Contact> contacts_;
+    mutable std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
+std::string cuda_problem() {
+    int count = 0;
+    const cudaError_t error = cudaGetDeviceCount(&count);
+    if (error != cudaSuccess) return cudaGetErrorString(error);
+    return count == 0 ? "no CUDA device" : "";
+}
+
+std::unique_ptr<Backend> cuda_backend(CudaOptions options) {
+    const std::string problem = cuda_problem();
+    if (!problem.empty()) throw InputError("the cuda backend cannot run here: " + problem);
+    return std::make_unique<CudaBackend>(options);
+}
+
+}  // namespace pierce

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pierce/core/backend.hpp"
+
+namespace pierce {
+
+/// How steps run on the GPU.
+struct CudaOptions {
+    bool graph = true;  ///< steady steps are one captured graph; else stage after stage, each timed
+};
+
+/// What keeps CUDA from being used here, for people; empty if nothing does.
+std::string cuda_problem();
+
+/// The GPU backend: every stage on the device, with trees of our own. Throws InputError if there is no device to use.
+std::unique_ptr<Backend> cuda_backend(CudaOptions options = {});
+
+}  // namespace pierce

@@ -1,0 +1,325 @@
+#pragma once
+
+#include <cuda_runtime.h>
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_reduce.cuh>
+#include <cub/device/device_scan.cuh>
+#include <cub/device/device_select.cuh>
+#include <vector>
+
+#include "pierce/core/executor.hpp"
+#include "pierce/gpu_cuda/device_buffer.hpp"
+
+namespace pierce {
+namespace cuda {
+
+inline constexpr std::uint32_t block_threads = 128;
+
+/// The number of items, on the device.
+struct Items {
+    std::uint32_t bound = 0;
+    const std::uint32_t* exact = nullptr;
+    std::uint32_t factor = 1;
+
+    Items(const DeviceCount& count) : bound(count.bound), exact(count.exact), factor(count.factor) {}
+    __device__ std::uint32_t count() const { return exact == nullptr ? bound : min_of(*exact * factor, bound); }
+};
+
+template <class F>
+__global__ void run_stage(const __grid_constant__ F stage, const Items items) {
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    if (i < items.count()) stage(i);
+}
+
+/// Keys past the last one go last in a sort.
+struct PadKey {
+    Items items;
+    std::uint64_t* keys;
+
+    __device__ void operator()(std::uint32_t i) const {
+        if (i >= items.count()) keys[i] = ~std::uint64_t{0};
+    }
+};
+
+/// A list of counts, continued with zeros.
+struct CountAt {
+    Items items;
+    const std::uint32_t* in;
+
+    __device__ std::uint32_t operator()(std::uint32_t i) const { return i < items.count() ? in[i] : 0; }
+};
+
+/// Terms of a sum, continued with nothing.
+template <class F, class T>
+struct TermAt {
+    Items items;
+    F term;
+
+    __device__ T operator()(std::uint32_t i) const { return i < items.count() ? term(i) : T{}; }
+};
+
+template <class F>
+struct WantedAt {
+    Items items;
+    F wanted;
+
+    __device__ bool operator()(std::uint32_t i) const { return i < items.count() && wanted(i); }
+};
+
+struct Plus {
+    template <class T>
+    __host__ __device__ T operator()(const T& a, const T& b) const {
+        return a + b;
+    }
+};
+
+template <class T>
+struct FillWith {
+    T* items;
+    T value;
+
+    __device__ void operator()(std::uint32_t i) const { items[i] = value; }
+};
+
+/// A total: of a scan, or what a selection has written. No more than there is room for is kept; what it should have been
+/// goes to `needed` if there is not.
+struct NoteTotal {
+    const std::uint32_t* offsets;  ///< null: the total is there already
+    CountAt last;
+    std::uint32_t room;
+    std::uint32_t* total;
+    std::uint32_t* overflow;
+
+    __device__ void operator()(std::uint32_t) const {
+        const std::uint32_t bound = last.items.bound;
+        std::uint32_t sum = *total;
+        if (offsets != nullptr) sum = offsets[bound - 1] + last(bound - 1);
+        *total = min_of(sum, room);
+        if (sum > room) *overflow = 1;
+    }
+};
+
+}  // namespace cuda
+
+/// Stages on the GPU, one thread an item, on one stream. In exact steps totals come back to the host, which waits for each.
+/// In bounded steps they stay on the device: launches and buffers are sized by what the last exact step came to, with room
+/// to grow, so that the host waits for nothing and the step can be captured as a graph. A step that would not fit says so.
+class CudaExecutor {
+public:
+    using Count = cuda::DeviceCount;
+    template <class T>
+    using Buffer = cuda::DeviceBuffer<T>;
+    template <class T>
+    using Sum = cuda::SharedValue<T>;
+    static constexpr bool runs_on_host = false;
+
+    CudaExecutor() {
+        using cuda::check;
+        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "a stream");
+        totals_.resize(2 * most_totals);
+        overflow_.resize(1);
+        check(cudaHostAlloc(&host_totals_, (2 * most_totals + 1) * sizeof(std::uint32_t), cudaHostAllocDefault),
+              "allocation of pinned memory");
+        check(cudaMemset(totals_.data(), 0, 2 * most_totals * sizeof(std::uint32_t)), "clearing device memory");
+        check(cudaMemset(overflow_.data(), 0, sizeof(std::uint32_t)), "clearing device memory");
+    }
+    CudaExecutor(const CudaExecutor&) = delete;
+    ~CudaExecutor() {
+        cudaFreeHost(host_totals_);
+        cudaStreamDestroy(stream_);
+    }
+
+    cudaStream_t stream() const { return stream_; }
+
+    /// Begins a step, or the repetition of one that was captured. `bank`: 0 or 1, the other one than in the last step, whose
+    /// totals are still read.
+    void begin_exact(std::uint32_t bank) {
+        bounded_ = false;
+        bank_ = bank;
+        next_ = 0;
+        bounds_.clear();
+    }
+    void begin_bounded(std::uint32_t bank) {
+        bounded_ = true;
+        bank_ = bank;
+        next_ = 0;
+    }
+    /// Ends a step: its totals and whether it overflowed are on their way to the host.
+    void end() {
+        copy_to_host(host_totals_, totals_.data(), 2 * most_totals);
+        copy_to_host(host_totals_ + 2 * most_totals, overflow_.data(), 1);
+    }
+    /// Waits for the device; true if the step fitted.
+    bool finish() {
+        cuda::check(cudaStreamSynchronize(stream_), "a step");
+        if (host_totals_[2 * most_totals] == 0) return true;
+        cuda::check(cudaMemsetAsync(overflow_.data(), 0, sizeof(std::uint32_t), stream_), "clearing device memory");
+        return false;
+    }
+
+    template <class F>
+    void for_each(const char*, Count n, const F& stage) {
+        if (n.bound == 0) return;
+        const std::uint32_t blocks = (n.bound - 1) / cuda::block_threads + 1;
+        cuda::run_stage<<<blocks, cuda::block_threads, 0, stream_>>>(stage, cuda::Items(n));
+        cuda::check(cudaGetLastError(), "a launch");
+    }
+
+    Count exclusive_scan(const char*, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+        if (n.bound == 0) return next_total_of_nothing();
+        const cuda::CountAt count{n, in.data};
+        const auto counts = thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), count);
+        with_scratch([&](void* scratch, std::size_t& bytes) {
+            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out.data, static_cast<int>(n.bound), stream_);
+        });
+        return note_total(out.data, count, 0xffffffffu);
+    }
+
+    template <class F>
+    Count select(const char*, Count n, const F& wanted, View<std::uint32_t> out) {
+        if (n.bound == 0) return next_total_of_nothing();
+        with_scratch([&](void* scratch, std::size_t& bytes) {
+            return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0), out.data,
+                                         next_total_place(), static_cast<int>(n.bound), cuda::WantedAt<F>{n, wanted},
+                                         stream_);
+        });
+        return note_total(nullptr, {n, nullptr}, n.bound);
+    }
+
+    void sort(const char*, Count n, View<std::uint64_t> keys, View<std::uint32_t> values) {
+        if (n.bound == 0) return;
+        if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{n, keys.data});
+        sorted_keys_.resize(n.bound);
+        sorted_values_.resize(n.bound);
+        with_scratch([&](void* scratch, std::size_t& bytes) {
+            return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys.data, sorted_keys_.data(), values.data,
+                                                   sorted_values_.data(), static_cast<int>(n.bound), 0, 64, stream_);
+        });
+        copy(keys.data, sorted_keys_.data(), n.bound, cudaMemcpyDeviceToDevice);
+        copy(values.data, sorted_values_.data(), n.bound, cudaMemcpyDeviceToDevice);
+    }
+
+    template <class F, class T>
+    void reduce(const char*, Count n, const F& term, Sum<T>& sum) {
+        if (n.bound == 0) return for_each("no_sum", 1, cuda::FillWith<T>{sum.data(), T{}});
+        const auto terms =
+            thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), cuda::TermAt<F, T>{n, term});
+        with_scratch([&](void* scratch, std::size_t& bytes) {
+            return cub::DeviceReduce::Reduce(scratch, bytes, terms, sum.data(), static_cast<int>(n.bound), cuda::Plus{}, T{},
+                                             stream_);
+        });
+    }
+
+    /// What a reduction came to. Waits for the device, as the next ones do.
+    template <class T>
+    T read(const Sum<T>& sum) const {
+        wait();
+        return *sum.data();
+    }
+
+    std::uint32_t number(const Count& count) const {
+        if (count.exact == nullptr) return count.bound;
+        wait();
+        const auto place = static_cast<std::uint32_t>(count.exact - totals_.data()) % most_totals;
+        return min_of(count.factor * host_totals_[bank_ * most_totals + place], count.bound);
+    }
+
+    template <class T>
+    T first(const Buffer<T>& buffer) const {
+        T value;
+        copy_to_host(&value, buffer.data(), 1);
+        wait();
+        return value;
+    }
+
+    template <class T>
+    void upload(std::span<const T> items, Buffer<T>& buffer) {
+        buffer.resize(static_cast<std::uint32_t>(items.size()));
+        copy(buffer.data(), items.data(), items.size(), cudaMemcpyHostToDevice);
+        wait();  // the items may go
+    }
+
+    template <class T>
+    void assign(Buffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.resize(count);
+        for_each("assign", count, cuda::FillWith<T>{buffer.data(), value});
+    }
+
+    template <class T>
+    void extend(Buffer<T>& buffer, std::uint32_t count, const T& value) {
+        const auto before = static_cast<std::uint32_t>(buffer.size());
+        buffer.resize(count);
+        if (count > before) for_each("extend", count - before, cuda::FillWith<T>{buffer.data() + before, value});
+    }
+
+    template <class T>
+    void copy(T* to, const T* from, std::size_t count, cudaMemcpyKind kind) const {
+        if (count > 0) cuda::check(cudaMemcpyAsync(to, from, count * sizeof(T), kind, stream_), "a copy");
+    }
+
+    template <class T>
+    void copy_to_host(T* to, const T* from, std::size_t count) const {
+        copy(to, from, count, cudaMemcpyDeviceToHost);
+    }
+
+    /// Waits at the end of a timed stage, except in steps that wait for nothing.
+    void settle() const {
+        if (!bounded_) wait();
+    }
+
+    void wait() const { cuda::check(cudaStreamSynchronize(stream_), "waiting for the device"); }
+
+private:
+    static constexpr std::uint32_t most_totals = 64;
+    // How much more than in the exact step may come, before a bounded step must be repeated.
+    static constexpr std::uint32_t spare_share = 2, spare_items = 1024;
+
+    // Exact steps may have any number of totals: nobody reads them later.
+    std::uint32_t* next_total_place() { return totals_.data() + bank_ * most_totals + next_ % most_totals; }
+
+    Count next_total_of_nothing() {
+        ++next_;
+        if (!bounded_) bounds_.push_back(spare_items);
+        return 0;
+    }
+
+    /// `most`: what the total can be at most.
+    Count note_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
+        std::uint32_t* const total = next_total_place();
+        const std::uint32_t room = bounded_ ? min_of(bounds_.at(next_), most) : most;
+        for_each("note_total", 1, cuda::NoteTotal{offsets, last, room, total, overflow_.data()});
+        ++next_;
+        if (bounded_) return {room, total, 1};
+        std::uint32_t* const host = host_totals_ + (total - totals_.data());
+        copy_to_host(host, total, 1);
+        wait();
+        bounds_.push_back(*host + *host / spare_share + spare_items);
+        return *host;
+    }
+
+    /// Calls a function of CUB's twice: for the size of its scratch memory, and with it.
+    template <class F>
+    void with_scratch(const F& call) {
+        std::size_t bytes = 0;
+        cuda::check(call(nullptr, bytes), "preparing a collective operation");
+        scratch_.resize(static_cast<std::uint32_t>(bytes));
+        cuda::check(call(scratch_.data(), bytes), "a collective operation");
+    }
+
+    cudaStream_t stream_ = nullptr;
+    bool bounded_ = false;
+    std::uint32_t bank_ = 0, next_ = 0;
+    std::vector<std::uint32_t> bounds_;  ///< of the totals of a step, in order
+    Buffer<std::uint32_t> totals_, overflow_;
+    std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
+    Buffer<std::byte> scratch_;
+    Buffer<std::uint64_t> sorted_keys_;
+    Buffer<std::uint32_t> sorted_values_;
+};
+
+static_assert(Executor<CudaExecutor>);
+
+}  // namespace pierce

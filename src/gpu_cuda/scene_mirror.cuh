@@ -1,0 +1,236 @@
+#pragma once
+
+#include <cstring>
+#include <unordered_map>
+#include <vector>
+
+#include "pierce/core/scene.hpp"
+#include "pierce/gpu_cuda/cuda_executor.cuh"
+
+namespace pierce::cuda {
+
+/// What the host may change about a body from step to step.
+struct BodyChange {
+    Frame space;
+    const Vec3f* positions = nullptr;  ///< of a deforming body
+    std::uint64_t positions_version = 0;
+    bool active = true;
+};
+
+/// Per body: takes over what the host has changed. Where deforming bodies are is found out by the step.
+struct ApplyChange {
+    View<const BodyChange> changes;
+    View<BodyView> bodies;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BodyChange& change = changes[i];
+        BodyView& body = bodies[i];
+        body.active = change.active;
+        if (body.motion == Motion::deforming) {
+            body.positions_version = change.positions_version;
+            body.positions.data = change.positions;
+        } else if (change.active) {
+            body.fit = body.space = change.space;
+        }
+    }
+};
+
+/// A scene in device memory: all of it once per plan, and in every step what the host has changed.
+class SceneMirror {
+public:
+    explicit SceneMirror(CudaExecutor& executor) : executor_(executor) {}
+
+    /// Brings the mirror up to date; true if everything is new.
+    bool update(const Scene& host) {
+        const bool is_new = revision_ != host.plan->revision;
+        if (is_new) rebuild(host);
+        send_changes(host.bodies);
+        return is_new;
+    }
+
+    /// The scene for a step on the device.
+    const Scene& scene() const { return scene_; }
+
+    /// What the device found out about where bodies are, into the host's views.
+    void fetch(View<BodyView> host) const {
+        std::vector<BodyView> there(bodies_.size());
+        executor_.copy_to_host(there.data(), bodies_.data(), there.size());
+        executor_.wait();
+        for (std::uint32_t b = 0; b < host.size; ++b) {
+            host[b].fit = there[b].fit;
+            host[b].fit_box = there[b].fit_box;
+            host[b].world_box = there[b].world_box;
+            host[b].deviation = there[b].deviation;
+            host[b].shape_motion = there[b].shape_motion;
+            host[b].touch = there[b].touch;
+            host[b].reach = there[b].reach;
+        }
+    }
+
+private:
+    /// Device copies of arrays that stay as they are.
+    class Arrays {
+    public:
+        template <class T>
+        View<const T> add(CudaExecutor& executor, View<const T> host) {
+            DeviceBuffer<std::byte> copy;
+            copy.resize(static_cast<std::uint32_t>(host.size * sizeof(T)));
+            executor.copy(reinterpret_cast<T*>(copy.data()), host.data, host.size, cudaMemcpyHostToDevice);
+            buffers_.push_back(std::move(copy));
+            return {reinterpret_cast<const T*>(buffers_.back().data()), host.size};
+        }
+
+    private:
+        std::vector<DeviceBuffer<std::byte>> buffers_;
+    };
+
+    struct MeshCopy {
+        Arrays arrays;
+        MeshView view;
+        View<const double> own_exit;
+    };
+
+    const MeshCopy& copy_of(const BodyView& body) {
+        auto [at, is_new] = meshes_.try_emplace(body.mesh_key);
+        MeshCopy& copy = at->second;
+        const auto add = [&](auto view) { return copy.arrays.add(executor_, view); };
+        if (is_new) {
+            MeshView m = body.mesh;
+            m.positions = add(m.positions);
+            m.normals = add(m.normals);
+            m.triangles = add(m.triangles);
+            m.corner_offsets = add(m.corner_offsets);
+            m.corners = add(m.corners);
+            m.patch_vertices = add(m.patch_vertices);
+            m.blocks = add(m.blocks);
+            m.patches = add(m.patches);
+            m.edges = add(m.edges);
+            m.edge_offsets = add(m.edge_offsets);
+            m.edge_reach = add(m.edge_reach);
+            m.parts = add(m.parts);
+            m.neighbors = add(m.neighbors);
+            m.rings = add(m.rings);
+            m.star_clearance = add(m.star_clearance);
+            m.clearance.steps = add(m.clearance.steps);
+            copy.view = m;
+        }
+        if (copy.own_exit.size == 0 && body.own_exit.size > 0) copy.own_exit = add(body.own_exit);
+        return copy;
+    }
+
+    void forget_unused(View<const BodyView> bodies) {
+        std::unordered_map<std::uint64_t, bool> used;
+        for (const BodyView& body : bodies) used[body.mesh_key] = true;
+        std::erase_if(meshes_, [&](const auto& entry) { return !used.contains(entry.first); });
+    }
+
+    void rebuild(const Scene& host) {
+        executor_.wait();
+        forget_unused(host.bodies);
+        std::uint32_t vertices = 0, blocks = 0, patches = 0, seen = 0;
+        first_vertex_.assign(host.bodies.size, 0);
+        for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
+            if (host.bodies[b].motion != Motion::deforming) continue;
+            first_vertex_[b] = vertices;
+            vertices += host.bodies[b].positions.size;
+            blocks += host.bodies[b].blocks.size;
+            patches += host.bodies[b].patches.size;
+            seen += host.seen[b].size;
+        }
+        positions_.resize(vertices);
+        blocks_.resize(blocks);
+        patches_.resize(patches);
+        seen_.resize(seen);
+        executor_.assign(seen_, seen, SeenPatch{});
+
+        std::vector<BodyView> views(host.bodies.begin(), host.bodies.end());
+        std::vector<View<PatchBlock>> block_views(views.size());
+        std::vector<View<Offsets>> patch_views(views.size());
+        std::vector<View<SeenPatch>> seen_views(views.size());
+        PatchBlock* next_block = blocks_.data();
+        Offsets* next_patch = patches_.data();
+        SeenPatch* next_seen = seen_.data();
+        for (std::uint32_t b = 0; b < views.size(); ++b) {
+            BodyView& view = views[b];
+            if (view.mesh_key == 0) continue;
+            const MeshCopy& mesh = copy_of(view);
+            view.mesh = mesh.view;
+            if (view.motion == Motion::deforming) {
+                view.positions = {positions_.data() + first_vertex_[b], view.positions.size};
+                view.blocks = block_views[b] = {next_block, view.blocks.size};
+                view.patches = patch_views[b] = {next_patch, view.patches.size};
+                seen_views[b] = {next_seen, host.seen[b].size};
+                next_block += view.blocks.size;
+                next_patch += view.patches.size;
+                next_seen += host.seen[b].size;
+            } else {
+                view.positions = mesh.view.positions;
+                view.blocks = mesh.view.blocks;
+                view.patches = mesh.view.patches;
+                view.own_exit = mesh.own_exit;
+            }
+        }
+        executor_.upload(std::span<const BodyView>(views), bodies_);
+        executor_.upload(std::span<const View<PatchBlock>>(block_views), block_views_);
+        executor_.upload(std::span<const View<Offsets>>(patch_views), patch_views_);
+        executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
+        executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
+        executor_.upload(std::span<const Quaternion>(host.rotations.begin(), host.rotations.end()), rotations_);
+        executor_.upload(std::span<const stages::Chunk>(host.chunks.begin(), host.chunks.end()), chunks_);
+        executor_.upload(std::span<const stages::ChunkRange>(host.ranges.begin(), host.ranges.end()), ranges_);
+        sent_version_.assign(host.bodies.size, 0);
+        revision_ = host.plan->revision;
+        scene_ = {view_of(bodies_),
+                  view_of(std::as_const(ids_)),
+                  view_of(rotations_),
+                  view_of(std::as_const(chunks_)),
+                  view_of(std::as_const(ranges_)),
+                  view_of(std::as_const(block_views_)),
+                  view_of(std::as_const(patch_views_)),
+                  view_of(std::as_const(seen_views_)),
+                  host.settings,
+                  host.plan};
+    }
+
+    void send_changes(View<const BodyView> host) {
+        staged_changes_.resize(host.size);
+        for (std::uint32_t b = 0; b < host.size; ++b) {
+            staged_changes_[b] = {host[b].space, positions_.data() + first_vertex_[b], host[b].positions_version,
+                                  host[b].active};
+            if (host[b].device_positions != nullptr) {
+                staged_changes_[b].positions = host[b].device_positions;
+                continue;
+            }
+            if (host[b].motion != Motion::deforming || sent_version_[b] == host[b].positions_version) continue;
+            sent_version_[b] = host[b].positions_version;
+            if (host[b].active)
+                executor_.copy(positions_.data() + first_vertex_[b], host[b].positions.data, host[b].positions.size,
+                               cudaMemcpyHostToDevice);
+        }
+        executor_.upload(std::span<const BodyChange>(staged_changes_), changes_);
+        executor_.for_each("apply_changes", host.size, ApplyChange{view_of(changes_), view_of(bodies_)});
+    }
+
+    CudaExecutor& executor_;
+    std::uint64_t revision_ = 0;
+    Scene scene_;
+    std::unordered_map<std::uint64_t, MeshCopy> meshes_;  ///< by mesh key
+    std::vector<std::uint32_t> first_vertex_;             ///< per deforming body, in positions_
+    std::vector<std::uint64_t> sent_version_;
+    std::vector<BodyChange> staged_changes_;
+    DeviceBuffer<BodyChange> changes_;
+    DeviceBuffer<BodyView> bodies_;
+    DeviceBuffer<Vec3f> positions_;
+    DeviceBuffer<PatchBlock> blocks_;
+    DeviceBuffer<Offsets> patches_;
+    DeviceBuffer<SeenPatch> seen_;
+    DeviceBuffer<View<PatchBlock>> block_views_;
+    DeviceBuffer<View<Offsets>> patch_views_;
+    DeviceBuffer<View<SeenPatch>> seen_views_;
+    DeviceBuffer<BodyId> ids_;
+    DeviceBuffer<Quaternion> rotations_;
+    DeviceBuffer<stages::Chunk> chunks_;
+    DeviceBuffer<stages::ChunkRange> ranges_;
+};
+
+}  // namespace pierce::cuda
