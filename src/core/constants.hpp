@@ -34,6 +34,10 @@ inline constexpr std::uint32_t treelet_parts = 7;
 /// Rounds of treelet restructuring. A round looks at subtrees with at least twice as many leaves as the one before.
 inline constexpr std::uint32_t treelet_rounds = 3;
 
+/// When no more treelets than this are ready, threads climb: a GPU that has room for all of them gains nothing from having
+/// them side by side, and waits for every launch.
+inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
+
 /// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister and Bittner 2018): twice as
 /// far doubles the work and gains a few per cent of a tree's cost.
 inline constexpr std::uint32_t cluster_radius = 8;

@@ -213,11 +213,11 @@ MeshData coincident(std::size_t count) {
     return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(count, Triangle{{0, 1, 2}})};
 }
 
-/// Triangles of all sizes around one point, which all their boxes have as their centre.
-MeshData concentric(std::uint32_t count) {
+/// Triangles around one point, which all their boxes have as their centre, each larger than the last by a factor.
+MeshData concentric(std::uint32_t count, float factor) {
     MeshData mesh;
     for (std::uint32_t t = 0; t < count; ++t) {
-        const float r = static_cast<float>(t + 1);
+        const float r = std::pow(factor, static_cast<float>(t));
         for (Vec3f p : {Vec3f{-r, -r, -r}, Vec3f{r, r, -r}, Vec3f{r, -r, r}}) mesh.positions.push_back(p);
         mesh.triangles.push_back({{3 * t, 3 * t + 1, 3 * t + 2}});
     }
@@ -229,7 +229,8 @@ std::vector<MeshData> many_meshes(test::Random& random) {
     std::vector<MeshData> meshes;
     for (std::size_t count : {1, 2, 3, 6, 7, 8, 14}) meshes.push_back(part(scenes::sphere(1, 1), count));
     for (std::size_t count : {2, 100}) meshes.push_back(coincident(count));
-    meshes.push_back(concentric(50));
+    meshes.push_back(concentric(50, 1.1f));
+    meshes.push_back(concentric(100, 2));  // the best tree is a chain, deeper than the traversal's stack
     for (int i = 0; i < 20; ++i) meshes.push_back(test::random_closed_mesh(random));
     for (int i = 0; i < 5; ++i) meshes.push_back(soup(random, static_cast<std::uint32_t>(random.integer(1, 500))));
     meshes.push_back(scenes::torus(1, 0.3, 60, 30));
@@ -249,6 +250,7 @@ std::vector<Ray> random_rays(test::Random& random, View<const BodyView> bodies, 
         for (int i = 0; bodies[b].active && i < per_body; ++i) {
             Ray ray;
             for (int k = 0; k < 3; ++k) ray.origin[k] = random.uniform(box.lower[k], box.upper[k]);
+            if (i % 5 == 0) ray.origin = box.center();
             ray.direction = random.unit_vector();
             if (i % 4 == 0) ray.direction = {0, 0, i % 8 == 0 ? 1.0 : -1.0};
             ray.t_max = box.extent() * random.uniform(0, 1);
@@ -285,6 +287,38 @@ TEST_P(BvhTest, BuildsATreeAlone) {
     for (std::size_t count : {1, 2, 3, 7, 20}) {
         const Bodies bodies({part(scenes::sphere(1, 1), count)});
         expect_trees(build(GetParam(), bodies.views()), bodies.views());
+    }
+}
+
+/// Runs stages one by one and counts them.
+struct CountingExecutor : SerialExecutor {
+    std::uint32_t stages = 0;
+
+    template <class F>
+    void for_each(const char* name, std::uint32_t n, const F& stage) {
+        ++stages;
+        SerialExecutor::for_each(name, n, stage);
+    }
+};
+
+/// Large enough that treelets are improved level by level.
+TEST_P(BvhTest, BuildsALargeTree) {
+    const Bodies bodies({scenes::torus(1, 0.4, 500, 250)});
+    CountingExecutor executor;
+    const Trees trees = build(executor, GetParam(), bodies.views());
+    expect_trees(trees, bodies.views());
+    TbbExecutor parallel(2);
+    EXPECT_TRUE(same(trees, build(parallel, GetParam(), bodies.views())));
+    const std::uint32_t all_climb = 4 + 3 * constants::treelet_rounds;
+    EXPECT_TRUE(GetParam() != TreeBuilder::trbvh || executor.stages > all_climb) << "not that large";
+}
+
+TEST_P(BvhTest, TakesFewStages) {
+    for (const MeshData& mesh : {scenes::sphere(1, 4), coincident(5000), soup(random_, 5000)}) {
+        const Bodies bodies({mesh, mesh});
+        CountingExecutor executor;
+        build(executor, GetParam(), bodies.views());
+        EXPECT_LT(executor.stages, 150u);
     }
 }
 
@@ -414,19 +448,20 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
         BruteForceTracer reference;
         const SerialExecutor executor;
         std::ranges::sort(order);
+        TracerCounts counts;
         for (int step = 0; step < 20; ++step) {
             place();
             const std::vector<Ray> rays = random_rays(random, bodies.views(), 1000);
             EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
-            if (step == 5) {
-                EXPECT_EQ(tracer.counts(executor).rebuilds, 0u) << "nothing has decayed yet";
-                for (int i = count - 1; i > 0; --i)
-                    std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.integer(0, i))]);
-            }
+            counts = tracer.counts(executor);
+            if (step != 5) continue;
+            EXPECT_EQ(counts.rebuilds, 0u) << "nothing has decayed yet";
+            for (int i = count - 1; i > 0; --i)
+                std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.integer(0, i))]);
         }
-        EXPECT_EQ(tracer.counts(executor).rebuilds, 1u);
-        EXPECT_EQ(tracer.counts(executor).builds, 2u);
-        EXPECT_GT(tracer.counts(executor).refits, 0u);
+        EXPECT_EQ(counts.rebuilds, 1u);
+        EXPECT_EQ(counts.builds, 2u);
+        EXPECT_GT(counts.refits, 0u);
     }
 }
 

@@ -49,7 +49,7 @@ private:
 
     using Set = std::uint32_t;  ///< of parts, one bit each
     static constexpr Set all = (Set{1} << parts) - 1;
-    PIERCE_HD static bool is_one(Set set) { return (set & (set - 1)) == 0; }
+    PIERCE_HD static bool is_one(Set set) { return (set & (set - 1)) == 0; }  ///< or none
 
     /// Of the first n parts, one that is a node.
     PIERCE_HD std::uint32_t largest_node(std::uint32_t n) const {
@@ -134,19 +134,30 @@ struct FindTreelets {
     }
 };
 
-/// Per node whose subtree is finished: improves the treelet there and, if the node above has no other unfinished child,
-/// hands that on.
+/// Per node whose subtree is finished: improves the treelet there, and comes to the node above if it is the last of that
+/// one's children to do so.
 struct ImproveTreelets {
     Forest forest;
     View<const std::uint32_t> nodes, places;  ///< item i is nodes[places[i]]
+    bool climbs = false;                      ///< goes on with the node above; otherwise leaves it to the next launch
     View<std::uint32_t> next;                 ///< the node above, or no_node
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t node = nodes[places[i]];
-        Treelet(forest, node).improve(forest);
-        const Place place = forest.nodes[node].parent;
-        const bool ready = !place.is_root() && atomic_add(forest.visits[place.node()], forest.visits[node]) != 0;
-        next[i] = ready ? place.node() : no_node;
+        std::uint32_t node = nodes[places[i]];
+        std::uint32_t count = forest.visits[node];
+        next[i] = no_node;
+        while (true) {
+            Treelet(forest, node).improve(forest);
+            const Place place = forest.nodes[node].parent;
+            if (place.is_root()) return;
+            node = place.node();
+            const std::uint32_t others = atomic_add(forest.visits[node], count);
+            if (others == 0) return;
+            count += others;
+            if (climbs) continue;
+            next[i] = node;
+            return;
+        }
     }
 };
 
@@ -157,8 +168,8 @@ struct HoldsNode {
     PIERCE_HD bool operator()(std::uint32_t i) const { return nodes[i] != no_node; }
 };
 
-/// Restructures all trees of a forest, from the leaves up; one launch improves every treelet whose subtree is finished, so
-/// that few threads wait for each other.
+/// Restructures all trees of a forest, from the leaves up. A launch improves every treelet whose subtree is finished, so
+/// that neighbouring threads all have work; when few are left, a last one climbs to the roots.
 template <Executor E>
 class TreeletRestructuring {
 public:
@@ -169,10 +180,13 @@ public:
             executor.for_each("clear_visits", leaves.size, Fill{forest.visits, 0});
             executor.for_each("find_treelets", leaves.size,
                               FindTreelets{forest, leaves, constants::treelet_parts << round, view_of(next_)});
-            for (std::uint32_t n = keep(executor, leaves.size); n > 0; n = keep(executor, n))
+            bool climbs = false;
+            for (std::uint32_t n = keep(executor, leaves.size); n > 0; n = climbs ? 0 : keep(executor, n)) {
+                climbs = n <= constants::treelet_crowd;
                 executor.for_each("improve_treelets", n,
                                   ImproveTreelets{forest, view_of(std::as_const(nodes_)), view_of(std::as_const(places_)),
-                                                  view_of(next_)});
+                                                  climbs, view_of(next_)});
+            }
         }
     }
 
