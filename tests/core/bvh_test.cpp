@@ -94,8 +94,12 @@ struct Trees {
         tree_of_body.assign(plan.tree_of_body().begin(), plan.tree_of_body().end());
         tree_of_leaf.assign(plan.tree_of_leaf().begin(), plan.tree_of_leaf().end());
         visits.resize(plan.leaf_count());
-        nodes.resize(plan.leaf_count());
-        leaf_places.resize(plan.leaf_count());
+        // As after another build: nothing is where it belongs.
+        Node used;
+        used.child[0] = used.child[1] = Item::node(0);
+        used.parent = Place::at(0, 1);
+        nodes.resize(plan.leaf_count(), used);
+        leaf_places.resize(plan.leaf_count(), used.parent);
     }
 
     Forest forest() {
@@ -272,6 +276,25 @@ std::vector<Hit> hits_of(T& tracer, View<const BodyView> bodies, const std::vect
     return hits;
 }
 
+/// Runs stages one by one and counts them.
+struct CountingExecutor : SerialExecutor {
+    std::uint32_t stages = 0;
+
+    template <class F>
+    void for_each(const char* name, std::uint32_t n, const F& stage) {
+        ++stages;
+        SerialExecutor::for_each(name, n, stage);
+    }
+};
+
+/// Runs the items of a stage from the last to the first.
+struct BackwardExecutor : SerialExecutor {
+    template <class F>
+    void for_each(const char*, std::uint32_t n, const F& stage) {
+        while (n > 0) stage(--n);
+    }
+};
+
 class BvhTest : public testing::TestWithParam<TreeBuilder> {
 protected:
     test::Random random_{7};
@@ -289,17 +312,6 @@ TEST_P(BvhTest, BuildsATreeAlone) {
         expect_trees(build(GetParam(), bodies.views()), bodies.views());
     }
 }
-
-/// Runs stages one by one and counts them.
-struct CountingExecutor : SerialExecutor {
-    std::uint32_t stages = 0;
-
-    template <class F>
-    void for_each(const char* name, std::uint32_t n, const F& stage) {
-        ++stages;
-        SerialExecutor::for_each(name, n, stage);
-    }
-};
 
 /// Large enough that treelets are improved level by level.
 TEST_P(BvhTest, BuildsALargeTree) {
@@ -348,6 +360,8 @@ TEST_P(BvhTest, HitsWhatBruteForceHits) {
 TEST_P(BvhTest, IsTheSameFromEveryExecutor) {
     const Bodies bodies(many_meshes(random_));
     const Trees serial = build(GetParam(), bodies.views());
+    BackwardExecutor backward;
+    EXPECT_TRUE(same(serial, build(backward, GetParam(), bodies.views()))) << "backward";
     for (int threads : {1, 4})
         for (int repeat = 0; repeat < 5; ++repeat) {
             TbbExecutor executor(threads);
