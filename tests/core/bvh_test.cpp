@@ -217,11 +217,12 @@ MeshData coincident(std::size_t count) {
     return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(count, Triangle{{0, 1, 2}})};
 }
 
-/// Triangles around one point, which all their boxes have as their centre, each larger than the last by a factor.
+/// Triangles around one point, which all their boxes have as their centre, each larger than the last by a factor, and on
+/// the other side.
 MeshData concentric(std::uint32_t count, float factor) {
     MeshData mesh;
     for (std::uint32_t t = 0; t < count; ++t) {
-        const float r = std::pow(factor, static_cast<float>(t));
+        const float r = (t % 2 == 0 ? 1.0f : -1.0f) * std::pow(factor, static_cast<float>(t));
         for (Vec3f p : {Vec3f{-r, -r, -r}, Vec3f{r, r, -r}, Vec3f{r, -r, r}}) mesh.positions.push_back(p);
         mesh.triangles.push_back({{3 * t, 3 * t + 1, 3 * t + 2}});
     }
@@ -233,8 +234,8 @@ std::vector<MeshData> many_meshes(test::Random& random) {
     std::vector<MeshData> meshes;
     for (std::size_t count : {1, 2, 3, 6, 7, 8, 14}) meshes.push_back(part(scenes::sphere(1, 1), count));
     for (std::size_t count : {2, 100}) meshes.push_back(coincident(count));
-    meshes.push_back(concentric(50, 1.1f));
-    meshes.push_back(concentric(100, 2));  // the best tree is a chain, deeper than the traversal's stack
+    // The best tree is a chain, deeper than the traversal's stack.
+    for (float factor : {1.1f, 0.9f, 2.0f}) meshes.push_back(concentric(100, factor));
     for (int i = 0; i < 20; ++i) meshes.push_back(test::random_closed_mesh(random));
     for (int i = 0; i < 5; ++i) meshes.push_back(soup(random, static_cast<std::uint32_t>(random.integer(1, 500))));
     meshes.push_back(scenes::torus(1, 0.3, 60, 30));
@@ -355,6 +356,21 @@ TEST_P(BvhTest, HitsWhatBruteForceHits) {
     BvhTracer<SerialExecutor> tracer(GetParam());
     BruteForceTracer reference;
     EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
+}
+
+TEST_P(BvhTest, MeasuresTheDistancesOfBruteForce) {
+    const Bodies bodies(many_meshes(random_));
+    const std::vector<Ray> rays = random_rays(random_, bodies.views(), 50);
+    const auto measure = [&](auto tracer) {
+        SerialExecutor executor;
+        std::vector<double> distances(rays.size());
+        const std::vector<std::uint32_t> wanted(bodies.views().size, 1);
+        tracer.update(executor, bodies.views(), view_of(wanted));
+        tracer.distances(executor, "distance", bodies.views(), static_cast<std::uint32_t>(rays.size()), view_of(rays),
+                         view_of(distances));
+        return distances;
+    };
+    EXPECT_EQ(measure(BvhTracer<SerialExecutor>(GetParam())), measure(BruteForceTracer()));
 }
 
 TEST_P(BvhTest, IsTheSameFromEveryExecutor) {

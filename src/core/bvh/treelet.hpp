@@ -144,16 +144,13 @@ struct ImproveTreelets {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t node = nodes[places[i]];
-        std::uint32_t count = forest.visits[node];
         next[i] = no_node;
         while (true) {
             Treelet(forest, node).improve(forest);
             const Place place = forest.nodes[node].parent;
             if (place.is_root()) return;
             node = place.node();
-            const std::uint32_t others = atomic_add(forest.visits[node], count);
-            if (others == 0) return;
-            count += others;
+            if (atomic_add(forest.visits[node], 1) == 0) return;
             if (climbs) continue;
             next[i] = node;
             return;
