@@ -84,6 +84,9 @@ inline constexpr std::uint32_t separation_vertices = 4;
 /// Triangles a re-projection looks at on its way to the closest point at most: the paper's walks are as long.
 inline constexpr std::uint32_t reprojection_steps = 64;
 
+/// Items that share a body's partners in the sweep: one alone would be the whole step's longest on a GPU.
+inline constexpr std::uint32_t sweep_walks = 8;
+
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
 

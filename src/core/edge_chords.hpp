@@ -61,7 +61,7 @@ public:
     void cast(const Scene& scene, View<const stages::DirectedPair> directed, RayBatch<E>& batch, Buffer<Route>& routes) {
         find_chords(scene, directed);
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()), count = static_cast<std::uint32_t>(found_.size());
-        executor_.sort("chord_sort", count, view_of(keys_), view_of(order_));
+        executor_.sort("chord_sort", count, 64, view_of(keys_), view_of(order_));
         chords_.resize(count);
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);

@@ -39,7 +39,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     executor.for_each("stage", n, detail::AnyStage{});
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
-    executor.sort("stage", n, keys, out);
+    executor.sort("stage", n, 64, keys, out);
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
@@ -119,8 +119,9 @@ public:
         return count;
     }
 
-    /// Sorts keys and moves their values along; stable.
-    void sort(const char*, std::uint32_t n, View<std::uint64_t> keys, View<std::uint32_t> values) {
+    /// Sorts keys by their lowest `bits` bits and moves their values along; stable. Any key's higher bits must be zero, or
+    /// all its bits must be ones.
+    void sort(const char*, std::uint32_t n, int, View<std::uint64_t> keys, View<std::uint32_t> values) {
         sort_({keys.data, n}, {values.data, n});
     }
 

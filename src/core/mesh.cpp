@@ -124,8 +124,9 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
         normals_.push_back(to_float(vertex_normal(mesh, mesh.positions, v)));
     blocks_.resize(block_count(mesh));
     patches_.resize(patch_count(mesh));
-    for (std::uint32_t b = 0; b < block_count(mesh); ++b)
-        measure_block(mesh, mesh.positions, b, blocks_[b], view_of(patches_));
+    for (std::uint32_t p = 0; p < patch_count(mesh); ++p)
+        measure_patch(mesh, mesh.positions, p, blocks_[p / constants::block_size], patches_[p]);
+    for (std::uint32_t b = 0; b < block_count(mesh); ++b) finish_block(mesh, mesh.positions, b, blocks_[b]);
 }
 
 MeshView Mesh::view() const {

@@ -47,29 +47,32 @@ PIERCE_HD inline float longest(const Offsets& offsets) {
     return std::sqrt(furthest) * static_cast<float>(1 + constants::touch_tolerance);
 }
 
-/// Measures the patches of block `b` at `positions`: their means, their vertices relative to those, and how far they reach.
-/// Places past the last vertex or patch repeat a centre. A mean, unlike the middle of a box, turns with the patch.
-PIERCE_HD inline void measure_block(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t b, PatchBlock& block,
-                                    View<Offsets> patches) {
-    const std::uint32_t first = b * constants::block_size;
-    block.center = to_double(positions[mesh.patch_vertices[patch_begin(first)]]);
-    block.offsets = {};
-    float reach = 0;
-    for (std::uint32_t k = 0; k < constants::block_size; ++k) block.radius[k] = 0;
-    for (std::uint32_t k = 0; k < block_length(mesh, b); ++k) {
-        const std::uint32_t p = first + k;
-        const std::uint32_t* vertex = mesh.patch_vertices.data + patch_begin(p);
-        const std::uint32_t count = patch_length(mesh, p);
-        Vec3d sum;
-        for (std::uint32_t i = 0; i < count; ++i) sum += to_double(positions[vertex[i]]);
-        block.offsets.set(k, to_float(sum * (1.0 / count) - block.center));
-        const Vec3d center = patch_center({&block - b, b + 1}, p);
-        Offsets& patch = patches[p];
-        for (std::uint32_t i = 0; i < constants::patch_size; ++i)
-            patch.set(i, i < count ? to_float(to_double(positions[vertex[i]]) - center) : Vec3f{});
-        block.radius[k] = longest(patch);
-        reach = max_of(block.radius[k], reach);
+/// Measures patch `p` at `positions`: its mean, which it puts into its block, its vertices relative to that, and how far
+/// they reach. Places past the last vertex repeat the mean. A mean, unlike the middle of a box, turns with the patch.
+PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t p, PatchBlock& block,
+                                    Offsets& patch) {
+    const std::uint32_t first = p / constants::block_size * constants::block_size, k = p - first;
+    const std::uint32_t* vertex = mesh.patch_vertices.data + patch_begin(p);
+    const std::uint32_t count = patch_length(mesh, p);
+    const Vec3d base = to_double(positions[mesh.patch_vertices[patch_begin(first)]]);
+    Vec3d sum;
+    for (std::uint32_t i = 0; i < count; ++i) sum += to_double(positions[vertex[i]]);
+    block.offsets.set(k, to_float(sum * (1.0 / count) - base));
+    const Vec3d center = base + Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
+    for (std::uint32_t i = 0; i < constants::patch_size; ++i)
+        patch.set(i, i < count ? to_float(to_double(positions[vertex[i]]) - center) : Vec3f{});
+    block.radius[k] = longest(patch);
+}
+
+/// Completes block `b`, whose patches are measured. Places past the last patch repeat its centre.
+PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t b, PatchBlock& block) {
+    block.center = to_double(positions[mesh.patch_vertices[patch_begin(b * constants::block_size)]]);
+    for (std::uint32_t k = block_length(mesh, b); k < constants::block_size; ++k) {
+        block.offsets.set(k, {});
+        block.radius[k] = 0;
     }
+    float reach = 0;
+    for (std::uint32_t k = 0; k < constants::block_size; ++k) reach = max_of(block.radius[k], reach);
     block.reach = longest(block.offsets) + reach;
 }
 

@@ -40,6 +40,7 @@ public:
         const bool remembers = scene.plan->temporal != Temporal::off;
         const bool complete = scene.plan->coverage == Coverage::complete;
         recall(scene);
+        tools_.begin();
 
         time("bounds", [&] { bounds(scene); });
         time("pairs", [&] { pairs(scene); });
@@ -172,14 +173,18 @@ private:
 
     void measure_deformation(const Scene& scene) {
         moments_.resize(scene.chunks.size);
+        patch_bounds_.resize(scene.patch_items.size);
         chunk_bounds_.resize(scene.chunks.size);
-        executor_.for_each(
-            "measure_patches", scene.chunks.size,
-            stages::MeasurePatches{scene.bodies, scene.chunks, scene.blocks, scene.patches, view_of(moments_)});
+        executor_.for_each("measure_patches", scene.patch_items.size,
+                           stages::MeasurePatch{scene.bodies, scene.patch_items, scene.blocks, scene.patches});
+        executor_.for_each("sum_moments", scene.chunks.size,
+                           stages::SumMoments{scene.bodies, scene.chunks, scene.blocks, view_of(moments_)});
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
-        executor_.for_each("measure_bounds", scene.chunks.size,
-                           stages::MeasureBounds{scene.bodies, scene.chunks, scene.seen, view_of(chunk_bounds_)});
+        executor_.for_each("measure_bounds", scene.patch_items.size,
+                           stages::MeasureBounds{scene.bodies, scene.patch_items, scene.seen, view_of(patch_bounds_)});
+        executor_.for_each("join_patches", scene.chunks.size,
+                           stages::JoinPatches{scene.chunks, scene.bodies, view_of(patch_bounds_), view_of(chunk_bounds_)});
         executor_.for_each("join_bounds", scene.ranges.size,
                            stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
     }
@@ -190,16 +195,17 @@ private:
         keys_.resize(bodies.size);
         order_.resize(bodies.size);
         sweep_.resize(bodies.size);
-        counts_.resize(bodies.size);
         executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(keys_), view_of(order_)});
-        executor_.sort("sweep_sort", bodies.size, view_of(keys_), view_of(order_));
+        executor_.sort("sweep_sort", bodies.size, stages::sweep_key_bits, view_of(keys_), view_of(order_));
         executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
+        const std::uint32_t walks = bodies.size * constants::sweep_walks;
+        counts_.resize(walks);
         stages::SweepPairs sweep{view_of(sweep_), view_of(counts_), {}, {}};
-        executor_.for_each("sweep_count", bodies.size, sweep);
+        executor_.for_each("sweep_count", walks, sweep);
         box_keys_.resize(tools_.place("sweep_scan", counts_, offsets_));
         sweep.offsets = view_of(offsets_);
         sweep.keys = view_of(box_keys_);
-        if (!box_keys_.empty()) executor_.for_each("sweep_fill", bodies.size, sweep);
+        if (!box_keys_.empty()) executor_.for_each("sweep_fill", walks, sweep);
 
         const Count overlapping = count_of(box_keys_);
         counts_.resize(overlapping);
@@ -213,7 +219,7 @@ private:
         executor_.for_each("keep_pair", overlapping,
                            stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(pair_keys_),
                                             view_of(values_)});
-        executor_.sort("pair_sort", total, view_of(pair_keys_), view_of(values_));
+        executor_.sort("pair_sort", total, 64, view_of(pair_keys_), view_of(values_));
         executor_.for_each(
             "link_pair", total,
             stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
@@ -275,11 +281,14 @@ private:
         batch_.hits.resize(total);
         routes_.resize(remembers ? total : Count{});
         records_.resize(remembers ? total : Count{});
+        executor_.for_each("list_vertices", count_of(patches_),
+                           stages::ListVertices{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
+                                                view_of(patch_records_), scene.plan->temporal, last_,
+                                                view_of(batch_.sources), view_of(routes_), view_of(records_)});
         executor_.for_each(
-            "generate_rays", count_of(patches_),
-            stages::GenerateRays{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
-                                 view_of(patch_records_), scene.settings, last_, view_of(batch_.rays),
-                                 view_of(batch_.sources), view_of(batch_.hits), view_of(routes_), view_of(records_)});
+            "generate_rays", total,
+            stages::GenerateRay{scene.bodies, view_of(directed_), view_of(batch_.sources), scene.settings, view_of(records_),
+                                view_of(batch_.rays), view_of(batch_.hits), view_of(routes_)});
     }
 
     // Stage 6. Walks; the lost ones join the full rays.
@@ -389,7 +398,7 @@ private:
             "key_contacts", count_of(batch_.candidates),
             stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates), view_of(batch_.keep),
                                 view_of(offsets_), view_of(contact_keys_), view_of(order_)});
-        executor_.sort("contact_sort", total, view_of(contact_keys_), view_of(order_));
+        executor_.sort("contact_sort", total, 64, view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
@@ -446,7 +455,7 @@ private:
     Separation<E, T> separation_;
 
     Buffer<stages::Moments> moments_;
-    Buffer<stages::ChunkBounds> chunk_bounds_;
+    Buffer<stages::PartBounds> patch_bounds_, chunk_bounds_;
     Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
     Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;

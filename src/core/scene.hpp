@@ -11,12 +11,13 @@ namespace pierce {
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
-    View<Quaternion> rotations;             ///< per body, last fitted rotation
-    View<const stages::Chunk> chunks;       ///< of deforming bodies
-    View<const stages::ChunkRange> ranges;  ///< per deforming body, its chunks
-    View<const View<PatchBlock>> blocks;    ///< per body, where a deforming body's spheres go
-    View<const View<Offsets>> patches;      ///< per body, where its vertices' offsets go
-    View<const View<SeenPatch>> seen;       ///< per body, where its shape of the last step is kept; empty: nowhere
+    View<Quaternion> rotations;                 ///< per body, last fitted rotation
+    View<const stages::PatchItem> patch_items;  ///< of deforming bodies
+    View<const stages::Chunk> chunks;           ///< of deforming bodies
+    View<const stages::ChunkRange> ranges;      ///< per deforming body, its chunks
+    View<const View<PatchBlock>> blocks;        ///< per body, where a deforming body's spheres go
+    View<const View<Offsets>> patches;          ///< per body, where its vertices' offsets go
+    View<const View<SeenPatch>> seen;           ///< per body, where its shape of the last step is kept; empty: nowhere
     Settings settings;
     const Plan* plan = nullptr;
 };

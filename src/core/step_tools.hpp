@@ -60,10 +60,15 @@ public:
     void update(View<const BodyView> bodies, const Buffer<Ray>& rays) { update(bodies, count_of(rays), view_of(rays)); }
 
     void update(View<const BodyView> bodies, Count count, View<const Ray> rays) {
+        // On a device a refit of all is over before it is known which are wanted.
+        if constexpr (!E::runs_on_host) return update_all(bodies);
         executor.assign(wanted_, bodies.size, 0u);
         executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
         tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
     }
+
+    /// A new step begins: nothing fits any more.
+    void begin() { fits_ = false; }
 
     /// The triangle each ray crosses first.
     void trace(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<Hit>& hits) {
@@ -75,6 +80,15 @@ public:
     T& tracer;
 
 private:
+    void update_all(View<const BodyView> bodies) {
+        if (!fits_) {
+            executor.assign(wanted_, bodies.size, 1u);
+            tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
+        }
+        fits_ = true;
+    }
+
+    bool fits_ = false;
     Buffer<std::uint32_t> wanted_;
 };
 

@@ -10,7 +10,9 @@ void World::State::add_chunks(std::uint32_t body) {
     const std::uint32_t count = block_count(views[body].mesh);
     stages::ChunkRange range{body, static_cast<std::uint32_t>(chunks.size()), 0};
     for (std::uint32_t b = 0; b < count; b += constants::chunk_blocks)
-        chunks.push_back({body, b, std::min(b + constants::chunk_blocks, count)});
+        chunks.push_back({body, b, std::min(b + constants::chunk_blocks, count),
+                          static_cast<std::uint32_t>(patch_items.size()) + b * constants::block_size});
+    for (std::uint32_t p = 0; p < patch_count(views[body].mesh); ++p) patch_items.push_back({body, p});
     range.last = static_cast<std::uint32_t>(chunks.size());
     ranges.push_back(range);
 }
@@ -62,6 +64,7 @@ void World::State::make_plan() {
     plan.revision = next_key++;
     plan.temporal = settings.temporal;
     if (plan.temporal == Temporal::certified && !backend->certificates_pay()) plan.temporal = Temporal::off;
+    patch_items.clear();
     chunks.clear();
     ranges.clear();
     views.assign(slots.size(), {});

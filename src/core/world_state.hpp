@@ -48,6 +48,7 @@ struct World::State {
     std::vector<BodyView> views;
     std::vector<BodyId> ids;
     std::vector<Quaternion> rotations;
+    std::vector<stages::PatchItem> patch_items;
     std::vector<stages::Chunk> chunks;
     std::vector<stages::ChunkRange> ranges;
     std::vector<View<PatchBlock>> blocks;

@@ -82,8 +82,8 @@ public:
     }
 
     /// Serial too: keys are few.
-    void sort(const char* name, std::uint32_t n, View<std::uint64_t> keys, View<std::uint32_t> values) {
-        serial_.sort(name, n, keys, values);
+    void sort(const char* name, std::uint32_t n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
+        serial_.sort(name, n, bits, keys, values);
     }
 
     /// Serial, so that sums of floating-point numbers do not depend on the number of threads.

@@ -189,14 +189,14 @@ public:
         return note_total(nullptr, {n, nullptr}, n.bound);
     }
 
-    void sort(const char*, Count n, View<std::uint64_t> keys, View<std::uint32_t> values) {
+    void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         if (n.bound == 0) return;
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{n, keys.data});
         sorted_keys_.resize(n.bound);
         sorted_values_.resize(n.bound);
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys.data, sorted_keys_.data(), values.data,
-                                                   sorted_values_.data(), static_cast<int>(n.bound), 0, 64, stream_);
+                                                   sorted_values_.data(), static_cast<int>(n.bound), 0, bits, stream_);
         });
         copy(keys.data, sorted_keys_.data(), n.bound, cudaMemcpyDeviceToDevice);
         copy(values.data, sorted_values_.data(), n.bound, cudaMemcpyDeviceToDevice);

@@ -85,6 +85,8 @@ public:
             arrange(executor, bodies);
         }
         if (stale_) return build(executor, bodies);
+        executor.for_each("judge_trees", tree_count(),
+                          bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
         executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
         executor.for_each("mark_fitted", tree_count(), bvh::MarkFitted{bodies, wanted, forest(), view_of(total_)});
     }
@@ -92,8 +94,6 @@ public:
     void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
                       View<Hit> hits) {
         executor.for_each(name, count, bvh::Trace{bodies, forest(), rays, hits, view_of(work_)});
-        executor.for_each("judge_trees", tree_count(),
-                          bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
     }
 
     void distances(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,

@@ -37,7 +37,7 @@ public:
         leaves_.resize(leaves);
         executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
         executor.for_each("leaf_keys", leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
-        executor.sort("leaf_sort", leaves, view_of(keys_), view_of(leaves_));
+        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_));
         const auto sorted = view_of(std::as_const(leaves_));
         const Lbvh lbvh{bodies, forest, view_of(std::as_const(keys_)), sorted, bits};
         switch (how_) {

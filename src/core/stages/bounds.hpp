@@ -7,15 +7,22 @@
 #include "pierce/core/settings.hpp"
 
 /// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
-/// Deforming bodies are measured in chunks of constants::chunk_blocks blocks of patches, so sums are the same on any
-/// machine.
+/// Deforming bodies are measured patch by patch and added up in chunks of constants::chunk_blocks blocks, so sums are the
+/// same on any machine.
 namespace pierce::stages {
+
+/// A patch of a deforming body.
+struct PatchItem {
+    std::uint32_t body = 0;
+    std::uint32_t patch = 0;
+};
 
 /// A chunk of a deforming body's blocks.
 struct Chunk {
     std::uint32_t body = 0;
     std::uint32_t first_block = 0;
     std::uint32_t last_block = 0;  ///< one past the end
+    std::uint32_t first_item = 0;  ///< where its patches begin among all patches of deforming bodies
 
     PIERCE_HD std::uint32_t first_patch() const { return first_block * constants::block_size; }
     PIERCE_HD std::uint32_t last_patch(const MeshView& mesh) const {
@@ -30,13 +37,27 @@ struct Moments {
     Matrix3 correlation;  ///< sum of the products of the two
 };
 
-/// Per chunk: measures patches and adds up the moments of their centres, the patches standing for their vertices.
-/// Reads positions; writes blocks, patches and moments.
-struct MeasurePatches {
+/// Per patch: measures it. Reads positions; writes blocks and patches.
+struct MeasurePatch {
+    View<const BodyView> bodies;
+    View<const PatchItem> items;
+    View<const View<PatchBlock>> blocks;  ///< per body
+    View<const View<Offsets>> patches;    ///< per body
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const PatchItem item = items[i];
+        const BodyView& body = bodies[item.body];
+        if (body.active)
+            measure_patch(body.mesh, body.positions, item.patch, blocks[item.body][item.patch / constants::block_size],
+                          patches[item.body][item.patch]);
+    }
+};
+
+/// Per chunk: completes its blocks and adds up the moments of its patches' centres, the patches standing for their vertices.
+struct SumMoments {
     View<const BodyView> bodies;
     View<const Chunk> chunks;
     View<const View<PatchBlock>> blocks;  ///< per body
-    View<const View<Offsets>> patches;    ///< per body
     View<Moments> moments;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -46,7 +67,7 @@ struct MeasurePatches {
         if (body.active) {
             const Vec3d base = to_double(body.positions[0]);
             for (std::uint32_t b = chunk.first_block; b < chunk.last_block; ++b)
-                measure_block(body.mesh, body.positions, b, blocks[chunk.body][b], patches[chunk.body]);
+                finish_block(body.mesh, body.positions, b, blocks[chunk.body][b]);
             for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
                 const Vec3d x = patch_center(blocks[chunk.body], p) - base;
                 const Vec3d rest = patch_center(body.mesh.blocks, p) - body.mesh.centroid;
@@ -117,52 +138,56 @@ struct FitFrame {
     }
 };
 
-/// What a chunk adds to its body's bounds.
-struct ChunkBounds {
+/// What a patch, or a chunk of them, adds to its body's bounds.
+struct PartBounds {
     Box fit_box, world_box;
     double deviation = 0;
     double shape_motion = 0;
+
+    PIERCE_HD void extend(const PartBounds& part) {
+        world_box.extend(part.world_box);
+        fit_box.extend(part.fit_box);
+        deviation = max_of(part.deviation, deviation);
+        shape_motion = max_of(part.shape_motion, shape_motion);
+    }
 };
 
-/// Per chunk: boxes and deviation, from the patches. Reads blocks, patches and fit; writes chunk bounds. float32 relative
-/// to patch centres: JoinBounds adds what that may lose.
+/// Per patch: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32 relative to the patch's centre:
+/// JoinBounds adds what that may lose.
 struct MeasureBounds {
     View<const BodyView> bodies;
-    View<const Chunk> chunks;
+    View<const PatchItem> items;
     View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step; empty: not asked for
-    View<ChunkBounds> bounds;
+    View<PartBounds> bounds;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const Chunk chunk = chunks[i];
-        const BodyView& body = bodies[chunk.body];
-        ChunkBounds b;
+        const std::uint32_t p = items[i].patch;
+        const BodyView& body = bodies[items[i].body];
+        const View<SeenPatch> last = seen[items[i].body];
+        PartBounds b;
         if (body.active) {
-            const Matrix3 to_fit = body.fit.rotation.transposed();
-            float furthest = 0, fastest = 0;
-            for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
-                const Offsets& now = body.patches[p];
-                const Offsets& rest = body.mesh.patches[p];
-                const Vec3d in_world = patch_center(body.blocks, p);
-                const Vec3d center = body.fit.to_local(in_world);
-                const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
-                const TurnedOffsets turned(now, to_fit);
-                float away[constants::patch_size];
-                PIERCE_VECTOR_LOOP
-                for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
-                    const float x = moved.x + (turned.at[0][k] - rest.x[k]);
-                    const float y = moved.y + (turned.at[1][k] - rest.y[k]);
-                    const float z = moved.z + (turned.at[2][k] - rest.z[k]);
-                    away[k] = x * x + y * y + z * z;
-                }
-                for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
-                if (seen[chunk.body].size > 0) fastest = max_of(see(seen[chunk.body][p], center, turned), fastest);
-                const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
-                extend(b.fit_box, center, fit_axis);
-                const float* world_axis[3] = {now.x, now.y, now.z};
-                extend(b.world_box, in_world, world_axis);
+            const Offsets& now = body.patches[p];
+            const Offsets& rest = body.mesh.patches[p];
+            const Vec3d in_world = patch_center(body.blocks, p);
+            const Vec3d center = body.fit.to_local(in_world);
+            const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
+            const TurnedOffsets turned(now, body.fit.rotation.transposed());
+            float away[constants::patch_size];
+            PIERCE_VECTOR_LOOP
+            for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+                const float x = moved.x + (turned.at[0][k] - rest.x[k]);
+                const float y = moved.y + (turned.at[1][k] - rest.y[k]);
+                const float z = moved.z + (turned.at[2][k] - rest.z[k]);
+                away[k] = x * x + y * y + z * z;
             }
+            float furthest = 0;
+            for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
+            const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
+            extend(b.fit_box, center, fit_axis);
+            const float* world_axis[3] = {now.x, now.y, now.z};
+            extend(b.world_box, in_world, world_axis);
             b.deviation = std::sqrt(static_cast<double>(furthest));
-            b.shape_motion = std::sqrt(static_cast<double>(fastest));
+            if (last.size > 0) b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
         }
         bounds[i] = b;
     }
@@ -201,23 +226,34 @@ private:
     }
 };
 
+/// Per chunk: joins its patches' bounds.
+struct JoinPatches {
+    View<const Chunk> chunks;
+    View<const BodyView> bodies;
+    View<const PartBounds> patches;
+    View<PartBounds> bounds;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Chunk chunk = chunks[i];
+        const std::uint32_t count = chunk.last_patch(bodies[chunk.body].mesh) - chunk.first_patch();
+        PartBounds all;
+        for (std::uint32_t p = 0; p < count; ++p) all.extend(patches[chunk.first_item + p]);
+        bounds[i] = all;
+    }
+};
+
 /// Per deforming body: joins its chunks' bounds. Writes the body's boxes, deviation and touch tolerance.
 struct JoinBounds {
     View<BodyView> bodies;
     View<const ChunkRange> ranges;
-    View<const ChunkBounds> bounds;
+    View<const PartBounds> bounds;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const ChunkRange range = ranges[i];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
-        ChunkBounds all;
-        for (std::uint32_t c = range.first; c < range.last; ++c) {
-            all.world_box.extend(bounds[c].world_box);
-            all.fit_box.extend(bounds[c].fit_box);
-            all.deviation = max_of(bounds[c].deviation, all.deviation);
-            all.shape_motion = max_of(bounds[c].shape_motion, all.shape_motion);
-        }
+        PartBounds all;
+        for (std::uint32_t c = range.first; c < range.last; ++c) all.extend(bounds[c]);
         body.touch = constants::touch_tolerance * all.fit_box.extent();
         body.world_box = all.world_box.inflated(body.touch);
         body.fit_box = all.fit_box.inflated(body.touch);

@@ -15,6 +15,9 @@ PIERCE_HD inline std::uint32_t ordered_bits(float value) {
     return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
+/// Bits of a sweep key.
+inline constexpr int sweep_key_bits = 32;
+
 /// Per body: the key to sweep by. Bodies left out of the step go last.
 struct SweepKey {
     View<const BodyView> bodies;
@@ -53,7 +56,8 @@ struct GatherSweep {
     }
 };
 
-/// Per place in the sweep order: visits the partners that come later, counting them or writing their keys.
+/// Per place in the sweep order, constants::sweep_walks items: visit the partners that come later, taking turns, counting
+/// them or writing their keys.
 struct SweepPairs {
     View<const SweepItem> items;
     View<std::uint32_t> counts;  ///< written if `keys` is empty
@@ -61,10 +65,11 @@ struct SweepPairs {
     View<std::uint64_t> keys;  ///< a << 32 | b
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const SweepItem& first = items[i];
+        const std::uint32_t place = i / constants::sweep_walks;
+        const SweepItem& first = items[place];
         std::uint32_t found = 0;
         // Places are sorted by float32 lower ends, which are not above the true ones.
-        for (std::uint32_t k = i + 1; k < items.size; ++k) {
+        for (std::uint32_t k = place + 1 + i % constants::sweep_walks; k < items.size; k += constants::sweep_walks) {
             const SweepItem& second = items[k];
             if (!(round_down(second.box.lower.x) <= first.box.upper.x)) break;
             if (!overlap(first.box, second.box) || !(first.moves || second.moves)) continue;

@@ -78,46 +78,59 @@ PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView&
     return length(to_fit * (now - origin) - to_double(record.seen_offset));
 }
 
-/// Per kept patch: writes its rays and, if steps remember, what becomes of them: nothing while a vertex is proved to be
-/// outside, a walk from its record, or a full ray. Reads offsets and last step's records; completes the patches' records.
-struct GenerateRays {
+/// Per kept patch: lists the vertices left and, if steps remember, their records of the last step; no ray is asked for while
+/// a vertex is proved to be outside. Reads offsets; completes the patches' records.
+struct ListVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
     View<const std::uint32_t> offsets;
     View<PatchRecord> patch_records;
-    Settings settings;
+    Temporal temporal = Temporal::off;
     RecordsView last;
-    View<Ray> rays;
     View<RaySource> sources;
-    View<Hit> hits;
     View<Route> routes;  ///< this and the next are empty if steps do not remember
     View<VertexRecord> records;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const CullItem item = patches[i];
         const DirectedPair& d = directed[item.directed];
-        const BodyView& source = bodies[d.source];
+        const View<const std::uint32_t> vertices = bodies[d.source].mesh.patch_vertices;
         const PatchRecord* before = routes.size > 0 ? last.patch(d.last_blocks, item.index) : nullptr;
         std::uint32_t slot = patch_records[i].first_vertex = offsets[i];
         for (std::uint32_t mask = patch_records[i].mask; mask != 0; mask &= mask - 1, ++slot) {
-            const auto k = lowest_bit(mask);
-            const std::uint32_t v = source.mesh.patch_vertices[patch_begin(item.index) + k];
-            sources[slot] = {item.directed / 2, v, static_cast<std::uint8_t>(item.directed % 2)};
-            hits[slot] = {};
-            if (routes.size > 0) {
-                const VertexRecord* record = last.vertex(before, k);
-                records[slot] = record != nullptr ? *record : VertexRecord{};
-                if (record != nullptr && record->expiry > d.odometer && d.waits(settings.temporal)) {
-                    routes[slot] = Route::skip;  // and the ray is nobody's to read
-                    continue;
-                }
-            }
-            rays[slot] = vertex_ray(bodies, d, v);
-            if (routes.size > 0) routes[slot] = route(d, rays[slot], records[slot]);
-            if (settings.temporal == Temporal::paper && settings.predict) rays[slot].outward = d.reach;
-            if (settings.temporal == Temporal::certified) rays[slot].outward = search_range(d, records[slot]);
+            const std::uint32_t k = lowest_bit(mask);
+            sources[slot] = {item.directed / 2, vertices[patch_begin(item.index) + k],
+                             static_cast<std::uint8_t>(item.directed % 2)};
+            if (routes.size == 0) continue;
+            const VertexRecord* record = last.vertex(before, k);
+            records[slot] = record != nullptr ? *record : VertexRecord{};
+            const bool skips = record != nullptr && record->expiry > d.odometer && d.waits(temporal);
+            routes[slot] = skips ? Route::skip : Route::full;
         }
+    }
+};
+
+/// Per vertex left: its ray and, if steps remember, what becomes of it: a walk from its record, or a full ray.
+struct GenerateRay {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const RaySource> sources;
+    Settings settings;
+    View<const VertexRecord> records;
+    View<Ray> rays;
+    View<Hit> hits;
+    View<Route> routes;  ///< empty if steps do not remember
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        hits[i] = {};
+        if (routes.size > 0 && routes[i] == Route::skip) return;  // and the ray is nobody's to read
+        const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
+        Ray ray = vertex_ray(bodies, d, sources[i].item);
+        if (routes.size > 0) routes[i] = route(d, ray, records[i]);
+        if (settings.temporal == Temporal::paper && settings.predict) ray.outward = d.reach;
+        if (settings.temporal == Temporal::certified) ray.outward = search_range(d, records[i]);
+        rays[i] = ray;
     }
 
 private:
