@@ -24,6 +24,31 @@ inline constexpr double slab_margin = 8 * float_ulp;
 /// Places of a traversal's stack.
 inline constexpr std::uint32_t traversal_stack = 64;
 
+/// Cost of visiting a node of a tree and of testing a triangle, for reports [1] (Karras and Aila 2013).
+inline constexpr double node_cost = 1.2;
+inline constexpr double triangle_cost = 1.0;
+
+/// Parts of a treelet. The best tree over n parts is found in 3^n / 2 steps; seven are enough (Karras and Aila 2013).
+inline constexpr std::uint32_t treelet_parts = 7;
+
+/// Rounds of treelet restructuring. A round looks at subtrees with at least twice as many leaves as the one before.
+inline constexpr std::uint32_t treelet_rounds = 3;
+
+/// When no more treelets than this are ready, threads climb: a GPU that has room for all of them gains nothing from having
+/// them side by side, and waits for every launch.
+inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
+
+/// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister and Bittner 2018): twice as
+/// far doubles the work and gains a few per cent of a tree's cost.
+inline constexpr std::uint32_t cluster_radius = 8;
+
+/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a tree has 4096 at most and one
+/// thread can put them together.
+inline constexpr std::uint32_t cell_bits = 12;
+
+/// Bins along each axis between which a split of cells is tried (Wald 2007).
+inline constexpr std::uint32_t split_bins = 16;
+
 /// A triangle whose three edge functions are all below this lies in a plane with the ray
 /// [sum of the products of the vertex distances]. Double rounding of nine products, with a factor of 16 to spare.
 inline constexpr double coplanar_tolerance = 0x1p-46;

@@ -30,15 +30,16 @@ struct Trace {
         const Surface surface = body.surface();
         const std::uint32_t t = forest.tree_of_body[ray.target];
         const Tree& tree = forest.trees[t];
-        std::uint32_t tests = 0;
+        RayWork done;
         hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
             const BoxRay box_ray(r, positions_box(body));
             return first_crossing(r, surface,
-                                  [&](CrossingSearch& search) { tests += show_near(forest, tree, box_ray, search); });
+                                  [&](CrossingSearch& search) { show_near(forest, tree, box_ray, search, done); });
         });
         if (!tree.moves) return;
         atomic_add(work[t].rays, 1);
-        atomic_add(work[t].tests, tests);
+        atomic_add(work[t].nodes, done.nodes);
+        atomic_add(work[t].tests, done.tests);
     }
 };
 
@@ -65,6 +66,8 @@ template <Executor E>
 class BvhTracer {
 public:
     using Count = typename E::Count;
+
+    explicit BvhTracer(TreeBuilder builder = TreeBuilder::lbvh) : builder_(builder) {}
 
     /// Which trees there must be. `bodies` as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {

@@ -25,6 +25,9 @@ struct Item {
 struct BoxF {
     Vec3f lower, upper;
 
+    /// The box of no points.
+    PIERCE_HD static BoxF none() { return {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
+
     PIERCE_HD void extend(const BoxF& b) {
         lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y), min_of(b.lower.z, lower.z)};
         upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y), max_of(b.upper.z, upper.z)};
@@ -77,8 +80,27 @@ struct Forest {
     View<const std::uint32_t> tree_of_leaf;
     View<Node> nodes;
     View<Place> leaf_places;     ///< per leaf: in triangle order, tree after tree
-    View<std::uint32_t> visits;  ///< per node: children that have climbed to it, ever
+    View<std::uint32_t> visits;  ///< per node: children, or leaves, that have climbed to it
 };
+
+/// Notes where an item of a tree hangs.
+PIERCE_HD inline void set_place(const Forest& forest, const Tree& tree, Item item, Place place) {
+    (item.is_leaf() ? forest.leaf_places[tree.first + item.index()] : forest.nodes[item.index()].parent) = place;
+}
+
+/// Hangs an item on a side of a node.
+PIERCE_HD inline void set_child(const Forest& forest, const Tree& tree, Place place, Item item, const BoxF& box) {
+    Node& node = forest.nodes[place.node()];
+    node.child[place.side()] = item;
+    node.box[place.side()] = box;
+    set_place(forest, tree, item, place);
+}
+
+/// Makes an item the root of its tree.
+PIERCE_HD inline void set_root(const Forest& forest, Tree& tree, Item item) {
+    tree.root = item;
+    set_place(forest, tree, item, {});
+}
 
 /// The box of a triangle.
 PIERCE_HD inline BoxF triangle_box(const Surface& surface, std::uint32_t triangle) {

@@ -26,6 +26,13 @@ PIERCE_HD inline std::uint32_t tree_bits(std::uint32_t tree_count) {
     return bits;
 }
 
+/// The cube that a box fits in: cells of a slim box's own shape would make slim nodes.
+PIERCE_HD inline Box cube_around(const Box& box) {
+    const Vec3d sides = box.upper - box.lower;
+    const double side = max_of(sides.x, max_of(sides.y, sides.z));
+    return {box.lower, box.lower + Vec3d{side, side, side}};
+}
+
 /// Per leaf: its sort key and its place in triangle order.
 struct LeafKeys {
     View<const BodyView> bodies;
@@ -39,44 +46,57 @@ struct LeafKeys {
         const BodyView& body = bodies[forest.trees[t].body];
         const BoxF box = triangle_box(body.surface(), i - forest.trees[t].first);
         const Vec3d center = 0.5 * (to_double(box.lower) + to_double(box.upper));
-        keys[i] = std::uint64_t{t} << (64 - bits) | morton_code(center, positions_box(body)) >> (bits - 1);
+        keys[i] = std::uint64_t{t} << (64 - bits) | morton_code(center, cube_around(positions_box(body))) >> (bits - 1);
         leaves[i] = i;
     }
 };
 
-/// Per place in sorted order: climbs from that leaf as long as it comes second to every node, and writes child and box
-/// there.
-struct BuildLbvh {
+/// A tree, or a part of one that nothing hangs on yet.
+struct Subtree {
+    Item item;
+    BoxF box;
+    std::uint32_t first = 0, last = 0;  ///< its leaves' places in sorted order
+
+    PIERCE_HD std::uint32_t leaves() const { return last - first + 1; }
+};
+
+/// The LBVH of every group of leaves, those that agree in the upper bits of their keys.
+struct Lbvh {
     View<const BodyView> bodies;
     Forest forest;
     View<const std::uint64_t> keys;    ///< sorted
     View<const std::uint32_t> leaves;  ///< in that order
+    std::uint32_t group_bits = 1;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t leaf = leaves[i], t = forest.tree_of_leaf[leaf];
-        Tree& tree = forest.trees[t];
-        const std::uint32_t begin = tree.first, last = tree.first + tree.count - 1;
-        Item item = Item::leaf(leaf - begin);
-        BoxF box = triangle_box(bodies[tree.body].surface(), leaf - begin);
-        std::uint32_t left = i, right = i;
-        while (left != begin || right != last) {
+    /// Climbs from the leaf at place i as long as it comes second to every node, and writes child and box there. The subtree
+    /// below it, and whether that is its whole group.
+    PIERCE_HD bool climb(std::uint32_t i, Subtree& below) const {
+        const Tree& tree = tree_at(i);
+        const std::uint32_t triangle = leaves[i] - tree.first;
+        below = {Item::leaf(triangle), triangle_box(bodies[tree.body].surface(), triangle), i, i};
+        while (true) {
+            const bool at_begin = begins(below.first), at_end = begins(below.last + 1);
+            if (at_begin && at_end) return true;
             // The node that splits between places k and k + 1 is node k; it is the child's that differs less from beyond.
-            const bool is_left = left == begin || (right != last && splits_later(left - 1, right));
-            const std::uint32_t at = is_left ? right : left - 1;
-            Node& node = forest.nodes[at];
+            const bool is_left = at_begin || (!at_end && splits_later(below.first - 1, below.last));
+            const std::uint32_t at = is_left ? below.last : below.first - 1;
             const std::uint32_t side = is_left ? 0 : 1;
-            node.child[side] = item;
-            node.box[side] = box;
-            (item.is_leaf() ? forest.leaf_places[begin + item.index()] : forest.nodes[item.index()].parent) =
-                Place::at(at, side);
-            const std::uint32_t other = atomic_exchange(forest.visits[at], is_left ? left : right);
-            if (other == no_node) return;
-            (is_left ? right : left) = other;
-            item = Item::node(at);
-            box = join(box, node.box[1 - side]);
+            set_child(forest, tree, Place::at(at, side), below.item, below.box);
+            const std::uint32_t other = atomic_exchange(forest.visits[at], is_left ? below.first : below.last);
+            if (other == no_node) return false;
+            (is_left ? below.last : below.first) = other;
+            below.item = Item::node(at);
+            // In this order whoever comes second: it matters where boxes hold NaN.
+            const BoxF& beside = forest.nodes[at].box[1 - side];
+            below.box = is_left ? join(below.box, beside) : join(beside, below.box);
         }
-        tree.root = item;
-        (item.is_leaf() ? forest.leaf_places[begin + item.index()] : forest.nodes[item.index()].parent) = {};
+    }
+
+    PIERCE_HD Tree& tree_at(std::uint32_t place) const { return forest.trees[forest.tree_of_leaf[leaves[place]]]; }
+
+    /// True if a group begins at this place, or none is left.
+    PIERCE_HD bool begins(std::uint32_t place) const {
+        return place == 0 || place == keys.size || (keys[place - 1] ^ keys[place]) >> (64 - group_bits) != 0;
     }
 
 private:
@@ -85,6 +105,16 @@ private:
         const std::uint64_t at_a = keys[a] ^ keys[a + 1], at_b = keys[b] ^ keys[b + 1];
         if (at_a != at_b) return at_b < at_a;
         return (b ^ (b + 1)) < (a ^ (a + 1));
+    }
+};
+
+/// Per place in sorted order: its share of building the trees, which are the groups.
+struct BuildLbvh {
+    Lbvh lbvh;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        Subtree whole;
+        if (lbvh.climb(i, whole)) set_root(lbvh.forest, lbvh.tree_at(i), whole.item);
     }
 };
 

@@ -61,10 +61,16 @@ private:
     std::uint32_t size_ = 0;
 };
 
-/// Shows a search all triangles its ray may meet, near ones first; returns how many. A tree that is deeper than the stack
-/// shows all it has from there.
-PIERCE_HD inline std::uint32_t show_near(const Forest& forest, const Tree& tree, const BoxRay& ray, CrossingSearch& search) {
-    std::uint32_t tests = 0;
+/// What a ray has cost.
+struct RayWork {
+    std::uint32_t nodes = 0;  ///< looked at
+    std::uint32_t tests = 0;  ///< of triangles
+};
+
+/// Shows a search all triangles its ray may meet, near ones first, and adds up the work. A tree that is deeper than the
+/// stack shows all it has from there.
+PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BoxRay& ray, CrossingSearch& search,
+                                RayWork& work) {
     const float begin = round_down(search.begin() - ray.margin());
     float end = round_up(search.limit() + ray.margin());
     ItemStack stack;
@@ -72,18 +78,19 @@ PIERCE_HD inline std::uint32_t show_near(const Forest& forest, const Tree& tree,
     while (true) {
         if (item.is_leaf()) {
             search.test(item.index());
-            ++tests;
+            ++work.tests;
             end = round_up(search.limit() + ray.margin());
-            if (stack.empty()) return tests;
+            if (stack.empty()) return;
             item = stack.pop();
             continue;
         }
         const Node node = forest.nodes[item.index()];
+        ++work.nodes;
         const float t0 = ray.enter(node.box[0], begin, end), t1 = ray.enter(node.box[1], begin, end);
         const std::uint32_t first = t1 < t0 ? 1 : 0;
         const float nearer = first ? t1 : t0, other = first ? t0 : t1;
         if (!(nearer < INFINITY)) {
-            if (stack.empty()) return tests;
+            if (stack.empty()) return;
             item = stack.pop();
             continue;
         }
@@ -91,7 +98,8 @@ PIERCE_HD inline std::uint32_t show_near(const Forest& forest, const Tree& tree,
         if (other < INFINITY) {
             if (stack.full()) {
                 for (std::uint32_t t = 0; t < tree.count; ++t) search.test(t);
-                return tests + tree.count;
+                work.tests += tree.count;
+                return;
             }
             stack.push(node.child[1 - first]);
         }

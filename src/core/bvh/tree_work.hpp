@@ -8,7 +8,7 @@ namespace pierce::bvh {
 
 /// What rays have cost a tree since it was built.
 struct TreeWork {
-    std::uint32_t rays = 0, tests = 0;  ///< since they were last judged
+    std::uint32_t rays = 0, nodes = 0, tests = 0;  ///< since they were last judged
     RefitPolicy policy;
 };
 
@@ -19,7 +19,8 @@ struct ForestWork {
     std::uint32_t decayed = 0;  ///< trees for which a rebuild pays
 };
 
-/// Per tree, before it is refitted again: has its refit decayed?
+/// Per tree, before it is refitted again: has its refit decayed? Looking at a node counts like testing a triangle. Without
+/// the nodes it would never show: every leaf is one triangle, in its own box whatever became of those above.
 struct JudgeTree {
     View<TreeWork> work;
     View<const Tree> trees;
@@ -31,9 +32,9 @@ struct JudgeTree {
         if (!trees[t].moves || work[t].rays == 0) return;
         TreeWork& tree = work[t];
         const bool before = tree.policy.should_rebuild(trees[t].count);
-        tree.policy.record(tree.rays, tree.tests);
+        tree.policy.record(tree.rays, std::uint64_t{tree.nodes} + tree.tests);
         atomic_add(total[0].tests, std::uint64_t{tree.tests});
-        tree.rays = tree.tests = 0;
+        tree.rays = tree.nodes = tree.tests = 0;
         if (!before && tree.policy.should_rebuild(trees[t].count)) atomic_add(total[0].decayed, 1);
     }
 };
