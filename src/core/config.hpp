@@ -10,6 +10,13 @@
 // What stages write item by item has no room left at its end, but members named `padding`: where there is room, nvcc copies
 // byte by byte (measured: seven times slower for a list of rays).
 
+/// Put before a loop whose turns wait for memory: several then wait at once.
+#if defined(__CUDA_ARCH__)
+#define PIERCE_OVERLAPPED_LOOP _Pragma("unroll 8")
+#else
+#define PIERCE_OVERLAPPED_LOOP
+#endif
+
 /// Put before a loop of fixed length that should become vector instructions: GCC would unroll it first and then cannot.
 #if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
 #define PIERCE_VECTOR_LOOP _Pragma("GCC unroll 1")

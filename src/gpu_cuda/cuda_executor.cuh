@@ -4,6 +4,8 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
+#include <cub/block/block_scan.cuh>
+#include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
@@ -17,6 +19,9 @@ namespace pierce {
 namespace cuda {
 
 inline constexpr std::uint32_t block_threads = 128;
+
+/// Lists up to this long are scanned by one block, and merge sorted: launches cost more than the work.
+inline constexpr std::uint32_t short_list = 1u << 16;
 
 /// The number of items, on the device.
 struct Items {
@@ -81,6 +86,10 @@ struct WantedAt {
     __device__ bool operator()(std::uint32_t i) const { return i < items.count() && wanted(i); }
 };
 
+struct Less {
+    __device__ bool operator()(std::uint64_t a, std::uint64_t b) const { return a < b; }
+};
+
 struct Plus {
     template <class T>
     __host__ __device__ T operator()(const T& a, const T& b) const {
@@ -107,12 +116,36 @@ struct NoteTotal {
 
     __device__ void operator()(std::uint32_t) const {
         const std::uint32_t bound = last.items.bound;
-        std::uint32_t sum = *total;
-        if (offsets != nullptr) sum = offsets[bound - 1] + last(bound - 1);
+        note(offsets != nullptr ? offsets[bound - 1] + last(bound - 1) : *total);
+    }
+    __device__ void note(std::uint32_t sum) const {
         *total = min_of(sum, room);
         if (sum > room) *overflow = 1;
     }
 };
+
+inline constexpr std::uint32_t scan_threads = 1024, scan_items = 8;
+
+/// An exclusive scan by one block, which notes the total, too.
+inline __global__ void __launch_bounds__(scan_threads)
+    scan_short_list(const CountAt in, std::uint32_t* out, const NoteTotal to) {
+    using Scan = cub::BlockScan<std::uint32_t, scan_threads>;
+    __shared__ typename Scan::TempStorage scratch;
+    const std::uint32_t count = in.items.count();
+    std::uint32_t sum = 0;
+    for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
+        const std::uint32_t first = begin + threadIdx.x * scan_items;
+        std::uint32_t items[scan_items];
+        for (std::uint32_t k = 0; k < scan_items; ++k) items[k] = in(first + k);
+        std::uint32_t part = 0;
+        Scan(scratch).ExclusiveSum(items, items, part);
+        for (std::uint32_t k = 0; k < scan_items; ++k)
+            if (first + k < count) out[first + k] = sum + items[k];
+        sum += part;
+        __syncthreads();
+    }
+    if (threadIdx.x == 0) to.note(sum);
+}
 
 }  // namespace cuda
 
@@ -183,6 +216,12 @@ public:
     Count exclusive_scan(const char*, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing();
         const cuda::CountAt count{n, in.data};
+        if (n.bound <= cuda::short_list) {
+            const cuda::NoteTotal to = next_total(nullptr, count, 0xffffffffu);
+            cuda::scan_short_list<<<1, cuda::scan_threads, 0, stream_>>>(count, out.data, to);
+            cuda::check(cudaGetLastError(), "a launch");
+            return noted(to);
+        }
         const auto counts = thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), count);
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out.data, static_cast<int>(n.bound), stream_);
@@ -204,6 +243,11 @@ public:
     void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         if (n.bound == 0) return;
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{n, keys.data});
+        if (n.bound <= cuda::short_list)
+            return with_scratch([&](void* scratch, std::size_t& bytes) {
+                return cub::DeviceMergeSort::StableSortPairs(scratch, bytes, keys.data, values.data,
+                                                             static_cast<int>(n.bound), cuda::Less{}, stream_);
+            });
         sorted_keys_.resize(n.bound);
         sorted_values_.resize(n.bound);
         with_scratch([&](void* scratch, std::size_t& bytes) {
@@ -298,18 +342,27 @@ private:
         return 0;
     }
 
-    /// `most`: what the total can be at most.
-    Count note_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
-        std::uint32_t* const total = next_total_place();
-        const std::uint32_t room = bounded_ ? min_of(bounds_.at(next_), most) : most;
-        for_each("note_total", 1, cuda::NoteTotal{offsets, last, room, total, overflow_.data()});
+    /// Where the next total goes. `most`: what it can be at most.
+    cuda::NoteTotal next_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
+        if (bounded_ && next_ + 1 == most_totals) throw std::logic_error("a step has more totals than there is room for");
+        return {offsets, last, bounded_ ? min_of(bounds_.at(next_), most) : most, next_total_place(), overflow_.data()};
+    }
+
+    /// A total that is, or will be, where it belongs.
+    Count noted(const cuda::NoteTotal& to) {
         ++next_;
-        if (bounded_) return {room, total, 1};
-        std::uint32_t* const host = host_totals_ + (total - totals_.data());
-        copy_to_host(host, total, 1);
+        if (bounded_) return {to.room, to.total, 1};
+        std::uint32_t* const host = host_totals_ + (to.total - totals_.data());
+        copy_to_host(host, to.total, 1);
         wait();
         bounds_.push_back(*host + *host / spare_share + spare_items);
         return *host;
+    }
+
+    Count note_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
+        const cuda::NoteTotal to = next_total(offsets, last, most);
+        for_each("note_total", 1, to);
+        return noted(to);
     }
 
     /// Calls a function of CUB's twice: for the size of its scratch memory, and with it.

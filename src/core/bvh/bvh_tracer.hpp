@@ -93,6 +93,16 @@ public:
         executor.for_each("mark_fitted", tree_count(), bvh::MarkFitted{bodies, wanted, forest(), view_of(total_)});
     }
 
+    /// All trees anew.
+    void build(E& executor, View<const BodyView> bodies) {
+        builder_.build(executor, bodies, forest());
+        executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
+        executor.assign(work_, tree_count(), bvh::TreeWork{});
+        if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
+        counts_.builds += tree_count();
+        stale_ = false;
+    }
+
     void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
                       View<Hit> hits) {
         executor.for_each(name, count, bvh::Trace{bodies, forest(), rays, hits, view_of(work_)});
@@ -130,15 +140,6 @@ private:
                 view_of(nodes_),
                 view_of(leaf_places_),
                 view_of(visits_)};
-    }
-
-    void build(E& executor, View<const BodyView> bodies) {
-        builder_.build(executor, bodies, forest());
-        executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
-        executor.assign(work_, tree_count(), bvh::TreeWork{});
-        if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
-        counts_.builds += tree_count();
-        stale_ = false;
     }
 
     bvh::ForestPlan plan_;

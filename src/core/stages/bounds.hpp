@@ -68,6 +68,7 @@ struct SumMoments {
             const Vec3d base = to_double(body.positions[0]);
             for (std::uint32_t b = chunk.first_block; b < chunk.last_block; ++b)
                 finish_block(body.mesh, body.positions, b, blocks[chunk.body][b]);
+            PIERCE_OVERLAPPED_LOOP
             for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
                 const Vec3d x = patch_center(blocks[chunk.body], p) - base;
                 const Vec3d rest = patch_center(body.mesh.blocks, p) - body.mesh.centroid;
@@ -236,6 +237,7 @@ struct JoinPatches {
         const Chunk chunk = chunks[i];
         const std::uint32_t count = chunk.last_patch(bodies[chunk.body].mesh) - chunk.first_patch();
         PartBounds all;
+        PIERCE_OVERLAPPED_LOOP
         for (std::uint32_t p = 0; p < count; ++p) all.extend(patches[chunk.first_item + p]);
         bounds[i] = all;
     }

@@ -1,0 +1,175 @@
+// Trees on the GPU: how fast they are built, refitted and traced, and how good they are. Prints CSV.
+//   pierce_gpu_trees COUNT...      COUNT tori of 600 triangles, a tree each; or mesh:LEVELS for one sphere
+// `inward` traces the inward rays of all vertices. Floors: the fewest bytes each must move, over what a copy moves.
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "pierce/core/bvh/bvh_tracer.hpp"
+#include "pierce/core/bvh/sah.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/gpu_cuda/cuda_executor.cuh"
+#include "pierce/scenes/shapes.hpp"
+
+namespace pierce {
+namespace {
+
+/// Per vertex of a torus or sphere in its own space: the inward ray into its own body.
+struct AimInward {
+    View<const BodyView> bodies;
+    std::uint32_t vertices_per_body;
+    View<Ray> rays;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t b = i / vertices_per_body, v = i % vertices_per_body;
+        Ray ray;
+        ray.origin = to_double(bodies[b].positions[v]);
+        ray.direction = -normalized(to_double(bodies[b].mesh.normals[v]));
+        ray.t_max = bodies[b].mesh.box.extent();
+        ray.target = b;
+        ray.excluded[0] = ray.excluded[1] = v;
+        rays[i] = ray;
+    }
+};
+
+struct CopyWord {
+    const float4* from;
+    float4* to;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { to[i] = from[i]; }
+};
+
+class Timer {
+public:
+    explicit Timer(cudaStream_t stream) : stream_(stream) {
+        cuda::check(cudaEventCreate(&begin_), "an event");
+        cuda::check(cudaEventCreate(&end_), "an event");
+    }
+    ~Timer() {
+        cudaEventDestroy(begin_);
+        cudaEventDestroy(end_);
+    }
+
+    /// Median milliseconds of `repeats` calls of `work`, each after `prepare`.
+    template <class F, class P>
+    double operator()(int repeats, const F& work, const P& prepare) {
+        std::vector<float> times;
+        for (int i = 0; i < repeats + 2; ++i) {
+            prepare();
+            cuda::check(cudaEventRecord(begin_, stream_), "an event");
+            work();
+            cuda::check(cudaEventRecord(end_, stream_), "an event");
+            cuda::check(cudaEventSynchronize(end_), "an event");
+            float ms = 0;
+            cuda::check(cudaEventElapsedTime(&ms, begin_, end_), "a time");
+            if (i >= 2) times.push_back(ms);
+        }
+        std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+        return static_cast<double>(times[times.size() / 2]);
+    }
+
+    template <class F>
+    double operator()(int repeats, const F& work) {
+        return (*this)(repeats, work, [] {});
+    }
+
+private:
+    cudaStream_t stream_;
+    cudaEvent_t begin_ = nullptr, end_ = nullptr;
+};
+
+double copy_rate(CudaExecutor& executor, Timer& time) {
+    constexpr std::uint32_t words = 1u << 27;
+    cuda::DeviceBuffer<float4> from, to;
+    from.resize(words);
+    to.resize(words);
+    const double ms = time(20, [&] { executor.for_each("copy", words, CopyWord{from.data(), to.data()}); });
+    return 2.0 * words * sizeof(float4) / (ms * 1e-3);
+}
+
+void run(const std::string& name, const MeshData& data, std::uint32_t count, double bytes_per_second, CudaExecutor& executor,
+         Timer& time) {
+    const Mesh mesh("mesh", data);
+    const MeshView host = mesh.view();
+    const std::uint32_t vertices = host.positions.size, triangles = host.triangles.size;
+    cuda::DeviceBuffer<Vec3f> positions, normals;
+    cuda::DeviceBuffer<Triangle> corners;
+    std::vector<Vec3f> all;
+    for (std::uint32_t b = 0; b < count; ++b) all.insert(all.end(), data.positions.begin(), data.positions.end());
+    executor.upload(std::span<const Vec3f>(all), positions);
+    executor.upload(std::span<const Vec3f>(mesh.normals()), normals);
+    executor.upload(mesh.triangles(), corners);
+    std::vector<BodyView> bodies(count);
+    for (std::uint32_t b = 0; b < count; ++b) {
+        BodyView& body = bodies[b];
+        body.mesh = host;
+        body.mesh.triangles = view_of(std::as_const(corners));
+        body.mesh.normals = view_of(std::as_const(normals));
+        body.positions = {positions.data() + std::size_t{b} * vertices, vertices};
+        body.motion = Motion::deforming;
+        body.mesh_key = 1;
+        body.world_box = body.fit_box = host.box;
+        body.touch = constants::touch_tolerance * host.box.extent();
+        body.positions_version = 1;
+    }
+    cuda::DeviceBuffer<BodyView> there;
+    const auto send = [&] {
+        for (BodyView& body : bodies) ++body.positions_version;
+        executor.upload(std::span<const BodyView>(bodies), there);
+    };
+    const View<const BodyView> views = view_of(std::as_const(there));
+    cuda::DeviceBuffer<Ray> rays;
+    cuda::DeviceBuffer<Hit> hits;
+    cuda::DeviceBuffer<std::uint32_t> wanted;
+    const std::uint32_t ray_count = count * vertices;
+    rays.resize(ray_count);
+    hits.resize(ray_count);
+    executor.assign(wanted, count, 1u);
+
+    const double leaves = static_cast<double>(count) * triangles;
+    for (const auto& [builder, label] : {std::pair{TreeBuilder::lbvh, "lbvh"}, std::pair{TreeBuilder::hlbvh, "hlbvh"},
+                                         std::pair{TreeBuilder::trbvh, "trbvh"}, std::pair{TreeBuilder::ploc, "ploc"}}) {
+        BvhTracer<CudaExecutor> tracer(builder);
+        send();
+        tracer.arrange(executor, view_of(std::as_const(bodies)));
+        const double build = time(9, [&] { tracer.build(executor, views); });
+        const double refit = time(
+            9, [&] { tracer.update(executor, views, view_of(std::as_const(wanted))); }, send);
+        executor.for_each("aim", ray_count, AimInward{views, vertices, view_of(rays)});
+        const double trace = time(9, [&] {
+            tracer.closest_hits(executor, "trace", views, ray_count, view_of(std::as_const(rays)), view_of(hits));
+        });
+        // A leaf: its corners, half a vertex, a node. A ray: itself and its hit.
+        const double build_floor = leaves * (sizeof(Triangle) + 6 + sizeof(bvh::Node)) / bytes_per_second * 1e3;
+        const double trace_floor = ray_count * static_cast<double>(sizeof(Ray) + sizeof(Hit)) / bytes_per_second * 1e3;
+        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f\n", name.c_str(), leaves, label, build,
+                    leaves / build * 1e-3, build_floor, refit, leaves / refit * 1e-3, ray_count, trace,
+                    ray_count / trace * 1e-6, trace_floor);
+        std::fflush(stdout);
+    }
+}
+
+}  // namespace
+}  // namespace pierce
+
+int main(int argc, char** argv) {
+    pierce::CudaExecutor executor;
+    executor.begin_exact(0);
+    pierce::Timer time(executor.stream());
+    const double rate = pierce::copy_rate(executor, time);
+    std::printf("# a copy moves %.2f TB/s\n", rate * 1e-12);
+    std::puts(
+        "scene,triangles,builder,build_ms,build_mtri_s,build_floor_ms,refit_ms,refit_mtri_s,rays,inward_ms,inward_gray_s,"
+        "inward_floor_ms");
+    for (int i = 1; i < argc; ++i) {
+        const std::string scene = argv[i];
+        if (scene.starts_with("mesh:"))
+            pierce::run(scene, pierce::scenes::sphere(1, std::stoi(scene.substr(5))), 1, rate, executor, time);
+        else
+            pierce::run("tori:" + scene, pierce::scenes::torus(2, 0.5, 30, 10),
+                        static_cast<std::uint32_t>(std::stoul(scene)), rate, executor, time);
+    }
+}
