@@ -58,7 +58,7 @@ struct MeshTraits {
 
 /// A few points relative to a centre, side by side for vector arithmetic. float32: their error is half an ulp of how far
 /// they reach.
-struct Offsets {
+struct alignas(16) Offsets {
     static constexpr std::uint32_t count = 16;
     float x[count] = {}, y[count] = {}, z[count] = {};
 

@@ -59,9 +59,11 @@ PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> posi
     for (std::uint32_t i = 0; i < count; ++i) sum += to_double(positions[vertex[i]]);
     block.offsets.set(k, to_float(sum * (1.0 / count) - base));
     const Vec3d center = base + Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
+    Offsets measured;
     for (std::uint32_t i = 0; i < constants::patch_size; ++i)
-        patch.set(i, i < count ? to_float(to_double(positions[vertex[i]]) - center) : Vec3f{});
-    block.radius[k] = longest(patch);
+        measured.set(i, i < count ? to_float(to_double(positions[vertex[i]]) - center) : Vec3f{});
+    patch = measured;
+    block.radius[k] = longest(measured);
 }
 
 /// Completes block `b`, whose patches are measured. Places past the last patch repeat its centre.
@@ -80,7 +82,7 @@ PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> posit
 struct TurnedOffsets {
     float at[3][Offsets::count];
 
-    PIERCE_HD TurnedOffsets(const Offsets& offsets, const Matrix3& rotation) {
+    PIERCE_HD TurnedOffsets(Offsets offsets, const Matrix3& rotation) {
         for (int r = 0; r < 3; ++r) {
             const Vec3f row = to_float(rotation.row[r]);
             PIERCE_VECTOR_LOOP

@@ -8,7 +8,7 @@
 namespace pierce {
 
 /// A ray in the space of its target's positions: a rigid body's own space, the world for a deforming body.
-struct Ray {
+struct alignas(16) Ray {
     Vec3d origin;
     Vec3d direction;           ///< unit
     double t_max = 0;          ///< [length]; negative: the ray hits nothing
@@ -16,6 +16,7 @@ struct Ray {
     double outward = 0;        ///< [length] where nothing is left behind, look so far the other way
     std::uint32_t target = 0;  ///< body
     std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices are not hit
+    std::uint32_t padding[3] = {};
 };
 
 /// What a ray starts from.
@@ -28,6 +29,7 @@ struct RaySource {
     std::uint8_t side = 0;
     RayStart start = RayStart::vertex;
     bool separates = false;  ///< its direction is not its own: it is the one in which the two bodies separate soonest
+    std::uint8_t padding = 0;
 };
 
 /// A part of an edge inside the target, from one crossing of its surface to the next.
@@ -38,9 +40,10 @@ struct Chord {
 };
 
 /// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from it in `classify`.
-struct Hit {
+struct alignas(8) Hit {
     std::uint32_t triangle = no_triangle;
     bool predicted = false;  ///< found looking outward: the vertex has not entered yet
+    std::uint8_t padding[3] = {};
 
     friend bool operator==(const Hit&, const Hit&) = default;
 };

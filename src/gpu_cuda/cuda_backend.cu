@@ -148,7 +148,7 @@ private:
     CudaOptions options_;
     std::string name_;
     CudaExecutor executor_;
-    BvhTracer<CudaExecutor> tracer_;
+    BvhTracer<CudaExecutor> tracer_{TreeBuilder::trbvh};
     cuda::SceneMirror mirror_;
     Pipeline<CudaExecutor, BvhTracer<CudaExecutor>> pipeline_;
     std::unique_ptr<Backend> outside_ = bvh_backend();

@@ -28,8 +28,20 @@ struct Items {
     __device__ std::uint32_t count() const { return exact == nullptr ? bound : min_of(*exact * factor, bound); }
 };
 
+/// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room for each. A stage may say
+/// so
+/// (`static constexpr int blocks_at_once`).
 template <class F>
-__global__ void run_stage(const __grid_constant__ F stage, const Items items) {
+constexpr int blocks_at_once() {
+    if constexpr (requires { F::blocks_at_once; })
+        return F::blocks_at_once;
+    else
+        return 1;
+}
+
+template <class F>
+__global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
+    run_stage(const __grid_constant__ F stage, const Items items) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     if (i < items.count()) stage(i);
 }

@@ -84,7 +84,7 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
             item = stack.pop();
             continue;
         }
-        const Node& node = forest.nodes[item.index()];
+        const Node node = forest.nodes[item.index()];
         ++work.nodes;
         const float t0 = ray.enter(node.box[0], begin, end), t1 = ray.enter(node.box[1], begin, end);
         const std::uint32_t first = t1 < t0 ? 1 : 0;

@@ -166,8 +166,7 @@ struct MeasureBounds {
         const View<SeenPatch> last = seen[items[i].body];
         PartBounds b;
         if (body.active) {
-            const Offsets& now = body.patches[p];
-            const Offsets& rest = body.mesh.patches[p];
+            const Offsets now = body.patches[p], rest = body.mesh.patches[p];
             const Vec3d in_world = patch_center(body.blocks, p);
             const Vec3d center = body.fit.to_local(in_world);
             const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
@@ -267,6 +266,7 @@ struct SeenBody {
     BodyId id;
     Frame fit;
     bool active = false;
+    std::uint8_t padding[7] = {};
 };
 
 /// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.

@@ -15,6 +15,7 @@ struct Meeting {
     double t = 0;  ///< [length] not below zero
     double barycentric[3] = {};
     bool exit = false;  ///< leaves the target, or touches its surface
+    std::uint8_t padding[7] = {};
 };
 
 /// The meeting of a ray with a triangle it crosses, or lies in.

@@ -191,6 +191,7 @@ struct Segment {
     double enter = 0;          ///< [length] along the ray, where it was last entered
     bool crossed = false;      ///< at least once
     bool inside = false;       ///< beyond the last crossing
+    std::uint8_t padding[6] = {};
 };
 
 /// Per edge that may reach its target: the ray along it.

@@ -39,6 +39,7 @@ struct SweepItem {
     Box box;  ///< in the world, grown by touch tolerance and reach; empty if the body is left out
     std::uint32_t body = 0;
     bool moves = false;
+    std::uint8_t padding[3] = {};
 };
 
 /// Per place in the sweep order: what the sweep needs, side by side.

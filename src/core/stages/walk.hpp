@@ -27,6 +27,7 @@ PIERCE_HD inline float wait_until(const DirectedPair& d, double t, Vec3d directi
 struct WalkCount {
     std::uint32_t steps = 0;
     bool lost = false;
+    std::uint8_t padding[3] = {};
 };
 
 /// Per walk: goes on from the record. In certified mode the result counts only if it is proved to be what a full ray would
