@@ -6,6 +6,7 @@
 #include <iostream>
 #include <limits>
 #include <numeric>
+#include <thread>
 
 #include "pierce/core/brute_force_tracer.hpp"
 #include "pierce/core/bvh/bvh_tracer.hpp"
@@ -296,6 +297,20 @@ struct BackwardExecutor : SerialExecutor {
     }
 };
 
+/// Runs a stage on threads that take turns at its items. oneTBB's tasks alarm the thread sanitizer; these do not.
+struct ThreadsExecutor : SerialExecutor {
+    static constexpr std::uint32_t threads = 4;
+
+    template <class F>
+    void for_each(const char*, std::uint32_t n, const F& stage) {
+        std::vector<std::jthread> running;
+        for (std::uint32_t t = 0; t < threads; ++t)
+            running.emplace_back([=, &stage] {
+                for (std::uint32_t i = t; i < n; i += threads) stage(i);
+            });
+    }
+};
+
 class BvhTest : public testing::TestWithParam<TreeBuilder> {
 protected:
     test::Random random_{7};
@@ -320,8 +335,8 @@ TEST_P(BvhTest, BuildsALargeTree) {
     CountingExecutor executor;
     const Trees trees = build(executor, GetParam(), bodies.views());
     expect_trees(trees, bodies.views());
-    TbbExecutor parallel(2);
-    EXPECT_TRUE(same(trees, build(parallel, GetParam(), bodies.views())));
+    ThreadsExecutor threads;
+    EXPECT_TRUE(same(trees, build(threads, GetParam(), bodies.views())));
     const std::uint32_t all_climb = 4 + 3 * constants::treelet_rounds;
     EXPECT_TRUE(GetParam() != TreeBuilder::trbvh || executor.stages > all_climb) << "not that large";
 }
@@ -378,11 +393,16 @@ TEST_P(BvhTest, IsTheSameFromEveryExecutor) {
     const Trees serial = build(GetParam(), bodies.views());
     BackwardExecutor backward;
     EXPECT_TRUE(same(serial, build(backward, GetParam(), bodies.views()))) << "backward";
-    for (int threads : {1, 4})
-        for (int repeat = 0; repeat < 5; ++repeat) {
-            TbbExecutor executor(threads);
-            EXPECT_TRUE(same(serial, build(executor, GetParam(), bodies.views()))) << threads << " threads";
-        }
+    ThreadsExecutor threads;
+    for (int repeat = 0; repeat < 5; ++repeat)
+        EXPECT_TRUE(same(serial, build(threads, GetParam(), bodies.views()))) << "threads";
+#if !defined(__SANITIZE_THREAD__)
+    for (int count : {1, 4}) {
+        TbbExecutor executor(count);
+        for (int repeat = 0; repeat < 5; ++repeat)
+            EXPECT_TRUE(same(serial, build(executor, GetParam(), bodies.views()))) << "oneTBB, " << count << " threads";
+    }
+#endif
 }
 
 TEST_P(BvhTest, RefitsToWhatARebuildHasToo) {
