@@ -120,6 +120,7 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, dou
         for (BodyView& body : bodies) ++body.positions_version;
         executor.upload(std::span<const BodyView>(bodies), there);
     };
+    send();
     const View<const BodyView> views = view_of(std::as_const(there));
     cuda::DeviceBuffer<Ray> rays;
     cuda::DeviceBuffer<Hit> hits;
@@ -133,7 +134,6 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, dou
     for (const auto& [builder, label] : {std::pair{TreeBuilder::lbvh, "lbvh"}, std::pair{TreeBuilder::hlbvh, "hlbvh"},
                                          std::pair{TreeBuilder::trbvh, "trbvh"}, std::pair{TreeBuilder::ploc, "ploc"}}) {
         BvhTracer<CudaExecutor> tracer(builder);
-        send();
         tracer.arrange(executor, view_of(std::as_const(bodies)));
         const double build = time(9, [&] { tracer.build(executor, views); });
         const double refit = time(

@@ -22,7 +22,11 @@ std::string device_name() {
 class CudaBackend : public Backend {
 public:
     explicit CudaBackend(CudaOptions options)
-        : options_(options), name_(device_name()), mirror_(executor_), pipeline_(executor_, tracer_) {
+        : options_(options),
+          name_(device_name()),
+          tracer_(options.builder),
+          mirror_(executor_),
+          pipeline_(executor_, tracer_) {
         for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
     }
     ~CudaBackend() override {
@@ -148,7 +152,7 @@ private:
     CudaOptions options_;
     std::string name_;
     CudaExecutor executor_;
-    BvhTracer<CudaExecutor> tracer_{TreeBuilder::trbvh};
+    BvhTracer<CudaExecutor> tracer_;
     cuda::SceneMirror mirror_;
     Pipeline<CudaExecutor, BvhTracer<CudaExecutor>> pipeline_;
     std::unique_ptr<Backend> outside_ = bvh_backend();

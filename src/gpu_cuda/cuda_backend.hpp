@@ -4,11 +4,13 @@
 #include <string>
 
 #include "pierce/core/backend.hpp"
+#include "pierce/core/bvh/forest_builder.hpp"
 
 namespace pierce {
 
 /// How steps run on the GPU.
 struct CudaOptions {
+    TreeBuilder builder = TreeBuilder::trbvh;
     bool graph = true;  ///< steady steps are one captured graph; else stage after stage, each timed
 };
 

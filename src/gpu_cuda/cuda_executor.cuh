@@ -18,7 +18,7 @@
 namespace pierce {
 namespace cuda {
 
-inline constexpr std::uint32_t block_threads = 128;
+inline constexpr std::uint32_t block_threads = 64;
 
 /// Lists up to this long are scanned by one block, and merge sorted: launches cost more than the work.
 inline constexpr std::uint32_t short_list = 1u << 16;

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Builds, tests and measures the GPU backend on a machine with an NVIDIA GPU, in one call: bench/gpu.sh [OUT]
+# Writes CSV files to OUT (default bench/results/gpu) and prints a table last. Needs CUDA 12.4 or later and the packages of
+# tools/setup.sh; a machine that reaches no package registry may have them as .deb files in .gpu/debs (then run as root).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=${1:-bench/results/gpu}
+mkdir -p "$out"
+export PATH=$PATH:/usr/local/cuda/bin
+
+if compgen -G '.gpu/debs/*.deb' >/dev/null; then
+    for package in .gpu/debs/*.deb; do dpkg -x "$package" /; done
+    ldconfig
+fi
+
+build=${PIERCE_BUILD:-build/gpu}
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPIERCE_CUDA=ON -DCMAKE_CUDA_ARCHITECTURES=native >"$out/configure.log"
+cmake --build "$build" --target conformance_tests pierce_app pierce_gpu_steps pierce_gpu_trees >"$out/build.log"
+echo "built in $SECONDS s"
+
+{
+    nvidia-smi --query-gpu=name,driver_version,memory.total --format=csv,noheader
+    nvcc --version | tail -2 | head -1
+    echo "$(nproc) CPU cores"
+    git rev-parse --short HEAD 2>/dev/null || true
+} >"$out/machine.txt"
+
+# Every contact list of the hard cases, of random pairs and of whole scenes against the reference, bit for bit.
+"$build"/tests/conformance_tests --gtest_filter='*Contacts*cuda*:*HardBodies*cuda*:*HardRays*cuda*:*Equivalence*tori*:*Tie*' \
+    --gtest_brief=1 >"$out/tests.log" 2>&1 && echo "tests passed, $SECONDS s" || { tail -20 "$out/tests.log"; exit 1; }
+
+# The paper's scene: 100 soft tori fall on each other; the frames of the pile are then replayed on the GPU.
+"$build"/src/app/pierce run tori --count 100 --soft --seconds 5 --record "$out/../soft_tori" >"$out/record.log"
+steps=$build/bench/pierce_gpu_steps
+"$steps" "$out/../soft_tori" lattice:100 lattice:1000 lattice:10000 --steps 300 --check 8 >"$out/steps.csv"
+"$steps" "$out/../soft_tori" lattice:100 lattice:1000 lattice:10000 --steps 40 --check 0 --stages >"$out/stages.csv"
+"$build"/bench/pierce_gpu_trees 100 1000 10000 mesh:9 >"$out/trees.csv"
+rm -r "$out/../soft_tori"
+
+for tool in memcheck racecheck; do
+    if command -v compute-sanitizer >/dev/null; then
+        compute-sanitizer --tool "$tool" "$steps" lattice:27 --steps 12 --check 2 2>&1 | grep "ERROR SUMMARY\|hazards" \
+            >"$out/$tool.txt" || echo "$tool could not run" >"$out/$tool.txt"
+    fi
+done
+
+echo "done in $SECONDS s"
+cat "$out/machine.txt"
+cut -d, -f1-3,5-13 "$out/steps.csv" | column -s, -t
+cut -d, -f1-5,7-8,11 "$out/trees.csv" | column -s, -t
+cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true
