@@ -34,7 +34,10 @@ echo "built in $SECONDS s"
 steps=$build/bench/pierce_gpu_steps
 "$steps" "$out/../soft_tori" lattice:100 lattice:1000 lattice:10000 --steps 300 --check 8 >"$out/steps.csv"
 "$steps" "$out/../soft_tori" lattice:100 lattice:1000 lattice:10000 --steps 40 --check 0 --stages >"$out/stages.csv"
-"$build"/bench/pierce_gpu_trees 100 1000 10000 mesh:9 >"$out/trees.csv"
+for builder in lbvh hlbvh ploc; do
+    "$steps" lattice:100 lattice:1000 lattice:10000 --steps 100 --check 0 --builder "$builder" | tail -n +2 >>"$out/steps.csv"
+done
+"$build"/bench/pierce_gpu_trees 100 1000 10000 mesh:7 >"$out/trees.csv"
 rm -r "$out/../soft_tori"
 
 for tool in memcheck racecheck; do
@@ -46,6 +49,6 @@ done
 
 echo "done in $SECONDS s"
 cat "$out/machine.txt"
-cut -d, -f1-3,5-13 "$out/steps.csv" | column -s, -t
+cut -d, -f1-4,6-14 "$out/steps.csv" | column -s, -t
 cut -d, -f1-5,7-8,11 "$out/trees.csv" | column -s, -t
 cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true

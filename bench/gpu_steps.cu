@@ -1,5 +1,5 @@
 // Steps on the GPU, positions already there: times beside what was found, and Embree's answer to the same frames.
-//   pierce_gpu_steps RECORDING|lattice:COUNT... [--steps N] [--check N] [--stages]
+//   pierce_gpu_steps RECORDING|lattice:COUNT... [--steps N] [--check N] [--stages] [--builder NAME]
 // A recording's frames are replayed; a lattice is COUNT soft tori that touch their neighbours and wobble. Prints CSV.
 #include <cuda_runtime.h>
 
@@ -87,9 +87,21 @@ struct Player {
     }
 };
 
-void run(const std::string& name, const scenes::Recording& recording, std::uint32_t steps, std::uint32_t checks,
-         bool stages) {
-    Player gpu(recording, cuda_backend({.graph = !stages}));
+struct Options {
+    std::uint32_t steps = 64, checks = 8;
+    bool stages = false;
+    std::string builder = "trbvh";
+};
+
+TreeBuilder builder_named(const std::string& name) {
+    if (name == "lbvh") return TreeBuilder::lbvh;
+    if (name == "hlbvh") return TreeBuilder::hlbvh;
+    return name == "ploc" ? TreeBuilder::ploc : TreeBuilder::trbvh;
+}
+
+void run(const std::string& name, const scenes::Recording& recording, const Options& options) {
+    const auto& [steps, checks, stages, builder] = options;
+    Player gpu(recording, cuda_backend({.builder = builder_named(builder), .graph = !stages}));
     std::size_t vertices = 0, triangles = 0;
     std::vector<std::size_t> first;
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
@@ -140,9 +152,9 @@ void run(const std::string& name, const scenes::Recording& recording, std::uint3
             differ += contact_hash(cpu.world.contacts()) != hashes[i];
         }
     }
-    std::printf("%s,%zu,%zu,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", name.c_str(), recording.bodies.size(), triangles,
-                stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts, last.touching_pairs,
-                median(on_device), median(wall), median(embree), checks, differ);
+    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", name.c_str(), recording.bodies.size(), triangles,
+                builder.c_str(), stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
+                last.touching_pairs, median(on_device), median(wall), median(embree), checks, differ);
     if (stages)
         for (const std::string& stage : order) std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
     std::fflush(stdout);
@@ -152,28 +164,32 @@ void run(const std::string& name, const scenes::Recording& recording, std::uint3
 }  // namespace pierce
 
 int main(int argc, char** argv) {
-    std::uint32_t steps = 64, checks = 8;
-    bool stages = false;
+    pierce::Options options;
     std::vector<std::string> scenes;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
         if (argument == "--steps" && i + 1 < argc)
-            steps = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+            options.steps = static_cast<std::uint32_t>(std::stoul(argv[++i]));
         else if (argument == "--check" && i + 1 < argc)
-            checks = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+            options.checks = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+        else if (argument == "--builder" && i + 1 < argc)
+            options.builder = argv[++i];
         else if (argument == "--stages")
-            stages = true;
+            options.stages = true;
         else
             scenes.push_back(argument);
     }
-    std::puts("scene,bodies,triangles,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,embree_ms,checked,differ");
+    options.checks = std::min(options.checks, options.steps);
+    std::puts(
+        "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,embree_ms,checked,"
+        "differ");
     for (const std::string& scene : scenes) {
         if (scene.starts_with("lattice:")) {
             const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(8)));
-            pierce::run(scene, pierce::lattice(count, count > 2000 ? 4 : 16), steps, std::min(checks, steps), stages);
+            pierce::run(scene, pierce::lattice(count, count > 2000 ? 4 : 16), options);
         } else {
             const auto recording = pierce::scenes::as_deforming(pierce::scenes::read_recording(scene));
-            pierce::run(scene.substr(scene.find_last_of('/') + 1), recording, steps, std::min(checks, steps), stages);
+            pierce::run(scene.substr(scene.find_last_of('/') + 1), recording, options);
         }
     }
 }
