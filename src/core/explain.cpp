@@ -157,6 +157,7 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     state_->bodies.get(other, "body");
     if (body == other) throw InputError("a vertex is not explained against its own body");
     if (!state_->planned) throw InputError("explain needs a detect() after bodies were added, removed or changed");
+    state_->backend->fetch_bodies(view_of(state_->views));
     Explanation result =
         Explainer(*state_->backend, view_of(std::as_const(state_->views)), body.index, other.index, vertex).answer();
 

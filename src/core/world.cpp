@@ -111,6 +111,8 @@ Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
     const Mesh& mesh = state_->mesh_of(entry);
     if (vertex >= mesh.positions().size())
         throw InputError("mesh '" + mesh.name() + "' has no vertex " + std::to_string(vertex));
+    if (entry.device_positions != nullptr)
+        throw InputError("body " + std::to_string(body.index) + " has its positions in device memory");
     if (entry.motion == Motion::deforming) return to_double(entry.positions[vertex]);
     return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
 }
