@@ -83,7 +83,7 @@ double cut_off(const MeshData& sphere) {
     return 1 - least;
 }
 
-std::string kernel_name(const scenes::LeakCount& count) { return count.kernel + (count.fma ? ", fma" : ""); }
+std::string kernel_name(const scenes::LeakCount& count) { return count.kernel + (count.fma ? " with fma" : ""); }
 
 }  // namespace
 
@@ -183,8 +183,8 @@ void depth_figure(const AccuracyReportOptions& options, Page& page) {
     Curves curves{"Depth of two equal spheres",
                   "overlap / diameter [%]",
                   "depth / true local depth",
-                  {{"overlap_percent", "inward rays, median", "inward rays, p95", "re-projected, median",
-                    "re-projected, p95", "EPA on hulls"},
+                  {{"overlap_percent", "inward rays median", "inward rays p95", "re-projected median", "re-projected p95",
+                    "EPA on hulls"},
                    {}}};
     for (double overlap : {2.5, 5.0, 10.0, 15.0, 20.0, 25.0}) {
         const double distance = 2 - 2 * overlap / 100;
