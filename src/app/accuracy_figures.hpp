@@ -8,7 +8,7 @@ namespace pierce::app {
 /// What triangle tests lose, over the offset from the origin.
 void leaks_figure(const AccuracyReportOptions& options, Page& page);
 
-/// Which overlaps are found, over the ratio of the two meshes' edge lengths.
+/// Which overlaps are missed, over the ratio of the two meshes' edge lengths.
 void resolution_figure(const AccuracyReportOptions& options, Page& page);
 
 /// How deep contacts of two equal spheres are, over how deep the spheres overlap.

@@ -31,6 +31,9 @@ void speed_against_error_of(const std::string& scene, bool soft, const AccuracyR
     page.line("### {}\n", name);
     page.line("{} bodies and the ground, {} frames, {} of them with the truth.", count, recording.frame_count, truth.size());
     page.picture(write_plot(speed_against_error(results, name), options.out, "f1_" + name), "f1_" + name);
+    Scatter pairs{"Overlapping pairs missed, " + name, "median time per frame [ms]", "missed pairs", {"ms", "missed"}, {}};
+    for (const Comparison& c : results) pairs.points.push_back({c.name, {c.median_ms(), c.accuracy.missed_pairs_share()}});
+    page.picture(write_plot(pairs, options.out, "f1_pairs_" + name), "f1_pairs_" + name);
     page.line(
         "| method | ms a frame, median | missed pairs | false pairs | missed vertices [%] | missed depth [%] | depth / "
         "true: "

@@ -56,7 +56,7 @@ bool write_plot(const Curves& curves, const fs::path& folder, const std::string&
     curves.table.write_csv(csv);
     std::string script = head(curves.title, curves.x, curves.y, folder / (name + ".svg")) +
                          "set key outside bottom center horizontal noenhanced\nset grid\n";
-    if (curves.log_x) script += "set logscale x 2\n";
+    if (curves.log_x) script += "set logscale x 2\nset format x '%g'\n";
     double bottom = 0;
     if (curves.log_y) {
         double least = 1;
@@ -123,7 +123,7 @@ bool write_plot(const Scatter& scatter, const fs::path& folder, const std::strin
                          "set format y '%g'\n";
     script += fmt::format(
         "plot {0} skip 1 using 2:($3 > 0 ? $3 : {1:g}) with points pt 7 ps 1.2, {0} skip 1 using "
-        "2:($3 > 0 ? $3 : {1:g}):1 with labels offset 0,1 noenhanced\n",
+        "2:($3 > 0 ? $3 : {1:g}):1 with labels rotate by 40 left offset 0.5,0.7 noenhanced\n",
         quoted(csv.string()), bottom);
     return run_gnuplot(script);
 }
