@@ -127,14 +127,12 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
 void resolution_figure(const AccuracyReportOptions& options, Page& page) {
     constexpr int finest = 4, steps = 4;
     page.line("## Overlaps missed over the ratio of resolutions\n");
+    page.line("Two spheres of radius 1, {} random poses per ratio. They overlap no deeper than by about as much as their",
+              options.poses);
+    page.line("triangles cut off from the ball.\n");
     page.line(
-        "Two spheres of radius 1, {} random poses per ratio, overlapping no deeper than by about as much as their triangles",
-        options.poses);
-    page.line("cut off from the ball.\n");
-    page.line(
-        "| mean edges, first : second | triangles | overlapping pairs | missed by vertices [%] | complete [%] | gjk-hull "
-        "[%] | "
-        "gimpact [%] | false pairs, in this order |\n|---|---|---|---|---|---|---|---|");
+        "| mean edges, first : second | triangles | overlapping pairs | missed by vertices [%] | complete [%] | "
+        "gjk-hull [%] | gimpact [%] | false pairs, in this order |\n|---|---|---|---|---|---|---|---|");
     Curves curves{"Overlapping pairs missed",
                   "mean edge length, first : second",
                   "missed [%] (bottom: none)",

@@ -96,6 +96,8 @@ std::string ray_text(Meets meets, double t) {
     return {};
 }
 
+double number_of(Meets meets, double t) { return meets == Meets::nothing ? none : t; }
+
 }  // namespace
 
 void hard_case_table(const std::filesystem::path& folder, Page& page) {
@@ -107,36 +109,41 @@ void hard_case_table(const std::filesystem::path& folder, Page& page) {
         line += "---|";
     }
     page.line("{}\n{}", head, line);
+    std::string row;
+    const auto add_cell = [&](const std::string& text, double number) {
+        row += fmt::format(" {} |", text);
+        table.rows.back().push_back(number);
+    };
     std::map<std::string, Score> scores;
     scenes::RayProbe probe(scenes::make_backend({"embree", 1, {}}));
     for (const HardCase& hard : scenes::hard_cases()) {
-        double question = 1;
+        double question = 0;
+        const auto begin_row = [&](const std::string& situation) {
+            row = fmt::format("| {} | {}{}{} |", hard.number, hard.name, situation.empty() ? "" : ", ", situation);
+            table.rows.push_back({static_cast<double>(hard.number), ++question});
+        };
         for (const HardRay& ray : hard.rays) {
             const scenes::Met met = probe.meet(ray.mesh, ray.origin, ray.direction);
             const Verdict verdict = ray.differs || met.how != ray.meets ? Verdict::wrong : Verdict::right;
             scores["a ray"].add(verdict);
-            page.line("| {} | {} | {} | {} |{}", hard.number, hard.name,
-                      ray.differs ? "see below" : ray_text(ray.meets, ray.t), marked(verdict, ray_text(met.how, met.t)),
-                      " - | - | - | - | - |");
-            table.rows.push_back({static_cast<double>(hard.number), question++, ray.meets == Meets::nothing ? none : ray.t,
-                                  met.how == Meets::nothing ? none : met.t, NAN, NAN, NAN, NAN, NAN});
+            begin_row("");
+            add_cell(ray.differs ? "see below" : ray_text(ray.meets, ray.t), number_of(ray.meets, ray.t));
+            add_cell(marked(verdict, ray_text(met.how, met.t)), number_of(met.how, met.t));
+            for (std::size_t m = 0; m < std::size(methods); ++m) add_cell(not_asked, NAN);
+            page.line("{}", row);
         }
         for (const HardBodies& bodies : hard.bodies) {
-            table.rows.push_back(
-                {static_cast<double>(hard.number), question++, bodies.parting < 0 ? none : bodies.parting, NAN});
-            std::string row =
-                fmt::format("| {} | {}{}{} | {} | - |", hard.number, hard.name, bodies.situation.empty() ? "" : ", ",
-                            bodies.situation, depth_text(bodies.parting));
+            begin_row(bodies.situation);
+            add_cell(depth_text(bodies.parting), std::max(bodies.parting, none));
+            add_cell(not_asked, NAN);
             for (const char* name : methods) {
                 try {
                     const double answer = answer_of(bodies, compared_method_named(name));
                     const Verdict verdict = judge(bodies, answer);
                     scores[name].add(verdict);
-                    row += fmt::format(" {} |", marked(verdict, depth_text(answer)));
-                    table.rows.back().push_back(answer);
+                    add_cell(marked(verdict, depth_text(answer)), answer);
                 } catch (const InputError&) {  // the method cannot serve these bodies
-                    row += fmt::format(" {} |", not_asked);
-                    table.rows.back().push_back(NAN);
+                    add_cell(not_asked, NAN);
                 }
             }
             page.line("{}", row);

@@ -17,13 +17,16 @@ TEST(HardCasesTruthTest, BodiesPartAsSoonAsTheySay) {
             const std::vector<Vec3d> a = in_double(bodies.a.positions), b = in_double(bodies.b.positions);
             const ExactMesh first(a, bodies.a.triangles), second(b, bodies.b.triangles);
             const bool overlap = bodies.parting >= 0;
-            if (first.closed() && second.closed()) EXPECT_EQ(first.overlaps(second), overlap);
+            if (first.closed() && second.closed()) {
+                EXPECT_EQ(first.overlaps(second), overlap);
+            }
             // None of the hulls is stuck where the bodies are not.
             const double parting = minimum_translation({a, bodies.a.triangles}, {b, bodies.b.triangles}).length;
-            if (overlap)
+            if (overlap) {
                 EXPECT_NEAR(parting, bodies.parting, 1e-7);
-            else
+            } else {
                 EXPECT_LE(parting, 0);
+            }
             ++asked;
         }
     EXPECT_EQ(asked, 19);
