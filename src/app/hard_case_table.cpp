@@ -127,7 +127,8 @@ void hard_case_table(const std::filesystem::path& folder, Page& page) {
             const Verdict verdict = ray.differs || met.how != ray.meets ? Verdict::wrong : Verdict::right;
             scores["a ray"].add(verdict);
             begin_row("");
-            add_cell(ray.differs ? "see below" : ray_text(ray.meets, ray.t), number_of(ray.meets, ray.t));
+            add_cell(ray.differs ? "see below" : ray_text(ray.meets, ray.t),
+                     ray.differs ? NAN : number_of(ray.meets, ray.t));
             add_cell(marked(verdict, ray_text(met.how, met.t)), number_of(met.how, met.t));
             for (std::size_t m = 0; m < std::size(methods); ++m) add_cell(not_asked, NAN);
             page.line("{}", row);

@@ -164,7 +164,7 @@ TEST_F(AppTest, ReportsOnThePaper) {
 
 TEST_F(AppTest, ReportsOnAccuracy) {
     const Outcome report =
-        pierce("report accuracy --count 4 --seconds 2 --every 20 --poses 12 --rays 1000 --out " + path("report"));
+        pierce("report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " + path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     const fs::path out = folder / "report";
     std::ifstream in(out / "report.md");
