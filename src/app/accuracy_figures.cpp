@@ -48,7 +48,8 @@ Recording random_pairs(const MeshData& a, const MeshData& b, double nearest, dou
     for (std::uint32_t k : {0u, 1u}) recording.bodies.push_back({k == 0 ? "first" : "second", k, Motion::rigid, false, {}});
     RandomPoses random(seed);
     for (std::uint32_t i = 0; i < poses; ++i) {
-        const Vec3d apart = random.uniform(nearest, farthest) * random.direction();
+        const double distance = random.uniform(nearest, farthest);
+        const Vec3d apart = distance * random.direction();
         for (scenes::RecordedBody& body : recording.bodies) {
             const Vec3d p = body.mesh == 0 ? Vec3d{} : apart;
             const Quaternion q = random.rotation();
