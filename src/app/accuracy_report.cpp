@@ -1,5 +1,7 @@
 #include "accuracy_report.hpp"
 
+#include <chrono>
+#include <ctime>
 #include <numbers>
 
 #include "accuracy_figures.hpp"
@@ -25,11 +27,19 @@ void speed_against_error_of(const std::string& scene, bool soft, const AccuracyR
     const scenes::Recording recording = record_scene(scene, {count, soft, options.seed}, options.seconds, options.dt);
     const std::vector<scenes::TrueFrame> truth = truth_of(recording, options.every);
     std::vector<std::string> left_out;
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t used = std::clock();
     const std::vector<Comparison> results =
         compare(recording, truth, compared_methods(), options.threads, "comparing " + name, &left_out);
 
+    const double processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+
     page.line("### {}\n", name);
     page.line("{} bodies and the ground, {} frames, {} of them with the truth.", count, recording.frame_count, truth.size());
+    page.line(
+        "The comparison took {:.1f} s of processor time in {:.1f} s. Other work, if there was, makes long frames longer.",
+        processor, wall.count());
     page.picture(write_plot(speed_against_error(results, name), options.out, "f1_" + name), "f1_" + name);
     Scatter pairs{"Overlapping pairs missed, " + name, "median time per frame [ms]", "missed pairs", {"ms", "missed"}, {}};
     for (const Comparison& c : results) pairs.points.push_back({c.name, {c.median_ms(), c.accuracy.missed_pairs_share()}});
