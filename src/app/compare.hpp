@@ -46,6 +46,9 @@ std::vector<Comparison> compare(const scenes::Recording& recording, std::span<co
 /// InputError if that fails.
 std::vector<scenes::TrueFrame> truth_of(const std::filesystem::path& folder, std::uint32_t every, bool pairs_only = false);
 
+/// The same of a recording that is in no folder.
+std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every, bool pairs_only = false);
+
 /// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and size.
 void add_convex_pieces(scenes::SceneSetup& scene);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "accuracy_report.hpp"
 #include "check.hpp"
 #include "commands.hpp"
 #include "compare.hpp"
@@ -203,6 +204,28 @@ int main(int argc, char** argv) {
         ->check(positive_number);
     paper_command->add_option("--seed", report_options.seed, "of the bodies' rotations")->capture_default_str();
     paper_command->callback([&] { code = report_paper(report_options); });
+
+    AccuracyReportOptions accuracy_options;
+    CLI::App* accuracy_command = report_command->add_subcommand(
+        "accuracy", "time and error of all methods against exact truth, and their answers to the hard cases");
+    accuracy_command->add_option("--out", accuracy_options.out, "folder for the page, its pictures and CSV files")
+        ->required()
+        ->type_name("DIR");
+    const auto add_size = [&](const char* name, std::uint32_t& size, const char* what) {
+        accuracy_command->add_option(name, size, what)->capture_default_str()->check(CLI::Range(1u, 1'000'000'000u));
+    };
+    add_size("--count", accuracy_options.count, "falling bodies of the scenes");
+    add_size("--every", accuracy_options.every, "make the scenes' truth for every Nth frame");
+    add_size("--poses", accuracy_options.poses, "random poses per pair of meshes");
+    add_size("--rays", accuracy_options.rays, "rays at vertices and edges");
+    accuracy_command->add_option("--seconds", accuracy_options.seconds, "simulated time of the scenes")
+        ->capture_default_str()
+        ->check(positive_number);
+    accuracy_command->add_option("--threads", accuracy_options.threads, "threads for rays")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1024));
+    accuracy_command->add_option("--seed", accuracy_options.seed, "of rotations and poses")->capture_default_str();
+    accuracy_command->callback([&] { code = report_accuracy(accuracy_options); });
 
     try {
         app.parse(argc, argv);

@@ -3,9 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "frame_log.hpp"
+#include "page.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/core/world.hpp"
 #include "pierce/scenes/contact_error.hpp"
@@ -14,6 +14,7 @@
 #include "pierce/scenes/simulation.hpp"
 #include "plot.hpp"
 #include "progress.hpp"
+#include "record_scene.hpp"
 
 namespace pierce::app {
 namespace {
@@ -67,44 +68,6 @@ void measure(const Recording& recording, std::vector<Mode>& modes, const std::st
     }
     for (Mode& m : modes) m.detector.reset();
 }
-
-Recording record(const PaperReportOptions& options, const std::string& scene_name, bool soft) {
-    const scenes::SceneSetup scene = scenes::make_scene(scene_name, {options.count, soft, options.seed});
-    scenes::Simulation simulation(scene, Method::rays, {"embree", 0, {}});
-    Recording recording = scenes::start_recording(scene, options.dt);
-    const auto steps = static_cast<std::uint32_t>(std::lround(options.seconds / options.dt));
-    Progress progress("simulating " + scene_name, steps);
-    for (std::uint32_t i = 0; i < steps; ++i) {
-        simulation.record(recording);
-        simulation.step(options.dt);
-        progress.show(i + 1);
-    }
-    return recording;
-}
-
-class Page {
-public:
-    explicit Page(const fs::path& file) : file_(file), out_(file) {
-        if (!out_) throw InputError("cannot write '" + file.string() + "'");
-    }
-    template <class... T>
-    void line(fmt::format_string<T...> format, T&&... values) {
-        out_ << fmt::format(format, std::forward<T>(values)...) << '\n';
-    }
-    void picture(bool made, const std::string& name) {
-        if (made)
-            line("\n![{0}]({0}.svg)\n", name);
-        else
-            line("\n[{0}.csv]({0}.csv) (no picture: gnuplot is not installed)\n", name);
-    }
-    void close() {
-        if (!out_.flush()) throw InputError("cannot write '" + file_.string() + "'");
-    }
-
-private:
-    fs::path file_;
-    std::ofstream out_;
-};
 
 /// Tables 2 and 3: what iterative rays save, and what prediction costs.
 void tables_2_and_3(const std::vector<std::pair<std::string, Recording>>& recordings, Page& page, const fs::path& folder) {
@@ -302,11 +265,8 @@ void figure_9(const PaperReportOptions& options, Page& page, const fs::path& fol
 }  // namespace
 
 int report_paper(const PaperReportOptions& options) {
-    std::error_code error;
-    fs::create_directories(options.out, error);
-    if (error) throw InputError("cannot make folder '" + options.out.string() + "': " + error.message());
     const fs::path& folder = options.out;
-    Page page(folder / "report.md");
+    Page page(folder);
     page.line("# The paper's experiments, measured here\n");
     page.line("{}\n{} bodies, {:g} s at {:g} s a step, seed {}.\n", machine_json().dump(), options.count, options.seconds,
               options.dt, options.seed);
@@ -314,7 +274,8 @@ int report_paper(const PaperReportOptions& options) {
     std::vector<std::pair<std::string, Recording>> recordings;
     for (bool soft : {false, true})
         for (const char* scene : {"tori", "bunnies"})
-            recordings.emplace_back(std::string(scene) + (soft ? "_soft" : ""), record(options, scene, soft));
+            recordings.emplace_back(std::string(scene) + (soft ? "_soft" : ""),
+                                    record_scene(scene, {options.count, soft, options.seed}, options.seconds, options.dt));
     tables_2_and_3(recordings, page, folder);
     page.line("## What threshold and period cost\n");
     for (std::size_t s = 0; s < 2; ++s) {
@@ -323,7 +284,6 @@ int report_paper(const PaperReportOptions& options) {
     }
     figure_9(options, page, folder);
     page.close();
-    fmt::print("report: {}\n", fs::absolute(folder / "report.md").string());
     return 0;
 }
 

@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
+#include <sstream>
 
 #include "app/command.hpp"
 
@@ -12,6 +15,37 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
+
+/// Rows by the names of their columns.
+struct Csv {
+    std::vector<std::map<std::string, std::string>> rows;
+
+    /// Of the row whose `name` it is; NaN if there is none.
+    double number(const std::string& name, const std::string& column) const {
+        for (const auto& row : rows)
+            if (row.at("name") == name) return std::stod(row.at(column));
+        return NAN;
+    }
+};
+
+Csv read_csv(const fs::path& file) {
+    std::ifstream in(file);
+    const auto cells = [&](std::vector<std::string>& list) {
+        std::string line, cell;
+        if (!std::getline(in, line)) return false;
+        list.clear();
+        for (std::istringstream parts(line); std::getline(parts, cell, ',');) list.push_back(cell);
+        return true;
+    };
+    std::vector<std::string> names, values;
+    cells(names);
+    Csv csv;
+    while (cells(values)) {
+        auto& row = csv.rows.emplace_back();
+        for (std::size_t i = 0; i < values.size(); ++i) row[names.at(i)] = values[i];
+    }
+    return csv;
+}
 
 TEST_F(AppTest, ListsScenesAndPlans) {
     EXPECT_THAT(pierce("scenes").text, testing::AllOf(HasSubstr("tori"), HasSubstr("bunnies")));
@@ -100,6 +134,43 @@ TEST_F(AppTest, ReportsOnThePaper) {
         EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
 }
 
+TEST_F(AppTest, ReportsOnAccuracy) {
+    const Outcome report =
+        pierce("report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " + path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    const fs::path out = folder / "report";
+    std::ifstream in(out / "report.md");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    for (const char* part : {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
+                             "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
+        EXPECT_THAT(page, HasSubstr(part));
+    for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft"}) {
+        const Csv csv = read_csv(out / (std::string(name) + ".csv"));
+        EXPECT_GT(csv.number("full", "ms"), 0) << name;
+        EXPECT_GT(csv.number("complete", "pairs"), 0) << name;
+        for (const char* method : {"complete", "reprojected"})
+            for (const char* column : {"missed_pairs", "false_pairs"})
+                EXPECT_EQ(csv.number(method, column), 0) << name << ' ' << method << ' ' << column;
+        for (const char* column : {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
+            EXPECT_TRUE(std::isfinite(csv.number("reprojected", column))) << name << ' ' << column;
+    }
+    const Csv resolution = read_csv(out / "f7_resolution.csv"), depth = read_csv(out / "f9_depth.csv"),
+              hard = read_csv(out / "hard_cases.csv");
+    ASSERT_EQ(resolution.rows.size(), 9u);
+    for (const auto& row : resolution.rows) EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
+    ASSERT_EQ(depth.rows.size(), 6u);
+    for (const auto& row : depth.rows) {
+        EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
+        EXPECT_NEAR(std::stod(row.at("re-projected p95")), 1, 0.1);
+    }
+    std::set<std::string> cases;
+    for (const auto& row : hard.rows) cases.insert(row.at("case"));
+    EXPECT_EQ(cases.size(), 25u);
+    for (const char* at : {"vertices", "edges"})
+        for (const auto& row : read_csv(out / ("f6_leaks_" + std::string(at) + ".csv")).rows)
+            EXPECT_EQ(row.at("pierce"), "0") << "offset " << row.at("offset");
+}
+
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
     std::ofstream(folder / "a.off") << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
     std::ofstream(folder / "b.obj")
@@ -176,6 +247,8 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --predict maybe", "--predict");
     expect_refused("run tori --full-every 0", "--full-every");
     expect_refused("report paper --out /proc/nowhere", "/proc/nowhere");
+    expect_refused("report accuracy --out /proc/nowhere", "/proc/nowhere");
+    expect_refused("report accuracy --out " + path("report") + " --every 0", "--every");
     expect_refused("report", "subcommand");
     expect_refused("replay " + path("nothing"), "nothing");
     expect_refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");

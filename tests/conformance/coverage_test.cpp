@@ -8,6 +8,7 @@
 #include "pierce/core/closest_point.hpp"
 #include "pierce/core/mesh_edges.hpp"
 #include "pierce/core/world.hpp"
+#include "pierce/scenes/scene.hpp"
 #include "pierce/scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
@@ -57,6 +58,13 @@ double distance_to_surface(Vec3d p, const MeshData& mesh, const Pose& pose) {
     return best;
 }
 
+/// Distances to a surface shorter than this are rounding.
+double least_depth(const MeshData& mesh) {
+    Box box;
+    for (Vec3f p : mesh.positions) box.extend(to_double(p));
+    return 10 * constants::touch_tolerance * box.extent();
+}
+
 struct Two {
     World world;
     std::array<MeshData, 2> data;
@@ -81,6 +89,22 @@ struct Two {
         world.detect();
     }
 };
+
+/// Of every vertex in contact: the contact's depth over the vertex's distance to the target's surface.
+void add_depth_ratios(const Two& two, std::vector<double>& ratios) {
+    for (const Contact& c : two.world.contacts()) {
+        const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
+        const Vec3d p = source == 0 ? c.point_a : c.point_b;
+        const double distance = distance_to_surface(p, two.data[target], two.pose[target]);
+        if (distance > least_depth(two.data[target])) ratios.push_back(c.penetration_depth() / distance);
+    }
+    std::ranges::sort(ratios);
+}
+
+/// Of a sorted list.
+double quantile(const std::vector<double>& sorted, double part) {
+    return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+}
 
 class CoverageTest : public testing::TestWithParam<test::NamedBackend> {};
 
@@ -250,6 +274,43 @@ TEST_P(CoverageTest, ReprojectionNeverDeepens) {
     EXPECT_GT(moved, 1000u);
     // The way to the closest point may be barred by another part of the surface, or be a long one.
     EXPECT_GT(static_cast<double>(local_minima), 0.9 * static_cast<double>(moved));
+}
+
+TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const MeshData ball = scenes::sphere(1, 4);
+    ASSERT_EQ(ball.triangles.size(), 5120u);
+    for (double overlap : {0.025, 0.25}) {
+        SCOPED_TRACE("overlap of " + std::to_string(overlap) + " diameters");
+        const Pose a{{}, random.rotation()}, b{(2 - 2 * overlap) * random.unit_vector(), random.rotation()};
+        std::vector<double> rays, moved;
+        add_depth_ratios(Two(GetParam(), {}, ball, a, ball, b), rays);
+        add_depth_ratios(Two(GetParam(), {.reproject = true}, ball, a, ball, b), moved);
+        ASSERT_GT(moved.size(), 50u);
+        EXPECT_EQ(moved.size(), rays.size());
+        EXPECT_GT(quantile(rays, 0.5), 1 + overlap) << "inward rays are longer";
+        EXPECT_GT(moved.front(), 1 - 1e-6);
+        EXPECT_LT(moved.back(), 1.001);
+    }
+}
+
+TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreMostlyDistancesToTheSurface) {
+    const auto ratios = [](const MeshData& mesh, double spread, int pairs) {
+        test::Random random(32);
+        std::vector<double> all;
+        for (int i = 0; i < pairs; ++i)
+            add_depth_ratios(Two(GetParam(), {.reproject = true}, mesh, {{}, random.rotation()}, mesh,
+                                 {random.in_box(spread), random.rotation()}),
+                             all);
+        EXPECT_GT(all.size(), 200u) << "seed " << random.seed();
+        return all;
+    };
+    const std::vector<double> tori = ratios(scenes::make_scene("tori", {1}).meshes[1].data, 1.5, 16);
+    EXPECT_LT(quantile(tori, 0.5), 1.02);
+    EXPECT_LT(quantile(tori, 0.95), 1.1);
+    // A walk that starts where a long ray leaves a bunny may end at another fold than the closest.
+    EXPECT_LT(quantile(ratios(scenes::make_scene("bunnies", {1}).meshes[1].data, 0.05, 3), 0.5), 1.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, CoverageTest, testing::ValuesIn(test::backends()), test::backend_name);
