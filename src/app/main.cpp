@@ -172,13 +172,22 @@ int main(int argc, char** argv) {
     paper_command->add_option("--count", report_options.count, "falling bodies")
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
-    paper_command->add_option("--seconds", report_options.seconds, "simulated time")
+    paper_command->add_option("--seconds", report_options.timing.seconds, "simulated time")
         ->capture_default_str()
         ->check(positive_number);
-    paper_command->add_option("--dt", report_options.dt, "time step in seconds")
+    paper_command->add_option("--dt", report_options.timing.dt, "time step in seconds")
         ->capture_default_str()
         ->check(positive_number);
     paper_command->add_option("--seed", report_options.seed, "of the bodies' rotations")->capture_default_str();
+    paper_command->add_option("--bunnies", report_options.bunnies, "falling bodies of figures 10 and 11")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    paper_command->add_option("--runs", report_options.runs, "runs of figure 14, each with a seed of its own")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000u));
+    paper_command->add_option("--truth-every", report_options.truth_every, "figures 10 to 13 show every Nth frame")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
     paper_command->callback([&] { code = report_paper(report_options); });
 
     try {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "frame_log.hpp"
+#include "pierce/scenes/recording.hpp"
+#include "pierce/scenes/scene.hpp"
+#include "pierce/scenes/truth_file.hpp"
+
+namespace pierce::app {
+
+/// For how long, and how finely, a scene is simulated.
+struct Timing {
+    double seconds = 12;
+    double dt = 1.0 / 60;
+
+    std::uint32_t steps() const;
+};
+
+/// The closed loop: a motion that a method's own contacts brought about, and what the method found in it.
+struct ClosedLoop {
+    scenes::Recording recording;
+    FrameLog log;
+};
+
+ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, const Settings& rays, Timing timing);
+
+/// The open loop: what a method finds along a motion of the same scene, wherever that came from.
+FrameLog watch(const scenes::SceneSetup& scene, const scenes::Recording& recording, scenes::Method method,
+               const Settings& rays);
+
+/// The exact truth about every Nth frame. Throws InputError as truth_of() does.
+std::vector<scenes::TrueFrame> truth_about(const scenes::Recording& recording, std::uint32_t every);
+
+}  // namespace pierce::app
