@@ -26,16 +26,16 @@ void errors(const std::vector<Judged>& judged, Page& page) {
 void colliding_pairs(const Quality& quality, int figure, Page& page) {
     const auto curves = [&](const char* loop, const std::vector<Judged>& judged) {
         std::vector<TimeColumn> columns = columns_of(judged, &Sight::pairs);
-        columns.push_back({"rays, of some depth", judged[0].found.deep_pairs});
+        columns.push_back({"rays by some depth", judged[0].found.deep_pairs});
         page.plot(Curves{fmt::format("Colliding pairs, {} {}, loop {}", quality.count, quality.scene, loop), "time [s]",
                          "colliding pairs", over_time(quality.time, columns)},
                   fmt::format("figure_{}_{}", figure, loop));
     };
     page.line("## Figure {}: colliding pairs in each frame, {} {}\n", figure, quality.count, quality.scene);
     page.line(
-        "The paper: \"two curves has a high concordance\", those of rays and GJK. A pair collides if one of its contacts "
-        "has "
-        "some depth; concordance is Lin's, 1 at best.\n");
+        "The paper: \"two curves has a high concordance\", those of rays and GJK. Bodies that only touch collide, too, but "
+        "need "
+        "not overlap in truth. Concordance is Lin's, 1 at best.\n");
     page.line("Loop open: all on the motion that rays brought about; GJK/EPA on convex pieces, without Bullet's margin.");
     counts(quality.open, page);
     errors(quality.open, page);

@@ -68,8 +68,8 @@ Quality measure_quality(const scenes::SceneSetup& scene, Timing timing, std::uin
     const Sight rays_sight = sight_of("rays", rays.log, rays_truth);
     const Sight truth = sight_of("truth", rays_truth);
     quality.open = {{rays_sight, truth}, {sight_of("GJK/EPA", gjk_watching, rays_truth), truth}};
-    quality.closed = {{rays_sight, sight_of("truth, motion by rays", rays_truth)},
-                      {sight_of("GJK/EPA", gjk.log, gjk_truth), sight_of("truth, motion by GJK/EPA", gjk_truth)}};
+    quality.closed = {{rays_sight, sight_of("truth of the rays' motion", rays_truth)},
+                      {sight_of("GJK/EPA", gjk.log, gjk_truth), sight_of("truth of GJK/EPA's motion", gjk_truth)}};
     return quality;
 }
 

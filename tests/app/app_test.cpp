@@ -7,8 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 namespace {
 
@@ -39,6 +41,28 @@ protected:
 
     std::string path(const std::string& name) const { return (folder / name).string(); }
     json read(const std::string& name) const { return json::parse(std::ifstream(folder / name)); }
+
+    using Columns = std::map<std::string, std::vector<double>>;
+    /// Of a CSV file, by their names.
+    Columns read_columns(const std::string& name) const {
+        std::ifstream in(folder / name);
+        const auto cells = [](const std::string& line) {
+            std::vector<std::string> list;
+            std::istringstream stream(line);
+            for (std::string cell; std::getline(stream, cell, ',');) list.push_back(cell);
+            return list;
+        };
+        std::string line;
+        std::getline(in, line);
+        const std::vector<std::string> names = cells(line);
+        Columns columns;
+        while (std::getline(in, line)) {
+            const std::vector<std::string> values = cells(line);
+            EXPECT_EQ(values.size(), names.size()) << name;
+            for (std::size_t c = 0; c < names.size(); ++c) columns[names[c]].push_back(std::stod(values.at(c)));
+        }
+        return columns;
+    }
 
     fs::path folder;
 };
@@ -118,14 +142,40 @@ TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
 }
 
 TEST_F(AppTest, ReportsOnThePaper) {
-    const Outcome report = pierce("report paper --count 3 --seconds 1 --out " + path("report"));
+    const Outcome report =
+        pierce("report paper --count 4 --bunnies 3 --seconds 1.5 --runs 2 --truth-every 2 --out " + path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     std::ifstream in(folder / "report" / "report.md");
     const std::string page{std::istreambuf_iterator<char>(in), {}};
-    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9"})
+    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9", "R²"})
         EXPECT_THAT(page, HasSubstr(part));
     for (const char* file : {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
         EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
+
+    for (const std::string figure : {"10", "11", "12", "13"}) {
+        EXPECT_THAT(page, HasSubstr("## Figure " + figure));
+        const Columns open = read_columns("report/figure_" + figure + "_open.csv"),
+                      closed = read_columns("report/figure_" + figure + "_closed.csv");
+        for (const char* name : {"time", "rays", "GJK/EPA", "truth"}) EXPECT_TRUE(open.contains(name)) << figure << name;
+        for (const char* name : {"time", "rays", "truth of the rays' motion", "GJK/EPA", "truth of GJK/EPA's motion"})
+            EXPECT_TRUE(closed.contains(name)) << figure << name;
+    }
+    for (const std::string figure : {"10", "12"}) {
+        const Columns open = read_columns("report/figure_" + figure + "_open.csv");
+        const std::vector<double>&truth = open.at("truth"), &rays = open.at("rays by some depth");
+        ASSERT_EQ(truth.size(), 45u) << "every second of 90 frames";
+        EXPECT_GT(std::ranges::max(rays), 1);
+        for (std::size_t i = 0; i < truth.size(); ++i)
+            EXPECT_GE(truth[i], rays[i]) << "rays from vertices invent no pair; figure " << figure << " row " << i;
+    }
+    const Columns steps = read_columns("report/figure_14.csv");
+    EXPECT_EQ(steps.at("dt").size(), 7u);
+    EXPECT_NEAR(steps.at("dt").back(), 8.0 / 120, 1e-6);
+    for (std::size_t i = 0; i < 7; ++i) {
+        EXPECT_GT(steps.at("mean")[i], 0);
+        EXPECT_GT(steps.at("maximum")[i], steps.at("mean")[i]);
+        EXPECT_LT(steps.at("standard deviation")[i], steps.at("maximum")[i]);
+    }
 }
 
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
