@@ -26,10 +26,8 @@ void average_depth(const Quality& quality, int figure, Page& page) {
     page.line("## Figure {}: average penetration depth, {} {}\n", figure, quality.count, quality.scene);
     page.line(
         "The paper: rays' depth is \"just a little larger\" than GJK/EPA's. Mean over a method's contacts in a frame, those "
-        "that "
-        "only touch with depth zero; for the truth over the vertices strictly inside a body, their depth being the distance "
-        "to "
-        "its surface; then over frames.\n");
+        "that only touch with depth zero; for the truth over the vertices strictly inside a body, their depth being the "
+        "distance to its surface; then over frames.\n");
     page.line("Loop open: all on the motion that rays brought about, GJK/EPA without Bullet's margin.");
     section("open", quality.open);
     page.line(

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare.hpp"
@@ -14,11 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of this process's own that goes away with it.
+/// A folder of this process's own, empty at first, that goes away with it.
 struct ScratchFolder {
     fs::path path = fs::temp_directory_path() / ("pierce_report_" + std::to_string(::getpid()));
 
-    ScratchFolder() = default;
+    ScratchFolder() { fs::remove_all(path); }
     ScratchFolder(const ScratchFolder&) = delete;
     ~ScratchFolder() {
         std::error_code ignored;
@@ -28,7 +29,7 @@ struct ScratchFolder {
 
 }  // namespace
 
-std::uint32_t Timing::steps() const { return static_cast<std::uint32_t>(std::lround(seconds / dt)); }
+std::uint32_t Timing::steps() const { return static_cast<std::uint32_t>(std::max(1L, std::lround(seconds / dt))); }
 
 ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, const Settings& rays, Timing timing) {
     scenes::Simulation simulation(scene, method, {"embree", 0, rays});

@@ -15,6 +15,7 @@ struct Timing {
     double seconds = 12;
     double dt = 1.0 / 60;
 
+    /// One at least.
     std::uint32_t steps() const;
 };
 

@@ -34,16 +34,14 @@ void colliding_pairs(const Quality& quality, int figure, Page& page) {
     page.line("## Figure {}: colliding pairs in each frame, {} {}\n", figure, quality.count, quality.scene);
     page.line(
         "The paper: \"two curves has a high concordance\", those of rays and GJK. Bodies that only touch collide, too, but "
-        "need "
-        "not overlap in truth. Concordance is Lin's, 1 at best.\n");
+        "need not overlap in truth. Concordance is Lin's, 1 at best.\n");
     page.line("Loop open: all on the motion that rays brought about; GJK/EPA on convex pieces, without Bullet's margin.");
     counts(quality.open, page);
     errors(quality.open, page);
     curves("open", quality.open);
     page.line(
         "Loop closed, as in the paper: each method on the motion it brought about. Bullet keeps bodies its margins apart "
-        "and "
-        "GJK/EPA's pairs are those whose margins overlap; the truth is that of the meshes.");
+        "and GJK/EPA's pairs are those whose margins overlap; the truth is that of the meshes.");
     counts(quality.closed, page);
     curves("closed", quality.closed);
 }

@@ -112,10 +112,8 @@ void figure_14(const PaperReportOptions& options, Page& page) {
         "{} tori, the loop closed by rays, mean of {} runs with seeds from {}. Of the depths of a frame's contacts the "
         "mean, "
         "the maximum and the standard deviation, each averaged over the frames while tori land: from the first contact of "
-        "any "
-        "to the first contact of the last one. In the paper this is from 3 to 10 s, here from {:.2f} to {:.2f} s. The "
-        "frames "
-        "from 3 to 10 s are shown, too.\n",
+        "any to the first contact of the last one. In the paper this is from 3 to 10 s, here from {:.2f} to {:.2f} s. The "
+        "frames from 3 to 10 s are shown, too.\n",
         options.count, options.runs, options.seed, mean(begins), mean(ends));
     page.line("| step [s] | mean | maximum | standard deviation | 3 to 10 s: mean | maximum | standard deviation |");
     page.line("|---|---|---|---|---|---|---|");
