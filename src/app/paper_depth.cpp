@@ -27,7 +27,7 @@ void average_depth(const Quality& quality, int figure, Page& page) {
     page.line(
         "The paper: rays' depth is \"just a little larger\" than GJK/EPA's. Mean over a method's contacts in a frame, those "
         "that only touch with depth zero; for the truth over the vertices strictly inside a body, their depth being the "
-        "distance to its surface; then over frames.\n");
+        "distance to its surface; then over frames. GJK/EPA's contacts are of crossing edges, too, which lie deeper.\n");
     page.line("Loop open: all on the motion that rays brought about, GJK/EPA without Bullet's margin.");
     section("open", quality.open);
     page.line(
