@@ -176,6 +176,16 @@ TEST_F(AppTest, ReportsOnThePaper) {
         EXPECT_GT(steps.at("maximum")[i], steps.at("mean")[i]);
         EXPECT_LT(steps.at("standard deviation")[i], steps.at("maximum")[i]);
     }
+    for (const std::string name : {"mean", "maximum", "standard deviation"}) {
+        double off = 0, turned = 0;
+        for (std::size_t i = 0; i < 7; ++i) {
+            const double residual = (steps.at(name)[i] - steps.at(name + " (line)")[i]) / steps.at(name)[6];
+            off += residual;
+            turned += residual * steps.at("dt")[i] / steps.at("dt")[6];
+        }
+        EXPECT_NEAR(off, 0, 1e-4) << "a line of least squares leaves nothing on average";
+        EXPECT_NEAR(turned, 0, 1e-4) << "nor along it";
+    }
 }
 
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
