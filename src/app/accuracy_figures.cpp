@@ -121,7 +121,7 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
         page.line("|---|---|---|---|");
         for (const auto& [name, sum] : sums) page.line("| {} | {} | {} | {} |", name, sum[2], sum[1], sum[0]);
         const std::string name = "f6_leaks_" + at;
-        page.picture(write_plot(curves, options.out, name), name);
+        page.plot(curves, name);
     }
 }
 
@@ -159,7 +159,7 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
         page.line("| {:.3g} | {} : {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |", ratio, first.triangles.size(),
                   second.triangles.size(), results[0].accuracy.pairs, row[1], row[2], row[3], row[4], falses);
     }
-    page.picture(write_plot(curves, options.out, "f7_resolution"), "f7_resolution");
+    page.plot(curves, "f7_resolution");
 }
 
 void depth_figure(const AccuracyReportOptions& options, Page& page) {
@@ -193,7 +193,7 @@ void depth_figure(const AccuracyReportOptions& options, Page& page) {
         page.line("| {:g} | {} | {:.3f} | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |", overlap,
                   results[0].accuracy.vertices, ray.median, ray.p95, ray.max, moved.median, moved.p95, moved.max, epa);
     }
-    page.picture(write_plot(curves, options.out, "f9_depth"), "f9_depth");
+    page.plot(curves, "f9_depth");
 
     page.line("Two tori or bunnies in {} random poses, at a distance of so many diameters of the balls around them:\n",
               options.poses);

@@ -9,7 +9,6 @@
 #include "frame_log.hpp"
 #include "hard_case_table.hpp"
 #include "page.hpp"
-#include "record_scene.hpp"
 
 namespace pierce::app {
 namespace {
@@ -24,7 +23,8 @@ std::string two(const std::vector<double>& values, double scale) {
 void speed_against_error_of(const std::string& scene, bool soft, const AccuracyReportOptions& options, Page& page) {
     const std::string name = scene + (soft ? "_soft" : "");
     const std::uint32_t count = soft ? (options.count + 3) / 4 : options.count;  // they are simulated slowly
-    const scenes::Recording recording = record_scene(scene, {count, soft, options.seed}, options.seconds, options.dt);
+    const scenes::Recording recording =
+        simulate(scenes::make_scene(scene, {count, soft, options.seed}), scenes::Method::rays, {}, options.timing).recording;
     const std::vector<scenes::TrueFrame> truth = truth_of(recording, options.every);
     std::vector<std::string> left_out;
     const auto begin = std::chrono::steady_clock::now();
@@ -40,10 +40,10 @@ void speed_against_error_of(const std::string& scene, bool soft, const AccuracyR
     page.line(
         "The comparison took {:.1f} s of processor time in {:.1f} s. Other work, if there was, makes long frames longer.",
         processor, wall.count());
-    page.picture(write_plot(speed_against_error(results, name), options.out, "f1_" + name), "f1_" + name);
+    page.plot(speed_against_error(results, name), "f1_" + name);
     Scatter pairs{"Overlapping pairs missed, " + name, "median time per frame [ms]", "missed pairs", {"ms", "missed"}, {}};
     for (const Comparison& c : results) pairs.points.push_back({c.name, {c.median_ms(), c.accuracy.missed_pairs_share()}});
-    page.picture(write_plot(pairs, options.out, "f1_pairs_" + name), "f1_pairs_" + name);
+    page.plot(pairs, "f1_pairs_" + name);
     page.line(
         "| method | ms a frame, median | missed pairs | false pairs | missed vertices [%] | missed depth [%] | depth / "
         "true: "
@@ -67,7 +67,7 @@ int report_accuracy(const AccuracyReportOptions& options) {
     page.line("{}\n{}\n", machine_json().dump(), versions_json().dump());
     page.line("Seed {}. Threads for rays: {}.\n", options.seed, options.threads);
     page.line("## Speed against error\n");
-    page.line("{:g} s at {:g} s a step; the truth is known of one frame in {}.\n", options.seconds, options.dt,
+    page.line("{:g} s at {:g} s a step; the truth is known of one frame in {}.\n", options.timing.seconds, options.timing.dt,
               options.every);
     speed_against_error_of("tori", false, options, page);
     speed_against_error_of("bunnies", false, options, page);
@@ -76,7 +76,7 @@ int report_accuracy(const AccuracyReportOptions& options) {
     resolution_figure(options, page);
     depth_figure(options, page);
     page.line("## The hard cases\n");
-    hard_case_table(options.out, page);
+    hard_case_table(page);
     page.close();
     return 0;
 }

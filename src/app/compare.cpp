@@ -89,12 +89,12 @@ std::vector<Comparison> compare(const scenes::Recording& recording, std::span<co
 
 namespace {
 
-/// Runs the program `name` from this one's folder; throws InputError if it is not there or fails.
-void run_beside(const std::string& name, std::vector<std::string> arguments) {
-    const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / name;
-    if (!fs::exists(program))
-        throw InputError("the truth is made by " + name + ", which is not beside this program: build with PIERCE_BENCH=ON");
-    arguments.insert(arguments.begin(), program.string());
+/// In this program's folder.
+fs::path truth_program() { return fs::read_symlink("/proc/self/exe").parent_path() / "pierce_truth"; }
+
+void run_truth_program(std::vector<std::string> arguments) {
+    check_truth_program();
+    arguments.insert(arguments.begin(), truth_program().string());
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
@@ -102,14 +102,14 @@ void run_beside(const std::string& name, std::vector<std::string> arguments) {
     int status = 0;
     if (posix_spawn(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0 || waitpid(child, &status, 0) != child ||
         status != 0)
-        throw InputError(name + " failed");
+        throw InputError("pierce_truth failed");
 }
 
-/// A folder of this process that goes away with it.
+/// A folder of this process, empty at first, that goes away with it.
 class TemporaryFolder {
 public:
-    TemporaryFolder() : path_(fs::temp_directory_path() / fmt::format("pierce_{}", getpid())) {
-        fs::create_directories(path_);
+    TemporaryFolder() : path_(fs::temp_directory_path() / fmt::format("pierce_truth_{}", getpid())) {
+        fs::remove_all(path_);
     }
     ~TemporaryFolder() {
         std::error_code ignored;
@@ -179,12 +179,17 @@ void add_convex_pieces(scenes::SceneSetup& scene) {
         }
 }
 
+void check_truth_program() {
+    if (!fs::exists(truth_program()))
+        throw InputError("the truth is made by pierce_truth, which is not beside this program: build with PIERCE_BENCH=ON");
+}
+
 std::vector<scenes::TrueFrame> truth_of(const fs::path& folder, std::uint32_t every, bool pairs_only) {
     const fs::path file = folder / "truth.json";
     if (!fs::exists(file)) {
         std::vector<std::string> arguments{folder.string(), "--every", std::to_string(every)};
         if (pairs_only) arguments.emplace_back("--pairs-only");
-        run_beside("pierce_truth", std::move(arguments));
+        run_truth_program(std::move(arguments));
     }
     return scenes::read_truth(file);
 }

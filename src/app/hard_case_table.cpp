@@ -100,7 +100,7 @@ double number_of(Meets meets, double t) { return meets == Meets::nothing ? none 
 
 }  // namespace
 
-void hard_case_table(const std::filesystem::path& folder, Page& page) {
+void hard_case_table(Page& page) {
     Table table{{"case", "question", "exact", "ray"}, {}};
     std::string head = "| | case | exact answer | a ray |", line = "|---|---|---|---|", notes;
     for (const char* name : methods) {
@@ -155,7 +155,7 @@ void hard_case_table(const std::filesystem::path& folder, Page& page) {
     for (const auto& [name, score] : scores)
         page.line("| {} | {} | {} | {} | {} |", name, score.asked, score.right, score.other_depth, score.wrong);
     page.line("\nWhere Pierce's rules answer something else than the exact answer:\n\n{}", notes);
-    table.write_csv(folder / "hard_cases.csv");
+    page.csv(table, "hard_cases");
 }
 
 }  // namespace pierce::app

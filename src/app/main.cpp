@@ -66,8 +66,9 @@ void add_temporal(CLI::App& command, pierce::Settings& settings) {
 }
 
 void add_rays(CLI::App& command, pierce::scenes::RaySettings& rays) {
-    command.add_option("--backend", rays.backend,
-                       "automatic (cuda if it can run here, else embree), embree, cuda, bvh or reference; for rays")
+    command
+        .add_option("--backend", rays.backend,
+                    "automatic (cuda if it can run here, else embree), embree, cuda, bvh or reference; for rays")
         ->capture_default_str();
     command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
@@ -129,7 +130,8 @@ int main(int argc, char** argv) {
     DetectOptions detect_options;
     CLI::App* detect_command = app.add_subcommand("detect", "contacts of meshes as they stand in their files");
     detect_command->add_option("meshes", detect_options.meshes, "OBJ, PLY, STL or OFF files")->required()->expected(2, -1);
-    detect_command->add_option("--backend", detect_options.detection.rays.backend, "automatic, embree, cuda, bvh or reference")
+    detect_command
+        ->add_option("--backend", detect_options.detection.rays.backend, "automatic, embree, cuda, bvh or reference")
         ->capture_default_str();
     detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
         ->check(CLI::Range(1, 1024));
@@ -196,13 +198,22 @@ int main(int argc, char** argv) {
     paper_command->add_option("--count", report_options.count, "falling bodies")
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
-    paper_command->add_option("--seconds", report_options.seconds, "simulated time")
+    paper_command->add_option("--seconds", report_options.timing.seconds, "simulated time")
         ->capture_default_str()
         ->check(positive_number);
-    paper_command->add_option("--dt", report_options.dt, "time step in seconds")
+    paper_command->add_option("--dt", report_options.timing.dt, "time step in seconds")
         ->capture_default_str()
         ->check(positive_number);
     paper_command->add_option("--seed", report_options.seed, "of the bodies' rotations")->capture_default_str();
+    paper_command->add_option("--bunnies", report_options.bunnies, "falling bodies of figures 10 and 11")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    paper_command->add_option("--runs", report_options.runs, "runs of figure 14, each with a seed of its own")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000u));
+    paper_command->add_option("--truth-every", report_options.truth_every, "figures 10 to 13 show every Nth frame")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
     paper_command->callback([&] { code = report_paper(report_options); });
 
     AccuracyReportOptions accuracy_options;
@@ -218,7 +229,7 @@ int main(int argc, char** argv) {
     add_size("--every", accuracy_options.every, "make the scenes' truth for every Nth frame");
     add_size("--poses", accuracy_options.poses, "random poses per pair of meshes");
     add_size("--rays", accuracy_options.rays, "rays at vertices and edges");
-    accuracy_command->add_option("--seconds", accuracy_options.seconds, "simulated time of the scenes")
+    accuracy_command->add_option("--seconds", accuracy_options.timing.seconds, "simulated time of the scenes")
         ->capture_default_str()
         ->check(positive_number);
     accuracy_command->add_option("--threads", accuracy_options.threads, "threads for rays")

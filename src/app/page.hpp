@@ -6,25 +6,35 @@
 #include <fstream>
 #include <string>
 
+#include "plot.hpp"
+
 namespace pierce::app {
 
-/// report.md in a folder, written line by line.
+/// A report's page, report.md in a folder, with its pictures and CSV files beside it.
 class Page {
 public:
-    /// Makes the folder. Throws InputError if folder or file cannot be written.
+    /// Makes the folder; throws InputError if it or the page cannot be written, here and later.
     explicit Page(const std::filesystem::path& folder);
 
     template <class... T>
     void line(fmt::format_string<T...> format, T&&... values) {
         out_ << fmt::format(format, std::forward<T>(values)...) << '\n';
     }
-    /// Shows NAME.svg or, if it was not `made`, names NAME.csv.
-    void picture(bool made, const std::string& name);
-    /// Says where the page is. Throws InputError if it could not be written.
+    /// Curves, HeatMap or Scatter: NAME.csv, and NAME.svg shown on the page.
+    template <class Plot>
+    void plot(const Plot& plot, const std::string& name) {
+        show(write_plot(plot, folder_, name), name);
+    }
+    /// NAME.csv.
+    void csv(const Table& table, const std::string& name) const;
+    /// Says where the page is.
     void close();
 
 private:
-    std::filesystem::path file_;
+    std::filesystem::path file() const { return folder_ / "report.md"; }
+    void show(bool drawn, const std::string& name);
+
+    std::filesystem::path folder_;
     std::ofstream out_;
 };
 

@@ -26,6 +26,13 @@ struct Csv {
             if (row.at("name") == name) return std::stod(row.at(column));
         return NAN;
     }
+    /// Numbers of all rows; throws if there is no such column.
+    std::vector<double> column(const std::string& name) const {
+        std::vector<double> values;
+        for (const auto& row : rows) values.push_back(std::stod(row.at(name)));
+        return values;
+    }
+    bool has_column(const std::string& name) const { return !rows.empty() && rows.front().contains(name); }
 };
 
 Csv read_csv(const fs::path& file) {
@@ -124,14 +131,53 @@ TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
 }
 
 TEST_F(AppTest, ReportsOnThePaper) {
-    const Outcome report = pierce("report paper --count 3 --seconds 1 --out " + path("report"));
+    const Outcome report =
+        pierce("report paper --count 4 --bunnies 3 --seconds 1.5 --runs 2 --truth-every 2 --out " + path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     std::ifstream in(folder / "report" / "report.md");
     const std::string page{std::istreambuf_iterator<char>(in), {}};
-    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9"})
+    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9", "R²"})
         EXPECT_THAT(page, HasSubstr(part));
     for (const char* file : {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
         EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
+
+    for (const std::string figure : {"10", "11", "12", "13"}) {
+        EXPECT_THAT(page, HasSubstr("## Figure " + figure));
+        const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv")),
+                  closed = read_csv(folder / ("report/figure_" + figure + "_closed.csv"));
+        for (const char* name : {"time", "rays", "GJK/EPA", "truth"}) EXPECT_TRUE(open.has_column(name)) << figure << name;
+        for (const char* name : {"time", "rays", "truth of the rays' motion", "GJK/EPA", "truth of GJK/EPA's motion"})
+            EXPECT_TRUE(closed.has_column(name)) << figure << name;
+    }
+    for (const std::string figure : {"10", "12"}) {
+        const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv"));
+        const std::vector<double> truth = open.column("truth"), rays = open.column("rays by some depth");
+        ASSERT_EQ(truth.size(), 45u) << "every second of 90 frames";
+        EXPECT_GT(std::ranges::max(rays), 1);
+        for (std::size_t i = 0; i < truth.size(); ++i)
+            EXPECT_GE(truth[i], rays[i]) << "rays from vertices invent no pair; figure " << figure << " row " << i;
+    }
+    const Csv steps = read_csv(folder / "report/figure_14.csv");
+    const std::vector<double> dt = steps.column("dt"), mean = steps.column("mean"), most = steps.column("maximum"),
+                              deviation = steps.column("standard deviation");
+    ASSERT_EQ(dt.size(), 7u);
+    EXPECT_NEAR(dt.back(), 8.0 / 120, 1e-6);
+    for (std::size_t i = 0; i < 7; ++i) {
+        EXPECT_GT(mean[i], 0);
+        EXPECT_GT(most[i], mean[i]);
+        EXPECT_LT(deviation[i], most[i]);
+    }
+    for (const std::string name : {"mean", "maximum", "standard deviation"}) {
+        const std::vector<double> measured = steps.column(name), line = steps.column(name + " (line)");
+        double off = 0, turned = 0;
+        for (std::size_t i = 0; i < 7; ++i) {
+            const double residual = (measured[i] - line[i]) / measured[6];
+            off += residual;
+            turned += residual * dt[i] / dt[6];
+        }
+        EXPECT_NEAR(off, 0, 1e-4) << "a line of least squares leaves nothing on average";
+        EXPECT_NEAR(turned, 0, 1e-4) << "nor along it";
+    }
 }
 
 TEST_F(AppTest, ReportsOnAccuracy) {
@@ -238,7 +284,7 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --seconds -1", "--seconds");
     expect_refused("run tori --count 0", "--count");
     expect_refused("run tori --method sat", "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
-    expect_refused("run tori --backend cuda", "unknown backend 'cuda'");
+    expect_refused("run tori --backend vulkan", "unknown backend 'vulkan'");
     expect_refused("run tori --count 1 --soft --method gimpact", "soft bodies");
     expect_refused("run tori --count 1 --json /nowhere/x.json", "/nowhere/x.json");
     expect_refused("run tori --count 1 --method gimpact --png " + path("x.png"), "--png");
