@@ -56,9 +56,6 @@ inline constexpr double march_cells = 8;
 /// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 
-/// Triangles a re-projection looks at on its way to the closest point at most: the paper's walks are as long.
-inline constexpr std::uint32_t reprojection_steps = 64;
-
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
 
