@@ -42,7 +42,7 @@ void add_coverage(CLI::App& command, pierce::Settings& settings) {
     command
         .add_option_function<std::string>(
             "--reproject", [&settings](const std::string& name) { settings.reproject = switches.at(name); },
-            "move contacts to the closest point of the other surface nearby: on or off (the default)")
+            "move contacts to the closest point of the other surface: on or off (the default)")
         ->check(CLI::IsMember({"on", "off"}));
 }
 
