@@ -1,135 +1,32 @@
 // Rays aimed at vertices and edges from inside a closed mesh: how many slip out. Prints CSV.
 //   pierce_leaks [rays [kernel_rays]]
-// First the library's tracer, `rays` in all (default 10^7), from exact rays in double, with a ball of radius 1 at the origin
-// and at 1e5. Then single triangle tests, `kernel_rays` each (default 20000), from float32 rays, with a ball of radius 16
-// rounded to float32 at offsets of 0 and 2^0 to 2^24.
-#include <algorithm>
+// First the library's tracer, `rays` in all (default 10^7), at the origin and at 1e5. Then single triangle tests,
+// `kernel_rays` each (default 20000), at offsets of 0 and 2^0 to 2^24.
+#include "pierce/scenes/leaks.hpp"
+
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
-#include <random>
-#include <vector>
 
-#include "leak_kernels.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/scenes/aimed_rays.hpp"
-#include "pierce/scenes/ray_probe.hpp"
-#include "pierce/scenes/shapes.hpp"
-
-namespace pierce {
 namespace {
 
-using leaks::RayF;
-using scenes::Aim;
+using pierce::scenes::Aim;
+using pierce::scenes::LeakCount;
 
-using Kernel = bool (*)(const RayF&, Vec3f, Vec3f, Vec3f);
-
-struct NamedKernel {
-    const char* name;
-    bool fma;
-    Kernel kernel;
-};
-
-constexpr NamedKernel kernels[] = {
-    {"moeller_trumbore", false, leaks::moeller_trumbore<false>},
-    {"moeller_trumbore", true, leaks::moeller_trumbore<true>},
-    {"pluecker", false, leaks::pluecker<false>},
-    {"pluecker", true, leaks::pluecker<true>},
-    {"watertight", false, leaks::watertight<false, false>},
-    {"watertight", true, leaks::watertight<true, false>},
-    {"watertight_double", false, leaks::watertight<false, true>},
-    {"watertight_double", true, leaks::watertight<true, true>},
-    {"pierce", false, leaks::pierce_test},
-};
-
-void print(double offset, const char* kernel, bool fma, Aim aim, std::size_t rays, std::size_t leaks) {
-    std::printf("%.0f,%s,%s,%s,%zu,%zu\n", offset, kernel, fma ? "on" : "off", aim == Aim::vertices ? "vertices" : "edges",
-                rays, leaks);
+void print(const LeakCount& c) {
+    std::printf("%.0f,%s,%s,%s,%zu,%zu\n", c.offset, c.kernel.c_str(), c.fma ? "on" : "off",
+                c.aim == Aim::vertices ? "vertices" : "edges", c.rays, c.leaks);
     std::fflush(stdout);
 }
 
-MeshData ball_at(double radius, Vec3d center) {
-    MeshData mesh = scenes::sphere(radius, 3);
-    for (Vec3f& p : mesh.positions) p = to_float(to_double(p) + center);
-    return mesh;
-}
-
-void run_tracer(double offset, Aim aim, std::size_t count) {
-    const Vec3d center{offset, offset, offset};
-    const MeshData ball = ball_at(1, center);
-    scenes::RayProbe probe(embree_backend());
-    scenes::AimedRays rays(ball, center, 0.3, aim, 1);
-    std::size_t leaks = 0;
-    for (std::size_t left = count; left > 0;) {
-        const std::size_t batch = std::min<std::size_t>(left, 1 << 18);
-        for (const scenes::Met& met : probe.meet(ball, rays.next(batch))) leaks += met.how != scenes::Meets::exit;
-        left -= batch;
-    }
-    print(offset, "pierce_embree", false, aim, count, leaks);
-}
-
-/// True if the closed surface goes around the point once (Van Oosterom and Strackee 1983): rounding may have crushed it.
-bool is_inside(Vec3d p, const MeshData& mesh) {
-    double sum = 0;
-    for (const Triangle& t : mesh.triangles) {
-        Vec3d v[3];
-        for (int k = 0; k < 3; ++k) v[k] = to_double(mesh.positions[t.vertex[k]]) - p;
-        const double a = length(v[0]), b = length(v[1]), c = length(v[2]);
-        sum += 2 * std::atan2(dot(v[0], cross(v[1], v[2])),
-                              a * b * c + dot(v[0], v[1]) * c + dot(v[1], v[2]) * a + dot(v[2], v[0]) * b);
-    }
-    return std::abs(sum / (4 * std::numbers::pi) - 1) < 1e-6;
-}
-
-void run_kernels(double offset, Aim aim, std::size_t count) {
-    const Vec3d center{offset, offset, offset};
-    const double radius = 16;
-    const MeshData ball = ball_at(radius, center);
-    std::vector<std::vector<std::uint32_t>> around(ball.positions.size());
-    for (std::uint32_t t = 0; t < ball.triangles.size(); ++t)
-        for (std::uint32_t v : ball.triangles[t].vertex) around[v].push_back(t);
-
-    std::mt19937_64 engine(2);
-    std::uniform_real_distribution<double> within(-0.3 * radius, 0.3 * radius), part(0, 1);
-    std::uniform_int_distribution<std::size_t> any(0, ball.triangles.size() - 1);
-    std::vector<Vec3f> origins;
-    for (int i = 0; i < 200; ++i) {
-        const Vec3f origin = to_float(center + Vec3d{within(engine), within(engine), within(engine)});
-        if (is_inside(to_double(origin), ball)) origins.push_back(origin);
-    }
-    if (origins.empty()) count = 0;
-    std::size_t leaks[std::size(kernels)] = {};
-    for (std::size_t i = 0; i < count; ++i) {
-        const Triangle& aimed = ball.triangles[any(engine)];
-        const Vec3d a = to_double(ball.positions[aimed.vertex[0]]), b = to_double(ball.positions[aimed.vertex[1]]);
-        const double along = aim == Aim::edges ? part(engine) : 0;
-        const Vec3f origin = origins[i % origins.size()];
-        const RayF ray{origin, to_float(normalized((1 - along) * a + along * b - to_double(origin)))};
-        for (std::size_t k = 0; k < std::size(kernels); ++k) {
-            const auto meets = [&](std::uint32_t t) {
-                const std::uint32_t* v = ball.triangles[t].vertex;
-                return kernels[k].kernel(ray, ball.positions[v[0]], ball.positions[v[1]], ball.positions[v[2]]);
-            };
-            // Nearly all rays meet what they are aimed at; only the others need a look at everything.
-            bool met = std::ranges::any_of(around[aimed.vertex[0]], meets);
-            for (std::uint32_t t = 0; t < ball.triangles.size() && !met; ++t) met = meets(t);
-            leaks[k] += !met;
-        }
-    }
-    for (std::size_t k = 0; k < std::size(kernels); ++k)
-        print(offset, kernels[k].name, kernels[k].fma, aim, count, leaks[k]);
-}
-
 }  // namespace
-}  // namespace pierce
 
 int main(int argc, char** argv) {
     const std::size_t rays = argc > 1 ? static_cast<std::size_t>(std::atoll(argv[1])) : 10'000'000;
     const std::size_t kernel_rays = argc > 2 ? static_cast<std::size_t>(std::atoll(argv[2])) : 20'000;
     std::puts("offset,kernel,fma,target,rays,leaks");
-    using pierce::scenes::Aim;
     for (double offset : {0.0, 1e5})
-        for (Aim aim : {Aim::vertices, Aim::edges}) pierce::run_tracer(offset, aim, rays / 4);
-    for (int k = -1; k <= 24; ++k)
-        for (Aim aim : {Aim::vertices, Aim::edges}) pierce::run_kernels(k < 0 ? 0.0 : std::ldexp(1.0, k), aim, kernel_rays);
+        for (Aim aim : {Aim::vertices, Aim::edges}) print(pierce::scenes::count_tracer_leaks(offset, aim, rays / 4));
+    for (double offset : pierce::scenes::leak_offsets())
+        for (Aim aim : {Aim::vertices, Aim::edges})
+            for (const LeakCount& count : pierce::scenes::count_kernel_leaks(offset, aim, kernel_rays)) print(count);
 }

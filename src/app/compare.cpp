@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,12 +89,12 @@ std::vector<Comparison> compare(const scenes::Recording& recording, std::span<co
 
 namespace {
 
-/// Runs the program `name` from this one's folder; throws InputError if it is not there or fails.
-void run_beside(const std::string& name, std::vector<std::string> arguments) {
-    const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / name;
-    if (!fs::exists(program))
-        throw InputError("the truth is made by " + name + ", which is not beside this program: build with PIERCE_BENCH=ON");
-    arguments.insert(arguments.begin(), program.string());
+/// In this program's folder.
+fs::path truth_program() { return fs::read_symlink("/proc/self/exe").parent_path() / "pierce_truth"; }
+
+void run_truth_program(std::vector<std::string> arguments) {
+    check_truth_program();
+    arguments.insert(arguments.begin(), truth_program().string());
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
@@ -101,16 +102,31 @@ void run_beside(const std::string& name, std::vector<std::string> arguments) {
     int status = 0;
     if (posix_spawn(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0 || waitpid(child, &status, 0) != child ||
         status != 0)
-        throw InputError(name + " failed");
+        throw InputError("pierce_truth failed");
 }
+
+/// A folder of this process, empty at first, that goes away with it.
+class TemporaryFolder {
+public:
+    TemporaryFolder() : path_(fs::temp_directory_path() / fmt::format("pierce_truth_{}", getpid())) {
+        fs::remove_all(path_);
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+    const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
 
 double median_of(std::vector<double> values) { return spread_of(std::move(values)).median; }
 double p95_of(std::vector<double> values) { return spread_of(std::move(values)).p95; }
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
-
-double share(std::uint64_t part, std::uint64_t all) {
-    return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0;
-}
 
 json to_json(const Comparison& c) {
     const Accuracy& a = c.accuracy;
@@ -144,9 +160,9 @@ void print(std::span<const Comparison> results) {
                                   : fmt::format("{:.3f}, {:.2f}", scale * median_of(values), scale * p95_of(values));
         };
         fmt::print("  {:<13}{:>9.3f}{:>17}{:>8}{:>10.3f}%{:>10.3f}%{:>16}{:>18}{:>12.3f}\n", c.name, c.median_ms(),
-                   fmt::format("{} of {}", a.missed_pairs, a.pairs), a.false_pairs,
-                   100 * share(a.missed_vertices, a.vertices), 100 * a.missed_share(), two(a.depth_ratios, 1),
-                   two(a.normal_errors, 180 / std::numbers::pi), a.pair_depth_ratio());
+                   fmt::format("{} of {}", a.missed_pairs, a.pairs), a.false_pairs, 100 * a.missed_vertex_share(),
+                   100 * a.missed_share(), two(a.depth_ratios, 1), two(a.normal_errors, 180 / std::numbers::pi),
+                   a.pair_depth_ratio());
     }
 }
 
@@ -163,14 +179,25 @@ void add_convex_pieces(scenes::SceneSetup& scene) {
         }
 }
 
+void check_truth_program() {
+    if (!fs::exists(truth_program()))
+        throw InputError("the truth is made by pierce_truth, which is not beside this program: build with PIERCE_BENCH=ON");
+}
+
 std::vector<scenes::TrueFrame> truth_of(const fs::path& folder, std::uint32_t every, bool pairs_only) {
     const fs::path file = folder / "truth.json";
     if (!fs::exists(file)) {
         std::vector<std::string> arguments{folder.string(), "--every", std::to_string(every)};
         if (pairs_only) arguments.emplace_back("--pairs-only");
-        run_beside("pierce_truth", std::move(arguments));
+        run_truth_program(std::move(arguments));
     }
     return scenes::read_truth(file);
+}
+
+std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every, bool pairs_only) {
+    const TemporaryFolder folder;
+    scenes::write_recording(recording, folder.path());
+    return truth_of(folder.path(), every, pairs_only);
 }
 
 int compare_recording(const CompareOptions& options) {
@@ -208,11 +235,27 @@ int compare_recording(const CompareOptions& options) {
 
 Scatter speed_against_error(std::span<const Comparison> results, const std::string& scene) {
     Scatter plot{"Speed against error, " + scene, "median time per frame [ms]", "depth-weighted miss rate", {}, {}};
-    plot.columns = {"ms", "missed_depth_share", "missed_pair_depth_share", "missed_pairs_share"};
-    for (const Comparison& c : results)
-        plot.points.push_back({c.name,
-                               {c.median_ms(), c.accuracy.missed_share(), c.accuracy.missed_pair_share(),
-                                share(c.accuracy.missed_pairs, c.accuracy.pairs)}});
+    plot.columns = {"ms",
+                    "missed_depth_share",
+                    "missed_pair_depth_share",
+                    "pairs",
+                    "missed_pairs",
+                    "false_pairs",
+                    "missed_vertices_share",
+                    "depth_ratio_median",
+                    "depth_ratio_p95",
+                    "normal_error_degrees_median",
+                    "normal_error_degrees_p95",
+                    "pair_depth_ratio"};
+    for (const Comparison& c : results) {
+        const Accuracy& a = c.accuracy;
+        plot.points.push_back(
+            {c.name,
+             {c.median_ms(), a.missed_share(), a.missed_pair_share(), static_cast<double>(a.pairs),
+              static_cast<double>(a.missed_pairs), static_cast<double>(a.false_pairs), a.missed_vertex_share(),
+              median_of(a.depth_ratios), p95_of(a.depth_ratios), degrees(median_of(a.normal_errors)),
+              degrees(p95_of(a.normal_errors)), a.pair_depth_ratio()}});
+    }
     return plot;
 }
 

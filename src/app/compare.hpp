@@ -42,9 +42,14 @@ std::vector<Comparison> compare(const scenes::Recording& recording, std::span<co
                                 std::span<const ComparedMethod> methods, int threads, const std::string& what,
                                 std::vector<std::string>* left_out = nullptr);
 
-/// The truth beside a recording; made by the program pierce_truth, which is built beside this one, if there is none. Throws
-/// InputError if that fails.
+/// Throws InputError unless the program that makes truths, pierce_truth, was built beside this one.
+void check_truth_program();
+
+/// The truth beside a recording; made by pierce_truth if there is none. Throws InputError if that fails.
 std::vector<scenes::TrueFrame> truth_of(const std::filesystem::path& folder, std::uint32_t every, bool pairs_only = false);
+
+/// The same of a recording that is in no folder.
+std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every, bool pairs_only = false);
 
 /// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and size.
 void add_convex_pieces(scenes::SceneSetup& scene);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "accuracy_report.hpp"
 #include "check.hpp"
 #include "commands.hpp"
 #include "compare.hpp"
@@ -41,7 +42,7 @@ void add_coverage(CLI::App& command, pierce::Settings& settings) {
     command
         .add_option_function<std::string>(
             "--reproject", [&settings](const std::string& name) { settings.reproject = switches.at(name); },
-            "move contacts to the closest point of the other surface nearby: on or off (the default)")
+            "move contacts to the closest point of the other surface: on or off (the default)")
         ->check(CLI::IsMember({"on", "off"}));
 }
 
@@ -65,8 +66,9 @@ void add_temporal(CLI::App& command, pierce::Settings& settings) {
 }
 
 void add_rays(CLI::App& command, pierce::scenes::RaySettings& rays) {
-    command.add_option("--backend", rays.backend,
-                       "automatic (cuda if it can run here, else embree), embree, cuda, bvh or reference; for rays")
+    command
+        .add_option("--backend", rays.backend,
+                    "automatic (cuda if it can run here, else embree), embree, cuda, bvh or reference; for rays")
         ->capture_default_str();
     command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
@@ -128,7 +130,8 @@ int main(int argc, char** argv) {
     DetectOptions detect_options;
     CLI::App* detect_command = app.add_subcommand("detect", "contacts of meshes as they stand in their files");
     detect_command->add_option("meshes", detect_options.meshes, "OBJ, PLY, STL or OFF files")->required()->expected(2, -1);
-    detect_command->add_option("--backend", detect_options.detection.rays.backend, "automatic, embree, cuda, bvh or reference")
+    detect_command
+        ->add_option("--backend", detect_options.detection.rays.backend, "automatic, embree, cuda, bvh or reference")
         ->capture_default_str();
     detect_command->add_option("--threads", detect_options.detection.rays.threads, "threads; all there are if not given")
         ->check(CLI::Range(1, 1024));
@@ -195,14 +198,45 @@ int main(int argc, char** argv) {
     paper_command->add_option("--count", report_options.count, "falling bodies")
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
-    paper_command->add_option("--seconds", report_options.seconds, "simulated time")
+    paper_command->add_option("--seconds", report_options.timing.seconds, "simulated time")
         ->capture_default_str()
         ->check(positive_number);
-    paper_command->add_option("--dt", report_options.dt, "time step in seconds")
+    paper_command->add_option("--dt", report_options.timing.dt, "time step in seconds")
         ->capture_default_str()
         ->check(positive_number);
     paper_command->add_option("--seed", report_options.seed, "of the bodies' rotations")->capture_default_str();
+    paper_command->add_option("--bunnies", report_options.bunnies, "falling bodies of figures 10 and 11")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    paper_command->add_option("--runs", report_options.runs, "runs of figure 14, each with a seed of its own")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000u));
+    paper_command->add_option("--truth-every", report_options.truth_every, "figures 10 to 13 show every Nth frame")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
     paper_command->callback([&] { code = report_paper(report_options); });
+
+    AccuracyReportOptions accuracy_options;
+    CLI::App* accuracy_command = report_command->add_subcommand(
+        "accuracy", "time and error of all methods against exact truth, and their answers to the hard cases");
+    accuracy_command->add_option("--out", accuracy_options.out, "folder for the page, its pictures and CSV files")
+        ->required()
+        ->type_name("DIR");
+    const auto add_size = [&](const char* name, std::uint32_t& size, const char* what) {
+        accuracy_command->add_option(name, size, what)->capture_default_str()->check(CLI::Range(1u, 1'000'000'000u));
+    };
+    add_size("--count", accuracy_options.count, "falling bodies of the scenes");
+    add_size("--every", accuracy_options.every, "make the scenes' truth for every Nth frame");
+    add_size("--poses", accuracy_options.poses, "random poses per pair of meshes");
+    add_size("--rays", accuracy_options.rays, "rays at vertices and edges");
+    accuracy_command->add_option("--seconds", accuracy_options.timing.seconds, "simulated time of the scenes")
+        ->capture_default_str()
+        ->check(positive_number);
+    accuracy_command->add_option("--threads", accuracy_options.threads, "threads for rays")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1024));
+    accuracy_command->add_option("--seed", accuracy_options.seed, "of rotations and poses")->capture_default_str();
+    accuracy_command->callback([&] { code = report_accuracy(accuracy_options); });
 
     try {
         app.parse(argc, argv);

@@ -55,12 +55,21 @@ bool write_plot(const Curves& curves, const fs::path& folder, const std::string&
     const fs::path csv = folder / (name + ".csv");
     curves.table.write_csv(csv);
     std::string script = head(curves.title, curves.x, curves.y, folder / (name + ".svg")) +
-                         "set key outside bottom center horizontal noenhanced\nset grid\nset yrange [0:*]\n";
-    if (curves.log_x) script += "set logscale x 2\n";
-    script += "plot ";
+                         "set key outside bottom center horizontal noenhanced\nset grid\n";
+    if (curves.log_x) script += "set logscale x 2\nset format x '%g'\n";
+    double bottom = 0;
+    if (curves.log_y) {
+        double least = 1;
+        for (const auto& row : curves.table.rows)
+            for (std::size_t c = 1; c < row.size(); ++c)
+                if (row[c] > 0) least = std::min(least, row[c]);
+        bottom = least / 10;
+        script += "set logscale y\nset format y '%g'\n";
+    }
+    script += fmt::format("set yrange [{:g}:*]\nplot ", bottom);
     for (std::size_t c = 1; c < curves.table.names.size(); ++c)
-        script += fmt::format("{}{} using 1:{} with lines lw 2 title {}", c > 1 ? ", " : "", quoted(csv.string()), c + 1,
-                              quoted(curves.table.names[c]));
+        script += fmt::format("{0}{1} using 1:(${2} > {3:g} ? ${2} : {3:g}) with lines lw 2 title {4}", c > 1 ? ", " : "",
+                              quoted(csv.string()), c + 1, bottom, quoted(curves.table.names[c]));
     return run_gnuplot(script + "\n");
 }
 
@@ -114,7 +123,7 @@ bool write_plot(const Scatter& scatter, const fs::path& folder, const std::strin
                          "set format y '%g'\n";
     script += fmt::format(
         "plot {0} skip 1 using 2:($3 > 0 ? $3 : {1:g}) with points pt 7 ps 1.2, {0} skip 1 using "
-        "2:($3 > 0 ? $3 : {1:g}):1 with labels offset 0,1 noenhanced\n",
+        "2:($3 > 0 ? $3 : {1:g}):1 with labels rotate by 40 left offset 0.5,0.7 noenhanced\n",
         quoted(csv.string()), bottom);
     return run_gnuplot(script);
 }

@@ -20,6 +20,7 @@ struct Curves {
     std::string title, x, y;
     Table table;
     bool log_x = false;
+    bool log_y = false;  ///< zeros stand at the bottom
 };
 
 /// Rows are (x, y, value), x changing fastest.

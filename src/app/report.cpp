@@ -2,14 +2,10 @@
 
 #include <fmt/core.h>
 
+#include "statistics.hpp"
+
 namespace pierce::app {
 namespace {
-
-double mean(const std::vector<double>& values) {
-    double sum = 0;
-    for (double v : values) sum += v;
-    return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
 
 void row(const char* name, double rays, double gjk, const char* paper_rays, const char* paper_gjk) {
     fmt::print("  {:<28} {:>10.3f} {:>10.3f}    {:>10} {:>10}\n", name, rays, gjk, paper_rays, paper_gjk);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/closest_search.hpp"
 #include "pierce/core/tracer.hpp"
 
 namespace pierce {
@@ -17,9 +18,9 @@ public:
     }
 
     template <class E>
-    void distances(E& executor, const char* name, View<const BodyView> bodies, typename E::Count count, View<const Ray> rays,
-                   View<double> found) {
-        executor.for_each(name, count, Distance{bodies, rays, found});
+    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, typename E::Count count,
+                           View<const Ray> rays, View<std::uint32_t> triangles) {
+        executor.for_each(name, count, Closest{bodies, rays, triangles});
     }
 
     /// Counts nothing: it has no trees.
@@ -47,17 +48,16 @@ private:
         }
     };
 
-    struct Distance {
+    struct Closest {
         View<const BodyView> bodies;
         View<const Ray> rays;
-        View<double> distances;
+        View<std::uint32_t> triangles;
 
         void operator()(std::uint32_t i) const {
             const Surface surface = bodies[rays[i].target].surface();
-            double nearest = distance_limit(bodies[rays[i].target]);
-            for (std::uint32_t t = 0; t < surface.triangles.size; ++t)
-                nearest = min_of(distance_to(rays[i].origin, surface, t), nearest);
-            distances[i] = nearest;
+            triangles[i] = closest_triangle(rays[i], surface, [&](ClosestSearch& search) {
+                for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
+            });
         }
     };
 };

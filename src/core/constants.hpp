@@ -81,9 +81,6 @@ inline constexpr double march_cells = 8;
 /// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 
-/// Triangles a re-projection looks at on its way to the closest point at most: the paper's walks are as long.
-inline constexpr std::uint32_t reprojection_steps = 64;
-
 /// Items that share a body's partners in the sweep: one alone would be the whole step's longest on a GPU.
 inline constexpr std::uint32_t sweep_walks = 8;
 

@@ -27,8 +27,8 @@ struct Contact {
     Side source = Side::a;  ///< the body the vertex belongs to; the other one is the target
     bool grazing = false;   ///< the ray meets the triangle so flatly that the depth is uncertain
     Found found = Found::full;
-    bool reprojected = false;  ///< it ends where the target's surface is closest nearby, not where the inward ray does
-    std::uint32_t vertex = 0;  ///< of the source; of an edge, the first of its two
+    bool reprojected = false;            ///< it ends where the target's surface is closest, not where the inward ray does
+    std::uint32_t vertex = 0;            ///< of the source; of an edge, the first of its two
     std::uint32_t edge_end = no_vertex;  ///< second vertex of the source's edge; no_vertex if a vertex is in contact
     std::uint32_t edge = 0;              ///< of the source's mesh, if an edge is in contact
     std::uint32_t chord = 0;             ///< which of the edge's parts inside the target, counted from its first vertex

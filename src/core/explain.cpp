@@ -191,7 +191,7 @@ std::string Explanation::text() const {
                     ", measured along the direction in which the two separate soonest, as the pair "
                     "has no contact along an inward ray"};
                 s += how[static_cast<int>(contact->found)];
-                if (contact->reprojected) s += ", then moved to the closest point nearby";
+                if (contact->reprojected) s += ", then moved to the closest point";
             }
             s += ".";
             break;

@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "pierce/core/closest_point.hpp"
 #include "pierce/core/mesh.hpp"
 #include "pierce/core/ray.hpp"
 #include "pierce/core/triangle.hpp"
@@ -141,14 +140,6 @@ PIERCE_HD inline bool leads_out(const Ray& ray, const Surface& surface, std::uin
         cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
                        to_double(surface.positions[t.vertex[1]]), to_double(surface.positions[t.vertex[2]]));
     return crossing.kind == Crossing::coplanar || crossing.sign > 0;
-}
-
-/// Distance from `p` to a triangle of the surface.
-PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    return length(p - closest_on_triangle(p, to_double(surface.positions[t.vertex[0]]),
-                                          to_double(surface.positions[t.vertex[1]]),
-                                          to_double(surface.positions[t.vertex[2]])));
 }
 
 /// The triangle through which a ray first crosses a surface, or none. `show(search)` calls search.test() for every

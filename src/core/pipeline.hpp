@@ -369,17 +369,19 @@ private:
             stages::KeepSeparated{view_of(values_), before, candidates, view_of(batch_.candidates), view_of(batch_.keep)});
     }
 
-    /// Contacts move to the closest point of the target's surface nearby.
+    /// Contacts move to the closest point of the target's surface.
     void reproject(const Scene& scene) {
         const Count count = count_of(batch_.candidates);
         aimed_.resize(count);
         accepted_.resize(count);
-        executor_.for_each(
-            "aim_at_closest", count,
-            stages::AimAtClosest{scene.bodies, view_of(batch_.rays), view_of(batch_.sources), view_of(batch_.hits),
-                                 view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
-                                 view_of(aimed_.rays), view_of(aimed_.sources), view_of(accepted_)});
+        executor_.for_each("limit_to_depth", count,
+                           stages::LimitToDepth{scene.bodies, view_of(batch_.rays), view_of(batch_.sources),
+                                                view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
+                                                view_of(aimed_.rays), view_of(aimed_.sources)});
         tools_.update(scene.bodies, aimed_.rays);
+        tools_.closest("closest", scene.bodies, aimed_.rays, closest_);
+        executor_.for_each("aim_at_closest", count,
+                           stages::AimAtClosest{scene.bodies, view_of(closest_), view_of(aimed_.rays), view_of(accepted_)});
         tools_.trace("trace_aimed", scene.bodies, aimed_.rays, aimed_.hits);
         test_inside(scene.bodies, aimed_, {});
         executor_.for_each("accept_aimed", count_of(aimed_.candidates),
@@ -423,17 +425,17 @@ private:
                                             view_of(batch_.hits), view_of(full_slots_), view_of(records_)},
                         uncertain_);
         full_rays_.resize(uncertain);
-        distances_.resize(uncertain);
         executor_.for_each("prolong_rays", uncertain,
                            stages::ProlongRay{scene.bodies, view_of(batch_.rays), view_of(full_slots_), view_of(uncertain_),
                                               view_of(full_rays_)});
         tools_.update(scene.bodies, full_rays_);
         tools_.trace("prove", scene.bodies, full_rays_, full_hits_);
-        tracer_.distances(executor_, "distances", scene.bodies, uncertain, view_of(full_rays_), view_of(distances_));
+        executor_.for_each("limit_to_certificate", uncertain,
+                           stages::LimitToCertificate{scene.bodies, view_of(full_hits_), view_of(full_rays_)});
+        tools_.closest("closest", scene.bodies, full_rays_, closest_);
         executor_.for_each("certify", uncertain,
                            stages::Certify{scene.bodies, view_of(directed_), view_of(batch_.sources), view_of(full_slots_),
-                                           view_of(uncertain_), view_of(full_rays_), view_of(full_hits_),
-                                           view_of(distances_), view_of(records_)});
+                                           view_of(uncertain_), view_of(full_rays_), view_of(closest_), view_of(records_)});
     }
 
     // Stage 12. What the step did; sums in contact order.
@@ -469,9 +471,8 @@ private:
     Buffer<Hit> own_hits_, full_hits_;
     Buffer<Route> routes_;
     Buffer<Found> found_;
-    Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_;
+    Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_, closest_;
     Buffer<stages::WalkCount> walk_counts_;
-    Buffer<double> distances_;
     Buffer<Contact> contacts_;
     Sum<stages::ContactSums> contact_sums_;
     Sum<stages::WalkSums> walk_sums_;

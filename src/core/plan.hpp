@@ -16,7 +16,7 @@ struct Plan {
     bool moving = false;                ///< anything can touch at all
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
-    bool reprojects = false;            ///< contacts move to the closest point nearby
+    bool reprojects = false;            ///< contacts move to the closest point of the target's surface
     Coverage coverage = Coverage::vertices;
     Temporal temporal = Temporal::off;
     std::vector<std::string> stages;  ///< names, in the order they run

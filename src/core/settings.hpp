@@ -25,8 +25,7 @@ struct Settings {
     double open_body_range = constants::open_body_range;
 
     Coverage coverage = Coverage::vertices;
-    /// Contacts move from where their ray leaves the target to the closest point of its surface nearby: less depth, never
-    /// more.
+    /// Contacts move from where their ray leaves the target to the closest point of its surface: less depth, never more.
     bool reproject = false;
 
     Temporal temporal = Temporal::certified;

@@ -76,6 +76,12 @@ public:
         tracer.closest_hits(executor, name, bodies, count_of(rays), view_of(rays), view_of(hits));
     }
 
+    /// The triangle closest to each ray's origin, t_max away at most.
+    void closest(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<std::uint32_t>& triangles) {
+        triangles.resize(count_of(rays));
+        tracer.closest_triangles(executor, name, bodies, count_of(rays), view_of(rays), view_of(triangles));
+    }
+
     E& executor;
     T& tracer;
 

@@ -17,11 +17,6 @@ struct TracerCounts {
     std::uint64_t triangle_tests = 0;
 };
 
-/// Surfaces further away than this need not be found [length].
-PIERCE_HD inline double distance_limit(const BodyView& target) {
-    return constants::certificate_limit * target.mesh.mean_edge_length;
-}
-
 /// A ray through `first` (Ray -> Hit: its first crossing); where that leads out of nothing, the outward ray in the same
 /// task: an entry within `ray.outward` is a prediction.
 template <class First>
@@ -37,15 +32,16 @@ PIERCE_HD Hit hit_or_prediction(const Ray& ray, const Surface& surface, First fi
     return {ahead.triangle, true};
 }
 
-/// Finds the triangle each ray crosses first (the meaning is CrossingSearch's). Must give the same answer as
-/// BruteForceTracer for every ray whose origin lies within the target's box, grown by a few touch tolerances.
+/// Finds the triangle each ray crosses first (the meaning is CrossingSearch's), and the one closest to its origin
+/// (ClosestSearch's). Must give the same answers as BruteForceTracer for every ray whose origin lies within the target's
+/// box, grown by a few touch tolerances.
 template <class T, class E>
 concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies, View<const std::uint32_t> wanted,
-                          typename E::Count count, View<const Ray> rays, View<Hit> hits, View<double> distances) {
+                          typename E::Count count, View<const Ray> rays, View<Hit> hits, View<std::uint32_t> triangles) {
     tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit their positions
     tracer.closest_hits(executor, "trace", bodies, count, rays, hits);
-    // Distance from each ray's origin to its target's surface, distance_limit(target) at most.
-    tracer.distances(executor, "distance", bodies, count, rays, distances);
+    // The triangle of its target that is closest to each ray's origin; no_triangle if that is further away than t_max.
+    tracer.closest_triangles(executor, "closest", bodies, count, rays, triangles);
     { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };
 

@@ -158,12 +158,13 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<co
     }
 }
 
-void EmbreeTracer::distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
-                             View<const Ray> rays, View<double> found) {
+void EmbreeTracer::closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
+                                     std::uint32_t count, View<const Ray> rays, View<std::uint32_t> triangles) {
     State& s = *state_;
     executor.for_each(name, count, [&](std::uint32_t i) {
         const std::uint32_t target = rays[i].target;
-        found[i] = s.trees[target]->distance(rays[i].origin, distance_limit(bodies[target]));
+        triangles[i] = closest_triangle(rays[i], bodies[target].surface(),
+                                        [&](ClosestSearch& search) { s.trees[target]->show_near(search); });
     });
 }
 

@@ -21,8 +21,8 @@ public:
     void update(TbbExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted);
     void closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
                       View<const Ray> rays, View<Hit> hits);
-    void distances(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
-                   View<const Ray> rays, View<double> found);
+    void closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
+                           View<const Ray> rays, View<std::uint32_t> triangles);
     TracerCounts counts(const TbbExecutor&) const;
 
 private:

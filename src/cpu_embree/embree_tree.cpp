@@ -32,7 +32,7 @@ Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, double max_c
     rtcSetGeometryUserData(geometry_, this);
     rtcSetGeometryBoundsFunction(geometry_, bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry_, intersect);
-    rtcSetGeometryPointQueryFunction(geometry_, measure);
+    rtcSetGeometryPointQueryFunction(geometry_, test_near);
     if (kind == TreeKind::moving) {
         // Refitting needs all three; with any other scene quality Embree rebuilds without saying so.
         rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC));
@@ -84,35 +84,30 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     return search.hit();
 }
 
-namespace {
+/// One point on its way through Embree.
+struct Tree::PointQuery {
+    ClosestSearch* search = nullptr;
+    double slack = 0;  ///< how much further than the search's limit Embree looks
 
-/// A point on its way through Embree.
-struct PointQuery {
-    const Surface* surface = nullptr;
-    Vec3d point;
-    double nearest = 0;
-    double slack = 0;  ///< how much further than the nearest surface Embree looks
+    float radius() const { return round_up(search->limit() + slack); }
 };
 
-}  // namespace
-
-double Tree::distance(Vec3d p, double limit) const {
-    PointQuery query{&surface_, p, limit, 2.0 * static_cast<double>(margin_)};
+void Tree::show_near(ClosestSearch& search) const {
+    PointQuery query{&search, 2.0 * static_cast<double>(margin_)};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    const Vec3f at = to_float(p);
-    RTCPointQuery embree_query{at.x, at.y, at.z, 0.0f, round_up(limit + query.slack)};
+    const Vec3f at = to_float(search.point());
+    RTCPointQuery embree_query{at.x, at.y, at.z, 0.0f, query.radius()};
     rtcPointQuery(scene_, &embree_query, &context, nullptr, &query);
-    return query.nearest;
 }
 
-bool Tree::measure(RTCPointQueryFunctionArguments* arguments) {
-    PointQuery& query = *static_cast<PointQuery*>(arguments->userPtr);
-    const double distance = distance_to(query.point, *query.surface, arguments->primID);
-    if (!(distance < query.nearest)) return false;
-    query.nearest = distance;
-    arguments->query->radius = round_up(distance + query.slack);
-    return true;
+bool Tree::test_near(RTCPointQueryFunctionArguments* arguments) {
+    const PointQuery& query = *static_cast<const PointQuery*>(arguments->userPtr);
+    query.search->test(arguments->primID);
+    // Shortening the radius is all that Embree needs to know of a find.
+    const float before = arguments->query->radius;
+    arguments->query->radius = min_of(query.radius(), before);
+    return arguments->query->radius < before;
 }
 
 void Tree::bounds(const RTCBoundsFunctionArguments* arguments) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/closest_search.hpp"
 #include "pierce/core/first_crossing.hpp"
 #include "pierce/core/refit_policy.hpp"
 #include "pierce/cpu_embree/embree_api.hpp"
@@ -23,8 +24,8 @@ public:
     /// The triangle the ray crosses first; adds the number of triangles tested to `tests`.
     Hit trace(const Ray& ray, std::uint32_t& tests) const;
 
-    /// Distance from `p` to the surface, or `limit` if that is nearer.
-    double distance(Vec3d p, double limit) const;
+    /// Shows a search all triangles that may be closest to its point.
+    void show_near(ClosestSearch& search) const;
 
     std::uint32_t triangle_count() const { return surface_.triangles.size; }
 
@@ -32,10 +33,11 @@ public:
 
 private:
     struct Query;
+    struct PointQuery;
 
     static void bounds(const RTCBoundsFunctionArguments* arguments);
     static void intersect(const RTCIntersectFunctionNArguments* arguments);
-    static bool measure(RTCPointQueryFunctionArguments* arguments);
+    static bool test_near(RTCPointQueryFunctionArguments* arguments);
     void set_surface(const Surface& surface, double max_coordinate);
 
     Surface surface_;

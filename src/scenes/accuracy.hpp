@@ -25,6 +25,14 @@ struct Accuracy {
     double pair_depth = 0;              ///< [length] summed over pairs found: of their deepest vertex
     double found_pair_depth = 0;        ///< [length] of their deepest contact
 
+    /// Part of the pairs that was missed [1].
+    double missed_pairs_share() const {
+        return pairs > 0 ? static_cast<double>(missed_pairs) / static_cast<double>(pairs) : 0;
+    }
+    /// Part of the vertices that was missed [1].
+    double missed_vertex_share() const {
+        return vertices > 0 ? static_cast<double>(missed_vertices) / static_cast<double>(vertices) : 0;
+    }
     /// Parts of the depth that was missed [1].
     double missed_share() const { return depth > 0 ? missed_depth / depth : 0; }
     double missed_pair_share() const { return depth > 0 ? missed_pair_depth / depth : 0; }

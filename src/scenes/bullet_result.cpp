@@ -57,10 +57,13 @@ FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet:
         sum += c.depth;
         result.penetration_max = std::max(result.penetration_max, c.depth);
         result.touching.emplace_back(c.a, c.b);
+        if (c.depth > 0) result.penetrating.emplace_back(c.a, c.b);
     }
     if (result.contacts > 0) result.penetration_mean = sum / result.contacts;
-    std::ranges::sort(result.touching);
-    result.touching.erase(std::unique(result.touching.begin(), result.touching.end()), result.touching.end());
+    for (auto* pairs : {&result.touching, &result.penetrating}) {
+        std::ranges::sort(*pairs);
+        pairs->erase(std::unique(pairs->begin(), pairs->end()), pairs->end());
+    }
     return result;
 }
 

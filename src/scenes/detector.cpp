@@ -170,12 +170,14 @@ FrameResult SceneWorld::result() const {
     result.hash = contact_hash(world.contacts());
     BodyId last_a, last_b;
     for (const Contact& c : world.contacts()) {
-        if (c.a == last_a && c.b == last_b) continue;
+        if (c.a != last_a || c.b != last_b) result.touching.emplace_back(index_of(c.a), index_of(c.b));
         last_a = c.a;
         last_b = c.b;
-        result.touching.emplace_back(index_of(c.a), index_of(c.b));
+        const bool known = !result.penetrating.empty() && result.penetrating.back() == result.touching.back();
+        if (c.penetration_depth() > 0 && !known) result.penetrating.push_back(result.touching.back());
     }
     std::ranges::sort(result.touching);
+    std::ranges::sort(result.penetrating);
     return result;
 }
 

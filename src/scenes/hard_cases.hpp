@@ -22,7 +22,8 @@ struct HardRay {
     MeshData mesh;
     Vec3d origin, direction;  ///< the direction need not be unit
     Meets meets = Meets::nothing;
-    double t = 0;  ///< [length]; zero where nothing is met
+    double t = 0;          ///< [length]; zero where nothing is met
+    bool differs = false;  ///< from the exact answer: see HardCase::differs
 };
 
 /// What two bodies' contacts are under one coverage.
@@ -36,10 +37,11 @@ struct HardContacts {
     bool any() const { return separated || vertices_a + vertices_b + edges_a + edges_b > 0; }
 };
 
-/// Two meshes, their positions as they stand, and their contacts.
+/// Two meshes, their positions as they stand, how far they overlap, and their contacts.
 struct HardBodies {
     std::string situation;
     MeshData a, b;
+    double parting = 0;  ///< exact: the shortest move that parts them [length]; zero: they touch; negative: they are apart
     HardContacts vertices, complete;
     double reprojected = -1;  ///< the deepest once contacts are re-projected, by vertices [length]; negative: not part of it
 };

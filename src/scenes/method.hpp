@@ -40,7 +40,8 @@ struct FrameResult {
     double narrow_ms = 0;                  ///< which bodies touch, and where
     double response_ms = 0;                ///< depth and normal, in the form a solver works on
     double total_ms = 0;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;  ///< indices into the scene's bodies, sorted
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;     ///< indices into the scene's bodies, sorted
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> penetrating;  ///< of these, with a contact of some depth
     std::uint32_t pairs = 0, rays = 0, hits = 0, contacts = 0;
     std::uint32_t edges = 0, chords = 0, edge_contacts = 0, separated_pairs = 0, reprojected = 0;
     std::uint32_t certified = 0, walks = 0, walk_steps = 0, lost_walks = 0, predictions = 0, predictions_true = 0;

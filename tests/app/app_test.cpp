@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
+#include <sstream>
 
 #include "app/command.hpp"
 
@@ -12,6 +15,44 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
+
+/// Rows by the names of their columns.
+struct Csv {
+    std::vector<std::map<std::string, std::string>> rows;
+
+    /// Of the row whose `name` it is; NaN if there is none.
+    double number(const std::string& name, const std::string& column) const {
+        for (const auto& row : rows)
+            if (row.at("name") == name) return std::stod(row.at(column));
+        return NAN;
+    }
+    /// Numbers of all rows; throws if there is no such column.
+    std::vector<double> column(const std::string& name) const {
+        std::vector<double> values;
+        for (const auto& row : rows) values.push_back(std::stod(row.at(name)));
+        return values;
+    }
+    bool has_column(const std::string& name) const { return !rows.empty() && rows.front().contains(name); }
+};
+
+Csv read_csv(const fs::path& file) {
+    std::ifstream in(file);
+    const auto cells = [&](std::vector<std::string>& list) {
+        std::string line, cell;
+        if (!std::getline(in, line)) return false;
+        list.clear();
+        for (std::istringstream parts(line); std::getline(parts, cell, ',');) list.push_back(cell);
+        return true;
+    };
+    std::vector<std::string> names, values;
+    cells(names);
+    Csv csv;
+    while (cells(values)) {
+        auto& row = csv.rows.emplace_back();
+        for (std::size_t i = 0; i < values.size(); ++i) row[names.at(i)] = values[i];
+    }
+    return csv;
+}
 
 TEST_F(AppTest, ListsScenesAndPlans) {
     EXPECT_THAT(pierce("scenes").text, testing::AllOf(HasSubstr("tori"), HasSubstr("bunnies")));
@@ -90,14 +131,90 @@ TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
 }
 
 TEST_F(AppTest, ReportsOnThePaper) {
-    const Outcome report = pierce("report paper --count 3 --seconds 1 --out " + path("report"));
+    const Outcome report =
+        pierce("report paper --count 4 --bunnies 3 --seconds 1.5 --runs 2 --truth-every 2 --out " + path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     std::ifstream in(folder / "report" / "report.md");
     const std::string page{std::istreambuf_iterator<char>(in), {}};
-    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9"})
+    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9", "R²"})
         EXPECT_THAT(page, HasSubstr(part));
     for (const char* file : {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
         EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
+
+    for (const std::string figure : {"10", "11", "12", "13"}) {
+        EXPECT_THAT(page, HasSubstr("## Figure " + figure));
+        const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv")),
+                  closed = read_csv(folder / ("report/figure_" + figure + "_closed.csv"));
+        for (const char* name : {"time", "rays", "GJK/EPA", "truth"}) EXPECT_TRUE(open.has_column(name)) << figure << name;
+        for (const char* name : {"time", "rays", "truth of the rays' motion", "GJK/EPA", "truth of GJK/EPA's motion"})
+            EXPECT_TRUE(closed.has_column(name)) << figure << name;
+    }
+    for (const std::string figure : {"10", "12"}) {
+        const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv"));
+        const std::vector<double> truth = open.column("truth"), rays = open.column("rays by some depth");
+        ASSERT_EQ(truth.size(), 45u) << "every second of 90 frames";
+        EXPECT_GT(std::ranges::max(rays), 1);
+        for (std::size_t i = 0; i < truth.size(); ++i)
+            EXPECT_GE(truth[i], rays[i]) << "rays from vertices invent no pair; figure " << figure << " row " << i;
+    }
+    const Csv steps = read_csv(folder / "report/figure_14.csv");
+    const std::vector<double> dt = steps.column("dt"), mean = steps.column("mean"), most = steps.column("maximum"),
+                              deviation = steps.column("standard deviation");
+    ASSERT_EQ(dt.size(), 7u);
+    EXPECT_NEAR(dt.back(), 8.0 / 120, 1e-6);
+    for (std::size_t i = 0; i < 7; ++i) {
+        EXPECT_GT(mean[i], 0);
+        EXPECT_GT(most[i], mean[i]);
+        EXPECT_LT(deviation[i], most[i]);
+    }
+    for (const std::string name : {"mean", "maximum", "standard deviation"}) {
+        const std::vector<double> measured = steps.column(name), line = steps.column(name + " (line)");
+        double off = 0, turned = 0;
+        for (std::size_t i = 0; i < 7; ++i) {
+            const double residual = (measured[i] - line[i]) / measured[6];
+            off += residual;
+            turned += residual * dt[i] / dt[6];
+        }
+        EXPECT_NEAR(off, 0, 1e-4) << "a line of least squares leaves nothing on average";
+        EXPECT_NEAR(turned, 0, 1e-4) << "nor along it";
+    }
+}
+
+TEST_F(AppTest, ReportsOnAccuracy) {
+    const Outcome report =
+        pierce("report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " + path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    const fs::path out = folder / "report";
+    std::ifstream in(out / "report.md");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    for (const char* part : {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
+                             "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
+        EXPECT_THAT(page, HasSubstr(part));
+    for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft"}) {
+        const Csv csv = read_csv(out / (std::string(name) + ".csv"));
+        EXPECT_GT(csv.number("full", "ms"), 0) << name;
+        EXPECT_GT(csv.number("complete", "pairs"), 0) << name;
+        for (const char* method : {"complete", "reprojected"})
+            for (const char* column : {"missed_pairs", "false_pairs"})
+                EXPECT_EQ(csv.number(method, column), 0) << name << ' ' << method << ' ' << column;
+        for (const char* column : {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
+            EXPECT_TRUE(std::isfinite(csv.number("reprojected", column))) << name << ' ' << column;
+    }
+    const Csv resolution = read_csv(out / "f7_resolution.csv"), depth = read_csv(out / "f9_depth.csv"),
+              hard = read_csv(out / "hard_cases.csv");
+    ASSERT_EQ(resolution.rows.size(), 9u);
+    for (const auto& row : resolution.rows) EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
+    ASSERT_EQ(depth.rows.size(), 6u);
+    for (const auto& row : depth.rows) {
+        EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
+        EXPECT_NEAR(std::stod(row.at("re-projected p95")), 1, 0.1);
+    }
+    std::set<std::string> cases;
+    for (const auto& row : hard.rows) cases.insert(row.at("case"));
+    EXPECT_EQ(cases.size(), 25u);
+    for (const char* at : {"vertices", "edges"})
+        for (const auto& row : read_csv(out / ("f6_leaks_" + std::string(at) + ".csv")).rows)
+            EXPECT_EQ(row.at("pierce"), "0") << "offset " << row.at("offset");
 }
 
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
@@ -167,7 +284,7 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --seconds -1", "--seconds");
     expect_refused("run tori --count 0", "--count");
     expect_refused("run tori --method sat", "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
-    expect_refused("run tori --backend cuda", "unknown backend 'cuda'");
+    expect_refused("run tori --backend vulkan", "unknown backend 'vulkan'");
     expect_refused("run tori --count 1 --soft --method gimpact", "soft bodies");
     expect_refused("run tori --count 1 --json /nowhere/x.json", "/nowhere/x.json");
     expect_refused("run tori --count 1 --method gimpact --png " + path("x.png"), "--png");
@@ -176,6 +293,8 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --predict maybe", "--predict");
     expect_refused("run tori --full-every 0", "--full-every");
     expect_refused("report paper --out /proc/nowhere", "/proc/nowhere");
+    expect_refused("report accuracy --out /proc/nowhere", "/proc/nowhere");
+    expect_refused("report accuracy --out " + path("report") + " --every 0", "--every");
     expect_refused("report", "subcommand");
     expect_refused("replay " + path("nothing"), "nothing");
     expect_refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");

@@ -8,6 +8,7 @@
 #include "pierce/core/closest_point.hpp"
 #include "pierce/core/mesh_edges.hpp"
 #include "pierce/core/world.hpp"
+#include "pierce/scenes/scene.hpp"
 #include "pierce/scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
@@ -57,6 +58,13 @@ double distance_to_surface(Vec3d p, const MeshData& mesh, const Pose& pose) {
     return best;
 }
 
+/// Distances to a surface shorter than this are rounding.
+double least_depth(const MeshData& mesh) {
+    Box box;
+    for (Vec3f p : mesh.positions) box.extend(to_double(p));
+    return 10 * constants::touch_tolerance * box.extent();
+}
+
 struct Two {
     World world;
     std::array<MeshData, 2> data;
@@ -80,7 +88,30 @@ struct Two {
         }
         world.detect();
     }
+
+    /// Rigid bodies to where `solid` does not follow.
+    void move(const Pose& a, const Pose& b) {
+        pose = {a, b};
+        for (std::size_t k = 0; k < 2; ++k) world.set_pose(body[k], pose[k]);
+        world.detect();
+    }
 };
+
+/// Of every vertex in contact: the contact's depth over the vertex's distance to the target's surface.
+void add_depth_ratios(const Two& two, std::vector<double>& ratios) {
+    for (const Contact& c : two.world.contacts()) {
+        const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
+        const Vec3d p = source == 0 ? c.point_a : c.point_b;
+        const double distance = distance_to_surface(p, two.data[target], two.pose[target]);
+        if (distance > least_depth(two.data[target])) ratios.push_back(c.penetration_depth() / distance);
+    }
+    std::ranges::sort(ratios);
+}
+
+/// Of a sorted list.
+double quantile(const std::vector<double>& sorted, double part) {
+    return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+}
 
 class CoverageTest : public testing::TestWithParam<test::NamedBackend> {};
 
@@ -217,10 +248,10 @@ TEST_P(CoverageTest, BodiesInsideEachOther) {
         Two(GetParam(), complete(), scenes::sphere(0.02, 1), {{0.95, 0, 0}, {}}, hollow, {}).world.contacts().empty());
 }
 
-TEST_P(CoverageTest, ReprojectionNeverDeepens) {
+TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointAndNeverDeepens) {
     test::Random random(77);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
-    std::size_t moved = 0, local_minima = 0;
+    std::size_t moved = 0;
     for (int i = 0; i < 60 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
         const Pose a{random.in_box(0.5), random.rotation()}, b{random.in_box(0.5), random.rotation()};
@@ -237,19 +268,61 @@ TEST_P(CoverageTest, ReprojectionNeverDeepens) {
             const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
             const Vec3d p = source == 0 ? c.point_a : c.point_b, q = source == 0 ? c.point_b : c.point_a;
             const double closest = distance_to_surface(p, two.data[target], two.pose[target]);
-            EXPECT_GE(c.penetration_depth(), closest - 1e-6);
+            EXPECT_NEAR(c.penetration_depth(), closest, 1e-6);
             EXPECT_LT(distance_to_surface(q, two.data[target], two.pose[target]), 1e-6);
-            MeshData beside{two.data[target].positions, {}};
-            for (std::uint32_t t : two.world.mesh(two.world.mesh_of(two.body[target])).view().neighbors[c.triangle].across)
-                if (t != no_triangle) beside.triangles.push_back(two.data[target].triangles[t]);
-            local_minima += c.penetration_depth() < distance_to_surface(p, beside, two.pose[target]) + 1e-6;
             if (c.penetration_depth() < 1e-3) continue;
             EXPECT_TRUE(test::is_inside(middle_of(exact(p), exact(q)), two.solid[target]));
         }
     }
     EXPECT_GT(moved, 1000u);
-    // The way to the closest point may be barred by another part of the surface, or be a long one.
-    EXPECT_GT(static_cast<double>(local_minima), 0.9 * static_cast<double>(moved));
+}
+
+TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const MeshData ball = scenes::sphere(1, 4);
+    ASSERT_EQ(ball.triangles.size(), 5120u);
+    for (double overlap : {0.025, 0.25}) {
+        SCOPED_TRACE("overlap of " + std::to_string(overlap) + " diameters");
+        const Pose a{{}, random.rotation()}, b{(2 - 2 * overlap) * random.unit_vector(), random.rotation()};
+        std::vector<double> rays, moved;
+        add_depth_ratios(Two(GetParam(), {}, ball, a, ball, b), rays);
+        add_depth_ratios(Two(GetParam(), {.reproject = true}, ball, a, ball, b), moved);
+        ASSERT_GT(moved.size(), 50u);
+        EXPECT_EQ(moved.size(), rays.size());
+        EXPECT_GT(quantile(rays, 0.5), 1 + overlap) << "inward rays are longer";
+        EXPECT_GT(moved.front(), 1 - 1e-6);
+        EXPECT_LT(moved.back(), 1.001);
+    }
+}
+
+TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) {
+    // In bands of distance between the bodies' middles, as parts of the diameter of the ball around them.
+    test::Random random(32);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (const char* scene : {"tori", "bunnies"}) {
+        const MeshData mesh = scenes::make_scene(scene, {1}).meshes[1].data;
+        double diameter = 0;
+        for (Vec3f p : mesh.positions) diameter = std::max(diameter, 2 * length(to_double(p)));
+        Two plain(GetParam(), {}, mesh, {}, mesh, {}), reprojecting(GetParam(), {.reproject = true}, mesh, {}, mesh, {});
+        for (const auto& [nearest, farthest] : {std::pair{0.05, 0.5}, {0.5, 1.0}}) {
+            SCOPED_TRACE(scene + (" at " + std::to_string(nearest)));
+            std::vector<double> rays, moved;
+            for (int i = 0; i < 200 && moved.size() < 100; ++i) {
+                const double apart = random.uniform(nearest, farthest) * diameter;
+                const Pose a{{}, random.rotation()}, b{apart * random.unit_vector(), random.rotation()};
+                for (Two* two : {&plain, &reprojecting}) two->move(a, b);
+                add_depth_ratios(plain, rays);
+                add_depth_ratios(reprojecting, moved);
+            }
+            ASSERT_GE(moved.size(), 100u);
+            EXPECT_EQ(moved.size(), rays.size());
+            EXPECT_GT(quantile(rays, 0.5), 1.02) << "inward rays are longer";
+            EXPECT_GT(moved.front(), 1 - 1e-4);
+            EXPECT_LT(quantile(moved, 0.5), 1.02);
+            EXPECT_LT(quantile(moved, 0.95), 1.1);
+        }
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, CoverageTest, testing::ValuesIn(test::backends()), test::backend_name);

@@ -373,17 +373,17 @@ TEST_P(BvhTest, HitsWhatBruteForceHits) {
     EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
 }
 
-TEST_P(BvhTest, MeasuresTheDistancesOfBruteForce) {
+TEST_P(BvhTest, FindsTheClosestTrianglesOfBruteForce) {
     const Bodies bodies(many_meshes(random_));
     const std::vector<Ray> rays = random_rays(random_, bodies.views(), 50);
     const auto measure = [&](auto tracer) {
         SerialExecutor executor;
-        std::vector<double> distances(rays.size());
+        std::vector<std::uint32_t> triangles(rays.size());
         const std::vector<std::uint32_t> wanted(bodies.views().size, 1);
         tracer.update(executor, bodies.views(), view_of(wanted));
-        tracer.distances(executor, "distance", bodies.views(), static_cast<std::uint32_t>(rays.size()), view_of(rays),
-                         view_of(distances));
-        return distances;
+        tracer.closest_triangles(executor, "closest", bodies.views(), static_cast<std::uint32_t>(rays.size()), view_of(rays),
+                                 view_of(triangles));
+        return triangles;
     };
     EXPECT_EQ(measure(BvhTracer<SerialExecutor>(GetParam())), measure(BruteForceTracer()));
 }

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pierce/core/first_crossing.hpp"
+#include "pierce/core/closest_search.hpp"
 #include "pierce/scenes/shapes.hpp"
 #include "support/random.hpp"
 

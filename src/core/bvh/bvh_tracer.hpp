@@ -43,17 +43,18 @@ struct Trace {
     }
 };
 
-/// Per ray: the distance of its origin to its target's surface.
-struct Distance {
+/// Per ray: the triangle closest to its origin.
+struct Closest {
     View<const BodyView> bodies;
     Forest forest;
     View<const Ray> rays;
-    View<double> distances;
+    View<std::uint32_t> triangles;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BodyView& body = bodies[rays[i].target];
-        distances[i] = distance(forest, forest.trees[forest.tree_of_body[rays[i].target]], body.surface(), rays[i].origin,
-                                distance_limit(body));
+        const std::uint32_t target = rays[i].target;
+        triangles[i] = closest_triangle(rays[i], bodies[target].surface(), [&](ClosestSearch& search) {
+            show_near(forest, forest.trees[forest.tree_of_body[target]], search);
+        });
     }
 };
 
@@ -108,9 +109,9 @@ public:
         executor.for_each(name, count, bvh::Trace{bodies, forest(), rays, hits, view_of(work_)});
     }
 
-    void distances(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
-                   View<double> distances) {
-        executor.for_each(name, count, bvh::Distance{bodies, forest(), rays, distances});
+    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
+                           View<std::uint32_t> triangles) {
+        executor.for_each(name, count, bvh::Closest{bodies, forest(), rays, triangles});
     }
 
     /// True if the next update builds trees.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pierce/core/bvh/forest.hpp"
+#include "pierce/core/closest_search.hpp"
 #include "pierce/core/first_crossing.hpp"
 
 namespace pierce::bvh {
@@ -105,27 +106,31 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
     }
 }
 
-/// The distance from a point to a tree's surface, `limit` at most.
-PIERCE_HD inline double distance(const Forest& forest, const Tree& tree, const Surface& surface, Vec3d p, double limit) {
-    double nearest = limit;
+/// Shows a search all triangles that may be closest to its point, near ones first. A tree that is deeper than the stack
+/// shows all it has from there.
+PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, ClosestSearch& search) {
     ItemStack stack;
     Item item = tree.root;
     while (true) {
         if (item.is_leaf()) {
-            nearest = min_of(distance_to(p, surface, item.index()), nearest);
+            search.test(item.index());
         } else {
             const Node& node = forest.nodes[item.index()];
-            for (int side = 0; side < 2; ++side) {
-                const Box box{to_double(node.box[side].lower), to_double(node.box[side].upper)};
-                if (!((1 - constants::double_rounding) * box.distance(p) < nearest)) continue;
+            double gap[2];
+            for (int side = 0; side < 2; ++side)
+                gap[side] = Box{to_double(node.box[side].lower), to_double(node.box[side].upper)}.distance(search.point());
+            const int first = gap[1] < gap[0] ? 1 : 0;
+            for (int k = 0; k < 2; ++k) {
+                const int side = k == 0 ? 1 - first : first;
+                if (gap[side] > search.limit()) continue;
                 if (stack.full()) {
-                    for (std::uint32_t t = 0; t < tree.count; ++t) nearest = min_of(distance_to(p, surface, t), nearest);
-                    return nearest;
+                    for (std::uint32_t t = 0; t < tree.count; ++t) search.test(t);
+                    return;
                 }
                 stack.push(node.child[side]);
             }
         }
-        if (stack.empty()) return nearest;
+        if (stack.empty()) return;
         item = stack.pop();
     }
 }

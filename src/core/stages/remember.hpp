@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/closest_search.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
 #include "pierce/core/stages/walk.hpp"
 
@@ -85,25 +86,41 @@ struct ProlongRay {
     }
 };
 
+/// Per uncertain vertex: how near its target has to be to matter. Where the prolonged ray has met something there is no
+/// proof and nothing to ask.
+struct LimitToCertificate {
+    View<const BodyView> bodies;
+    View<const Hit> hits;
+    View<Ray> prolonged;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const double limit = constants::certificate_limit * bodies[prolonged[i].target].mesh.mean_edge_length;
+        prolonged[i].t_max = hits[i].triangle == no_triangle ? limit : -1.0;
+    }
+};
+
 /// Per uncertain vertex: until when it needs no ray. Its distance to the surface is how far it may move first.
 struct Certify {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const RaySource> sources;
     View<const std::uint32_t> slots, uncertain;
-    View<const Ray> prolonged;
-    View<const Hit> hits;          ///< of the prolonged rays
-    View<const double> distances;  ///< [length] to the target's surface; capped
+    View<const Ray> limited;
+    View<const std::uint32_t> closest;  ///< triangles of the target, within the limit
     View<VertexRecord> records;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[uncertain[i]];
-        const BodyView& target = bodies[prolonged[i].target];
+        const BodyView& target = bodies[limited[i].target];
         const RaySource from = sources[slot];
         const DirectedPair& d = directed[2 * from.pair + from.side];
         VertexRecord& record = records[slot];
-        const bool outside = hits[i].triangle == no_triangle;
-        const double free = outside ? max_of(distances[i] - 2 * target.touch, 0.0) : 0.0;
+        const Ray& ray = limited[i];
+        const double distance =
+            closest[i] == no_triangle ? ray.t_max : distance_to(ray.origin, target.surface(), closest[i]);
+        const double free = max_of(distance - 2 * target.touch, 0.0);
         record.expiry = d.odometer + static_cast<float>(free);
         // A proof costs as much as a few rays: one that would hold for less is not worth it.
         record.retry = d.odometer + max_of(static_cast<float>(free), constants::certificate_steps * d.step);

@@ -1,0 +1,83 @@
+#include <algorithm>
+
+#include "paper_modes.hpp"
+#include "paper_sections.hpp"
+
+namespace pierce::app {
+
+using scenes::ContactError;
+
+void threshold_map(const NamedRecording& named, Page& page) {
+    const auto& [name, recording] = named;
+    std::vector<Mode> modes;
+    modes.push_back(mode("off", Temporal::off, false));
+    const double thresholds[] = {0.1, 0.5, 1, 2, 4, 8};
+    for (double threshold : thresholds) {
+        modes.push_back(mode(fmt::format("{}", threshold), Temporal::paper, true));
+        modes.back().settings.walk_threshold = threshold;
+        modes.back().settings.full_every = 64;  // so that the threshold decides, not the period
+    }
+    measure(recording, modes, "threshold, " + name);
+    Curves curves{"What the walk threshold costs, " + name,
+                  "displacement allowed since the last full ray [edges]",
+                  "per cent, steps, ratio",
+                  {{"threshold", "missed depth [%]", "wrong triangle [%]", "lost walks [%]", "steps per walk",
+                    "off / this, narrow phase"},
+                   {}},
+                  true};
+    for (std::size_t m = 1; m < modes.size(); ++m) {
+        const ContactError& e = modes[m].comparison.error();
+        const auto walks = static_cast<double>(std::max<std::uint64_t>(modes[m].walks, 1));
+        curves.table.rows.push_back({thresholds[m - 1], 100 * e.missed_share(), 100 * e.wrong_share(),
+                                     100 * static_cast<double>(modes[m].lost) / walks,
+                                     static_cast<double>(modes[m].walk_steps) / walks,
+                                     modes[0].median_ms() / modes[m].median_ms()});
+    }
+    page.plot(curves, "f4_threshold_" + name);
+}
+
+void period_map(const NamedRecording& named, Page& page) {
+    const auto& [name, recording] = named;
+    const double periods[] = {1, 2, 4, 8, 16, 32};
+    const double reaches[] = {0, 0.125, 0.25, 0.5, 1};
+    double edge = 0;  // of the falling bodies' mesh
+    {
+        const scenes::SceneSetup scene = scenes::scene_of(recording);
+        for (const scenes::SceneBody& body : scene.bodies)
+            if (!body.ground)
+                edge = Mesh(scene.meshes[body.mesh].name, scene.meshes[body.mesh].data).traits().mean_edge_length;
+    }
+    std::vector<Mode> modes;
+    modes.push_back(mode("off", Temporal::off, false));
+    for (double reach : reaches)
+        for (double period : periods) {
+            modes.push_back(mode(fmt::format("{} {}", period, reach), Temporal::paper, reach > 0));
+            modes.back().settings.full_every = static_cast<std::uint32_t>(period);
+            modes.back().settings.prediction_distance = reach * edge;
+        }
+    measure(recording, modes, "period, " + name);
+    HeatMap missed{"Contacts missed in their first frame, " + name,
+                   "full pass every K steps",
+                   "predictions look ahead [edges]",
+                   "per cent",
+                   {{"K", "reach", "missed_percent"}, {}}};
+    HeatMap time{"Narrow phase, " + name,
+                 "full pass every K steps",
+                 "predictions look ahead [edges]",
+                 "off / this",
+                 {{"K", "reach", "off_over_this"}, {}}};
+    std::size_t m = 1;
+    for (double reach : reaches)
+        for (double period : periods) {
+            const ContactError& e = modes[m].comparison.error();
+            missed.table.rows.push_back(
+                {period, reach,
+                 100 * static_cast<double>(e.first_missed) / static_cast<double>(std::max<std::uint64_t>(e.first, 1))});
+            time.table.rows.push_back({period, reach, modes[0].median_ms() / modes[m].median_ms()});
+            ++m;
+        }
+    page.plot(missed, "f12_missed_" + name);
+    page.plot(time, "f12_time_" + name);
+}
+
+}  // namespace pierce::app
