@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/bits.hpp"
 #include "pierce/core/constants.hpp"
 #include "pierce/core/pose.hpp"
 #include "pierce/core/ray.hpp"
