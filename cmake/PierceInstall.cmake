@@ -9,6 +9,12 @@ if(PIERCE_EMBREE)
     install(FILES ${PROJECT_SOURCE_DIR}/src/cpu_embree/embree_backend.hpp
             DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pierce/cpu_embree)
 endif()
+if(PIERCE_CUDA)
+    list(APPEND pierce_installed pierce_gpu_cuda)
+    # The rest of it is for nvcc.
+    install(FILES ${PROJECT_SOURCE_DIR}/src/gpu_cuda/cuda_backend.hpp
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pierce/gpu_cuda)
+endif()
 if(PIERCE_BULLET)
     list(APPEND pierce_installed pierce_bullet)
     list(APPEND pierce_folders bullet)

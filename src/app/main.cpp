@@ -11,6 +11,7 @@
 #include "explain.hpp"
 #include "paper_report.hpp"
 #include "pierce/core/error.hpp"
+#include "validate.hpp"
 
 namespace {
 
@@ -181,6 +182,28 @@ int main(int argc, char** argv) {
     compare_command->add_option("--json", compare_options.json, "write all figures to FILE")->type_name("FILE");
     compare_command->add_option("--plots", compare_options.plots, "draw time against error into DIR")->type_name("DIR");
     compare_command->callback([&] { code = compare_recording(compare_options); });
+
+    ValidateOptions validate_options;
+    CLI::App* validate_command =
+        app.add_subcommand("validate", "whether all backends find the same contacts, bit for bit, and which one is wrong");
+    validate_command->add_option("input", validate_options.input, "name of a scene, or a recording's folder")->required();
+    validate_command->add_option("--count", validate_options.count, "of a scene: falling bodies; 100 if not given")
+        ->check(CLI::Range(1u, 1000000u));
+    validate_command->add_flag("--soft", validate_options.soft, "of a scene: falling bodies deform");
+    validate_command->add_option("--seconds", validate_options.seconds, "of a scene: simulated time; 10 if not given")
+        ->check(positive_number);
+    validate_command->add_option("--every", validate_options.every, "look at every Nth frame")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    validate_command
+        ->add_option("--backends", validate_options.backends,
+                     "reference, bvh, embree, cuda; all that can run here if not given, reference for small scenes only")
+        ->delimiter(',')
+        ->expected(2, -1);
+    add_coverage(*validate_command, validate_options.world);
+    validate_command->add_option("--json", validate_options.json, "write all figures and wrong contacts to FILE")
+        ->type_name("FILE");
+    validate_command->callback([&] { code = validate(validate_options); });
 
     std::filesystem::path demo_png = "demo.png";
     CLI::App* demo_command = app.add_subcommand("demo", "100 tori by rays and by GJK/EPA, with a picture");

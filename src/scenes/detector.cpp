@@ -24,7 +24,8 @@ bool is_update(const std::string& stage) { return stage == "bounds" || stage == 
 
 class RayDetector : public Detector {
 public:
-    RayDetector(const SceneSetup& scene, const RaySettings& settings) : scene_(scene, settings) {}
+    RayDetector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
+        : scene_(scene, std::move(backend), settings) {}
 
     void set_pose(std::uint32_t body, const Pose& pose) override { scene_.world.set_pose(scene_.bodies[body], pose); }
     void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
@@ -119,7 +120,10 @@ private:
 }  // namespace
 
 SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings)
-    : world(make_backend(settings), settings.world) {
+    : SceneWorld(scene, make_backend(settings), settings.world) {}
+
+SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
+    : world(std::move(backend), settings) {
     std::vector<MeshId> meshes;
     for (const SceneMesh& mesh : scene.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
     for (const SceneBody& body : scene.bodies) {
@@ -184,7 +188,7 @@ FrameResult SceneWorld::result() const {
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays) {
     switch (method) {
         case Method::rays:
-            return std::make_unique<RayDetector>(scene, rays);
+            return make_detector(scene, make_backend(rays), rays.world);
         case Method::gjk_epa:
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_epa);
         case Method::gjk_hull:
@@ -193,6 +197,11 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, 
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gimpact);
     }
     throw InputError("unknown method");
+}
+
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr<Backend> backend,
+                                        const Settings& settings) {
+    return std::make_unique<RayDetector>(scene, std::move(backend), settings);
 }
 
 void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame) {

@@ -27,6 +27,9 @@ public:
 /// Throws InputError if the method cannot serve the scene.
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays = {});
 
+/// One that sends rays by any backend.
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings);
+
 /// Puts all bodies where a recording has them in a frame; the detector's scene must be the recording's.
 void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame);
 
@@ -36,6 +39,7 @@ struct SceneWorld {
     std::vector<BodyId> bodies;
 
     SceneWorld(const SceneSetup& scene, const RaySettings& settings);
+    SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings);
     /// Index into the scene's bodies.
     std::uint32_t index_of(BodyId body) const;
     /// The last step's results.

@@ -25,7 +25,7 @@ Method method_named(const std::string& name);
 
 /// What runs the rays.
 struct RaySettings {
-    std::string backend = "embree";  ///< or "reference"
+    std::string backend = "embree";  ///< or "automatic", "cuda", "bvh" or "reference"
     int threads = 0;                 ///< 0: all there are
     Settings world = {};
 };

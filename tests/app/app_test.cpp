@@ -284,7 +284,8 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --seconds -1", "--seconds");
     expect_refused("run tori --count 0", "--count");
     expect_refused("run tori --method sat", "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
-    expect_refused("run tori --backend vulkan", "unknown backend 'vulkan'");
+    expect_refused("run tori --backend optix",
+                   "unknown backend 'optix'; there are: automatic, embree, cuda, bvh, reference");
     expect_refused("run tori --count 1 --soft --method gimpact", "soft bodies");
     expect_refused("run tori --count 1 --json /nowhere/x.json", "/nowhere/x.json");
     expect_refused("run tori --count 1 --method gimpact --png " + path("x.png"), "--png");

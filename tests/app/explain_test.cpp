@@ -147,7 +147,7 @@ TEST_F(ExplainCommandTest, RefusesWhatCannotBeAsked) {
     expect_refused(two + " --vertex 0 --of c", "--of");
     expect_refused(two + " --vertex 0 --frame 1", "--frame and --bodies are for recordings");
     expect_refused(two + " --vertex 0 --bodies 0 1", "--frame and --bodies are for recordings");
-    expect_refused(two + " --vertex 0 --backend vulkan", "unknown backend 'vulkan'");
+    expect_refused(two + " --vertex 0 --backend optix", "unknown backend 'optix'");
     expect_refused(two + " --vertex 0 --coverage most", "--coverage");
     expect_refused(two + " --vertex 0 --json /nowhere/x.json", "/nowhere/x.json");
     expect_refused(two + " " + cube + " --vertex 0", "inputs: At Most 2");

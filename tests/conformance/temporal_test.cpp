@@ -133,6 +133,7 @@ TEST_P(TemporalTest, CertifiedIsTracingEverything) {
         }
     }
     EXPECT_GT(contacts, 20000u);
+    if (!GetParam().make()->certificates_pay()) return;
     EXPECT_GT(certified, 500u);
     EXPECT_GT(walks, 10000u);
     EXPECT_LT(full, plain) << "it saves rays";

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pierce/core/settings.hpp"
+
+namespace pierce::app {
+
+struct ValidateOptions {
+    std::string input;                   ///< a scene's name, or a recording's folder
+    std::optional<std::uint32_t> count;  ///< this and the next two: of a scene
+    bool soft = false;
+    std::optional<double> seconds;
+    std::uint32_t every = 1;
+    std::vector<std::string> backends;  ///< empty: all that can run here
+    Settings world;
+    std::filesystem::path json;  ///< empty: none
+};
+
+/// Gives the same frames to several backends. Returns 0 if all of them find the same contacts, bit for bit, and 1 otherwise.
+int validate(const ValidateOptions& options);
+
+}  // namespace pierce::app

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pierce/core/backend.hpp"
+#include "pierce/core/contact.hpp"
+#include "pierce/core/settings.hpp"
+#include "pierce/scenes/recording.hpp"
+
+namespace pierce::scenes {
+
+/// What two contact lists say about the same vertex, or part of an edge, where they differ; one of them may say nothing.
+struct ContactDifference {
+    std::optional<Contact> found, right;
+
+    /// Whichever there is: which vertex or edge it is about.
+    const Contact& subject() const { return found ? *found : *right; }
+};
+
+/// Where two lists in the order of World::contacts() differ, in any bit that contact_hash() sees.
+std::vector<ContactDifference> differences(std::span<const Contact> found, std::span<const Contact> right);
+
+/// What is right about two bodies.
+struct Judgement {
+    std::vector<Contact> contacts;
+    std::array<std::vector<Contact>, 6> moved;  ///< with body b further on by the touch tolerance, in six directions
+
+    /// True if such a move changes the answer to another one, or to another triangle.
+    bool is_near_tie(const ContactDifference& difference) const;
+};
+
+/// The definition of a right answer, pair by pair: two bodies alone, by brute force, nothing remembered.
+class Judge {
+public:
+    /// The recording must outlive the judge. `every`: the steps it judges take every so many of its frames.
+    Judge(const Recording& recording, Settings settings, std::uint32_t every);
+    ~Judge();
+
+    /// Bodies a < b in a frame.
+    Judgement judge(std::uint32_t frame, std::uint32_t a, std::uint32_t b);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// A backend that takes part in a validation.
+struct Candidate {
+    std::string name;
+    std::unique_ptr<Backend> backend;
+};
+
+/// A contact that a candidate has and should not have, or the other way round, or has otherwise.
+struct WrongContact {
+    std::uint32_t frame = 0;
+    std::uint32_t candidate = 0;
+    ContactDifference difference;
+    bool near_tie = false;  ///< it is wrong all the same: backends settle ties by one rule
+};
+
+/// What came of a validation.
+struct Validation {
+    struct Result {
+        std::string name, description;
+        std::uint64_t contacts = 0;
+        std::uint32_t wrong_frames = 0, wrong_contacts = 0, near_ties = 0;
+        std::vector<double> ms;  ///< per frame, the whole step
+    };
+    std::vector<Result> results;  ///< one per candidate
+    std::vector<WrongContact> wrong;
+    std::uint32_t frames = 0;
+    std::uint32_t differing_frames = 0;  ///< in which not all lists are the same
+};
+
+/// Gives every `every`-th frame to all candidates, in turns, and has the pairs judged of which their lists differ.
+/// `progress` is told how many frames are done. Throws InputError unless there are two candidates at least.
+Validation validate(const Recording& recording, std::vector<Candidate> candidates, const Settings& settings,
+                    std::uint32_t every = 1, const std::function<void(std::uint32_t)>& progress = {});
+
+}  // namespace pierce::scenes
