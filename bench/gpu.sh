@@ -14,8 +14,8 @@ if compgen -G '.gpu/debs/*.deb' >/dev/null; then
 fi
 
 build=${PIERCE_BUILD:-build/gpu}
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPIERCE_CUDA=ON -DCMAKE_CUDA_ARCHITECTURES=native >"$out/configure.log"
-cmake --build "$build" --target conformance_tests pierce_app pierce_gpu_steps pierce_gpu_trees >"$out/build.log"
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPIERCE_CUDA=ON -DCMAKE_CUDA_ARCHITECTURES=native >"$out/log.txt" 2>&1
+cmake --build "$build" --target conformance_tests pierce_app pierce_gpu_steps pierce_gpu_trees >>"$out/log.txt"
 echo "built in $SECONDS s"
 
 {
@@ -27,10 +27,10 @@ echo "built in $SECONDS s"
 
 # Every contact list of the hard cases, of random pairs and of whole scenes against the reference, bit for bit.
 "$build"/tests/conformance_tests --gtest_filter='*Contacts*cuda*:*HardBodies*cuda*:*HardRays*cuda*:*Equivalence*tori*:*Tie*' \
-    --gtest_brief=1 >"$out/tests.log" 2>&1 && echo "tests passed, $SECONDS s" || { tail -20 "$out/tests.log"; exit 1; }
+    --gtest_brief=1 >>"$out/log.txt" 2>&1 && echo "tests passed, $SECONDS s" || { tail -20 "$out/log.txt"; exit 1; }
 
 # The paper's scene: 100 soft tori fall on each other; the frames of the pile are then replayed on the GPU.
-"$build"/src/app/pierce run tori --count 100 --soft --seconds 5 --record "$out/../soft_tori" >"$out/record.log"
+"$build"/src/app/pierce run tori --count 100 --soft --seconds 5 --record "$out/../soft_tori" >>"$out/log.txt"
 steps=$build/bench/pierce_gpu_steps
 "$steps" "$out/../soft_tori" lattice:100 lattice:1000 lattice:10000 --steps 300 --check 8 >"$out/steps.csv"
 "$steps" "$out/../soft_tori" lattice:100 lattice:1000 lattice:10000 --steps 40 --check 0 --stages >"$out/stages.csv"
@@ -49,6 +49,6 @@ done
 
 echo "done in $SECONDS s"
 cat "$out/machine.txt"
-cut -d, -f1-4,6-14 "$out/steps.csv" | column -s, -t
-cut -d, -f1-5,7-8,11 "$out/trees.csv" | column -s, -t
+cut -d, -f1-4,6-14 "$out/steps.csv"
+cut -d, -f1-5,7-8,11 "$out/trees.csv"
 cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true
