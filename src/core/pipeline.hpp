@@ -380,13 +380,9 @@ private:
                                                 view_of(aimed_.rays), view_of(aimed_.sources)});
         tools_.update(scene.bodies, aimed_.rays);
         tools_.closest("closest", scene.bodies, aimed_.rays, closest_);
-        executor_.for_each("aim_at_closest", count,
-                           stages::AimAtClosest{scene.bodies, view_of(closest_), view_of(aimed_.rays), view_of(accepted_)});
-        tools_.trace("trace_aimed", scene.bodies, aimed_.rays, aimed_.hits);
-        test_inside(scene.bodies, aimed_, {});
-        executor_.for_each("accept_aimed", count_of(aimed_.candidates),
-                           stages::AcceptAimed{view_of(batch_.meetings), view_of(aimed_.meetings),
-                                               view_of(batch_.candidates), view_of(aimed_.candidates), view_of(accepted_)});
+        executor_.for_each("move_to_closest", count,
+                           stages::MoveToClosest{scene.bodies, view_of(closest_), view_of(aimed_.rays), view_of(aimed_.hits),
+                                                 view_of(aimed_.meetings), view_of(accepted_)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order.

@@ -319,8 +319,7 @@ TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) 
             EXPECT_EQ(moved.size(), rays.size());
             EXPECT_GT(quantile(rays, 0.5), 1.02) << "inward rays are longer";
             EXPECT_GT(moved.front(), 1 - 1e-4);
-            EXPECT_LT(quantile(moved, 0.5), 1.02);
-            EXPECT_LT(quantile(moved, 0.95), 1.1);
+            EXPECT_LT(moved.back(), 1 + 1e-4);
         }
     }
 }

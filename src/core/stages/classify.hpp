@@ -18,19 +18,23 @@ struct Meeting {
     std::uint8_t padding[7] = {};
 };
 
+/// A point of a triangle, which is not degenerate, as the place where a ray leaves after `t`: barycentrics by areas.
+PIERCE_HD inline Meeting meeting_at(Vec3d p, double t, Vec3d a, Vec3d b, Vec3d c) {
+    const Vec3d n = cross(b - a, c - a);
+    const double area = length_squared(n);
+    Meeting m;
+    m.t = t;
+    m.barycentric[0] = dot(n, cross(c - b, p - b)) / area;
+    m.barycentric[1] = dot(n, cross(a - c, p - c)) / area;
+    m.barycentric[2] = 1.0 - m.barycentric[0] - m.barycentric[1];
+    m.exit = true;
+    return m;
+}
+
 /// The meeting of a ray with a triangle it crosses, or lies in.
 PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Vec3d a, Vec3d b, Vec3d c, double touch) {
+    if (crossing.kind == Crossing::coplanar) return meeting_at(ray.origin, 0, a, b, c);
     Meeting m;
-    if (crossing.kind == Crossing::coplanar) {
-        // The origin lies in the triangle: barycentrics by areas.
-        const Vec3d n = cross(b - a, c - a);
-        const double area = length_squared(n);
-        m.barycentric[0] = dot(n, cross(c - b, ray.origin - b)) / area;
-        m.barycentric[1] = dot(n, cross(a - c, ray.origin - c)) / area;
-        m.barycentric[2] = 1.0 - m.barycentric[0] - m.barycentric[1];
-        m.exit = true;
-        return m;
-    }
     m.t = crossing.t > touch ? crossing.t : 0.0;
     for (int k = 0; k < 3; ++k) m.barycentric[k] = crossing.weight[k];
     m.exit = crossing.sign > 0;

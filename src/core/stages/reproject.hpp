@@ -4,9 +4,9 @@
 #include "pierce/core/stages/classify.hpp"
 
 /// After stage 9, if asked for: contacts move to the closest point of the target's surface. An inward ray leaves the target
-/// where it happens to point, which is never nearer than that. A ray towards the closest point must leave the target there
-/// too, or before (R1). The way need not run through its own body: of bodies that touch in a few vertices it often does not,
-/// and the contact has passed R2 and R3 along its inward ray.
+/// where it happens to point, which is never nearer than that. Nothing of the surface is nearer than its closest point, so
+/// the way there is inside the target (R1). It need not run through its own body: of bodies that touch in a few vertices it
+/// often does not, and the contact has passed R2 and R3 along its inward ray.
 namespace pierce::stages {
 
 /// Per candidate: where to look for a closer point, if it is a contact that may move, and no further than the contact is
@@ -30,39 +30,30 @@ struct LimitToDepth {
     }
 };
 
-/// Per limited ray: aims it at the closest point, unless that is no nearer than the contact, or in the surface.
-struct AimAtClosest {
+/// Per limited ray: moves its end to the closest point, unless that is no nearer than the contact, or in the surface.
+struct MoveToClosest {
     View<const BodyView> bodies;
     View<const std::uint32_t> closest;  ///< triangles of the target, within the limit
     View<Ray> rays;
+    View<Hit> hits;
+    View<Meeting> meetings;
     View<std::uint32_t> accepted;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        Ray& ray = rays[i];
-        const BodyView& target = bodies[ray.target];
-        const double limit = ray.t_max;
         accepted[i] = 0;
-        ray.t_max = -1.0;
         if (closest[i] == no_triangle) return;
-        const Vec3d way = closest_point(ray.origin, target.surface(), closest[i]) - ray.origin;
+        Ray& ray = rays[i];
+        const Surface surface = bodies[ray.target].surface();
+        const Triangle& t = surface.triangles[closest[i]];
+        const Vec3d a = to_double(surface.positions[t.vertex[0]]), b = to_double(surface.positions[t.vertex[1]]),
+                    c = to_double(surface.positions[t.vertex[2]]);
+        const Vec3d point = closest_point(ray.origin, surface, closest[i]), way = point - ray.origin;
         const double depth = length(way);
-        if (!(depth > target.touch) || !(depth < limit)) return;
+        if (!(depth > surface.touch) || !(depth < ray.t_max) || is_degenerate(a, b, c)) return;
         ray.direction = normalized(way);
-        ray.t_max = depth + target.touch;
-    }
-};
-
-/// Per aimed candidate whose ray leaves the target: accepts it.
-struct AcceptAimed {
-    View<const Meeting> meetings, aimed_meetings;
-    View<const std::uint32_t> main_candidates, candidates;  ///< candidates: of the aimed rays
-    View<std::uint32_t> accepted;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t c = candidates[i];
-        accepted[c] = aimed_meetings[c].t < meetings[main_candidates[c]].t;
+        hits[i] = {closest[i]};
+        meetings[i] = meeting_at(point, depth, a, b, c);
+        accepted[i] = 1;
     }
 };
 
