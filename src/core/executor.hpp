@@ -81,8 +81,8 @@ constexpr bool is_cheap() {
         return false;
 }
 
-/// One item after the other, on the calling thread: the reference the other executors are compared with.
-class SerialExecutor {
+/// What executors on the host have in common: counts are numbers, buffers are vectors, sums are values.
+class HostExecutor {
 public:
     using Count = std::uint32_t;
     template <class T>
@@ -91,6 +91,43 @@ public:
     using Sum = T;
     static constexpr bool runs_on_host = true;
 
+    /// What a reduction came to.
+    template <class T>
+    T read(const T& sum) const {
+        return sum;
+    }
+
+    /// A count as a number.
+    std::uint32_t number(std::uint32_t count) const { return count; }
+
+    template <class T>
+    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.assign(count, value);
+    }
+
+    /// Stages are over when their call is.
+    void settle() const {}
+
+    /// Keeps the items that are there.
+    template <class T>
+    void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.resize(count, value);
+    }
+
+    template <class T>
+    T first(const HostBuffer<T>& buffer) const {
+        return buffer[0];
+    }
+
+    template <class T>
+    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
+        buffer.assign(items.begin(), items.end());
+    }
+};
+
+/// One item after the other, on the calling thread: the reference the other executors are compared with.
+class SerialExecutor : public HostExecutor {
+public:
     template <class F>
     void for_each(const char*, std::uint32_t n, const F& stage) {
         for (std::uint32_t i = 0; i < n; ++i) stage(i);
@@ -131,39 +168,6 @@ public:
         T all{};
         for (std::uint32_t i = 0; i < n; ++i) all = all + term(i);
         sum = all;
-    }
-
-    /// What a reduction came to.
-    template <class T>
-    T read(const T& sum) const {
-        return sum;
-    }
-
-    /// A count as a number.
-    std::uint32_t number(std::uint32_t count) const { return count; }
-
-    template <class T>
-    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
-        buffer.assign(count, value);
-    }
-
-    /// Stages are over when their call is.
-    void settle() const {}
-
-    /// Keeps the items that are there.
-    template <class T>
-    void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
-        buffer.resize(count, value);
-    }
-
-    template <class T>
-    T first(const HostBuffer<T>& buffer) const {
-        return buffer[0];
-    }
-
-    template <class T>
-    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
-        buffer.assign(items.begin(), items.end());
     }
 
 private:

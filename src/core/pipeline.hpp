@@ -23,8 +23,8 @@
 
 namespace pierce {
 
-/// The step, top to bottom, on any executor and tracer. Owns the buffers between stages; they grow and are kept, so a
-/// steady step allocates nothing.
+/// The step, top to bottom, on any executor and tracer; in one file, long as it is, so that it can be read so. Owns the
+/// buffers between stages; they grow and are kept, so a steady step allocates nothing.
 template <Executor E, Tracer<E> T>
 class Pipeline {
 public:
@@ -59,7 +59,7 @@ public:
             tools_.trace("trace", scene.bodies, full, remembers ? full_hits_ : batch_.hits);
             if (remembers) scatter_hits();
         });
-        time("classify", [&] { test_inside(scene.bodies, batch_, view_of(routes_)); });
+        time("classify", [&] { test_inside(scene.bodies); });
         own_rays_.clear();
         own_hits_.clear();
         if (scene.plan->traces_own_exits) {
@@ -316,14 +316,14 @@ private:
     }
 
     // Stage 9, first half. R1: which rays start inside their target.
-    void test_inside(View<const BodyView> bodies, RayBatch<E>& batch, View<const Route> routes) {
-        const Count ray_count = count_of(batch.rays);
+    void test_inside(View<const BodyView> bodies) {
+        const Count ray_count = count_of(batch_.rays);
         counts_.resize(ray_count);
-        batch.meetings.resize(ray_count);
+        batch_.meetings.resize(ray_count);
         executor_.for_each("test_inside", ray_count,
-                           stages::TestInside{bodies, view_of(batch.rays), view_of(batch.hits), routes, view_of(counts_),
-                                              view_of(batch.meetings)});
-        tools_.list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, batch.candidates);
+                           stages::TestInside{bodies, view_of(batch_.rays), view_of(batch_.hits), view_of(routes_),
+                                              view_of(counts_), view_of(batch_.meetings)});
+        tools_.list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, batch_.candidates);
     }
 
     void generate_own_rays(View<const BodyView> bodies) {
@@ -372,12 +372,14 @@ private:
     /// Contacts move to the closest point of the target's surface.
     void reproject(const Scene& scene) {
         const Count count = count_of(batch_.candidates);
-        aimed_.resize(count);
+        aimed_.rays.resize(count);
+        aimed_.hits.resize(count);
+        aimed_.meetings.resize(count);
         accepted_.resize(count);
-        executor_.for_each("limit_to_depth", count,
-                           stages::LimitToDepth{scene.bodies, view_of(batch_.rays), view_of(batch_.sources),
-                                                view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
-                                                view_of(aimed_.rays), view_of(aimed_.sources)});
+        executor_.for_each(
+            "limit_to_depth", count,
+            stages::LimitToDepth{scene.bodies, view_of(batch_.rays), view_of(batch_.sources), view_of(batch_.meetings),
+                                 view_of(batch_.candidates), view_of(batch_.keep), view_of(aimed_.rays)});
         tools_.update(scene.bodies, aimed_.rays);
         tools_.closest("closest", scene.bodies, aimed_.rays, closest_);
         executor_.for_each("move_to_closest", count,

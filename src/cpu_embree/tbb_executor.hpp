@@ -34,15 +34,8 @@ private:
 
 /// Stages on oneTBB, in an arena of its own. Items are independent and every result is written to its own place, so the
 /// answer is the same for any number of threads.
-class TbbExecutor {
+class TbbExecutor : public HostExecutor {
 public:
-    using Count = std::uint32_t;
-    template <class T>
-    using Buffer = HostBuffer<T>;
-    template <class T>
-    using Sum = T;
-    static constexpr bool runs_on_host = true;
-
     explicit TbbExecutor(int threads) : arena_(threads) {}
 
     template <class F>
@@ -90,37 +83,6 @@ public:
     template <class F, class T>
     void reduce(const char* name, std::uint32_t n, const F& term, T& sum) {
         serial_.reduce(name, n, term, sum);
-    }
-
-    template <class T>
-    T read(const T& sum) const {
-        return sum;
-    }
-
-    std::uint32_t number(std::uint32_t count) const { return count; }
-
-    template <class T>
-    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
-        buffer.assign(count, value);
-    }
-
-    /// Stages are over when their call is.
-    void settle() const {}
-
-    /// Keeps the items that are there.
-    template <class T>
-    void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
-        buffer.resize(count, value);
-    }
-
-    template <class T>
-    T first(const HostBuffer<T>& buffer) const {
-        return buffer[0];
-    }
-
-    template <class T>
-    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
-        serial_.upload(items, buffer);
     }
 
 private:

@@ -17,17 +17,10 @@
 namespace pierce {
 namespace {
 
+using test::exact;
 using test::Solid;
+using test::solid_of;
 using test::SolidVec;
-
-SolidVec exact(Vec3d p) { return {p.x, p.y, p.z}; }
-
-Solid solid_of(const MeshData& mesh, const Pose& pose) {
-    const Frame frame = frame_of(pose);
-    Solid solid{{}, mesh.triangles};
-    for (Vec3f p : mesh.positions) solid.positions.push_back(exact(frame.to_parent(to_double(p))));
-    return solid;
-}
 
 Settings complete(bool reproject = false) { return {.coverage = Coverage::complete, .reproject = reproject}; }
 

@@ -66,6 +66,15 @@ std::optional<Cross> first(const std::vector<Cross>& sorted, long double band, b
 
 }  // namespace
 
+SolidVec exact(Vec3d p) { return {p.x, p.y, p.z}; }
+
+Solid solid_of(const MeshData& mesh, const Pose& pose) {
+    const Frame frame = frame_of(pose);
+    Solid solid{{}, mesh.triangles};
+    for (Vec3f p : mesh.positions) solid.positions.push_back(exact(frame.to_parent(to_double(p))));
+    return solid;
+}
+
 Expected expected_contacts(const Solid& source, const std::vector<SolidVec>& inward, const Solid& target) {
     Expected expected;
     const long double band = 1e-5L * (extent(target) + extent(source));

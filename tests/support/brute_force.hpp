@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pierce/core/mesh.hpp"
+#include "pierce/core/pose.hpp"
 
 /// Detection by definition, in long double and with none of the library's code: Moeller-Trumbore crossings of all
 /// triangles, sorted. For meshes and poses in general position; it says so when they are not.
@@ -18,6 +19,9 @@ struct Solid {
     std::vector<SolidVec> positions;
     std::vector<Triangle> triangles;
 };
+
+SolidVec exact(Vec3d p);
+Solid solid_of(const MeshData& mesh, const Pose& pose);
 
 struct ExpectedContact {
     std::uint32_t vertex;

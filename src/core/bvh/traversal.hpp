@@ -77,7 +77,8 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
     ItemStack stack;
     Item item = tree.root;
     while (true) {
-        // All threads of a warp look for a leaf, then all test theirs: measured, a third faster than each in its own time.
+        // All threads of a warp look for a leaf, then all test theirs: measured on an
+        // H200, 4 % faster for half a million rays than each in its own time, 16 % for eight thousand.
         while (!item.is_leaf()) {
             const Node node = forest.nodes[item.index()];
             ++work.nodes;

@@ -18,12 +18,10 @@ struct LimitToDepth {
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates, keep;
     View<Ray> limited;
-    View<RaySource> limited_sources;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[i];
         const bool may_move = keep[i] && !sources[r].separates && bodies[rays[r].target].mesh.closed;
-        limited_sources[i] = sources[r];
         limited[i] = rays[r];
         limited[i].outward = 0;
         limited[i].t_max = may_move ? meetings[r].t : -1.0;
