@@ -41,6 +41,18 @@ PIERCE_HD inline std::uint32_t atomic_exchange(std::uint32_t& target, std::uint3
 #endif
 }
 
+/// Writes the larger of the two.
+PIERCE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    atomicMax(&target, value);
+#else
+    std::uint32_t before = __atomic_load_n(&target, __ATOMIC_RELAXED);
+    while (before < value &&
+           !__atomic_compare_exchange_n(&target, &before, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    }
+#endif
+}
+
 /// Writes 1; any number of items may do so.
 PIERCE_HD inline void atomic_mark(std::uint32_t& target) {
 #if defined(__CUDA_ARCH__)

@@ -47,8 +47,15 @@ public:
     void step(const Scene& scene, StepStats& stats) override {
         pipeline_.step(scene, stats);
         pipeline_.report(*scene.plan, stats);
+        has_sheets_ = scene.plan->sheets;
+        if (!has_sheets_) return;
+        const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
+        contacts_.assign(others.begin(), others.end());
+        contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());
     }
-    View<const Contact> contacts() const override { return view_of(pipeline_.contacts()); }
+    View<const Contact> contacts() const override {
+        return has_sheets_ ? view_of(contacts_) : view_of(pipeline_.contacts());
+    }
     View<const Pair> pairs() const override { return view_of(pipeline_.pairs()); }
 
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
@@ -68,6 +75,8 @@ private:
     std::unique_ptr<E> executor_;
     std::unique_ptr<T> tracer_;
     Pipeline<E, T> pipeline_;
+    bool has_sheets_ = false;
+    std::vector<Contact> contacts_;  ///< all of them, if some are sheets'
 };
 
 /// One thread and brute force: slow, simple, and the definition of what every other backend must answer.

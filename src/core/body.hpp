@@ -16,6 +16,26 @@ enum class Motion : std::uint8_t {
     deforming,  ///< every vertex is given in world space, every step
 };
 
+/// How a deforming body is looked for in itself.
+enum class SelfCollision : std::uint8_t {
+    off,        ///< not at all
+    on,         ///< a solid: where it is inside itself; a sheet: by continuous tests, nothing is missed
+    rays,       ///< a sheet: rays along the velocity of every vertex and against it, relative to the triangle hit
+    published,  ///< a sheet: the same with the vertex' own velocity, as the paper prints it (section 5.2, Algorithm 1)
+};
+
+/// What a deforming body is in contact with besides solids that it overlaps.
+struct Collision {
+    SelfCollision self = SelfCollision::off;
+    /// It has no inside, whatever its mesh: from both sides, its surface keeps other bodies' surfaces out, by continuous
+    /// tests over the motion of a step.
+    bool sheet = false;
+    /// [length] of a sheet: surfaces that come closer than this to it are in contact.
+    double thickness = 0;
+
+    friend bool operator==(const Collision&, const Collision&) = default;
+};
+
 /// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed or rigid body, the
 /// world for a deforming one. Its *fit* is the frame in which it looks most like the mesh's rest shape.
 struct BodyView {
@@ -24,8 +44,10 @@ struct BodyView {
     View<const PatchBlock> blocks;            ///< in the body's space
     View<const Offsets> patches;              ///< in the body's space
     const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's positions, if on the device
+    View<const Vec3f> start;      ///< positions when the step began; empty for rigid bodies and where nobody asks
     View<const double> own_exit;  ///< per vertex, length of the inward ray inside the rest shape; not for deforming
     Frame space;                  ///< body's space to world
+    Frame start_space;            ///< of a fixed or rigid body: where its space was when the step began
     Frame fit;                    ///< rest shape to world
     Box fit_box;                  ///< around the vertices, in `fit`
     Box world_box;
@@ -33,24 +55,33 @@ struct BodyView {
     double shape_motion = 0;              ///< no vertex has moved further in `fit` since the last step
     double reach = 0;                     ///< [length] how far predictions look
     double touch = 0;                     ///< [length] touch tolerance of this body as a target
+    double travel = 0;                    ///< [length] no point has moved further since the step began, if there is a sheet
     double range = 0;                     ///< [length] longest ray of an open body
     std::uint64_t mesh_key = 0;           ///< the mesh's identity, never used twice
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
+    Collision collision;
     Motion motion = Motion::fixed;
     bool active = true;  ///< false: left out of this step (not finite)
 
-    PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
+    /// True if it has an inside that counts.
+    PIERCE_HD bool is_solid() const { return mesh.closed && !collision.sheet; }
+
+    PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch, start}; }
+
+    /// How far beyond its box and its touch tolerance others may matter to it.
+    PIERCE_HD double outreach() const { return reach + travel + collision.thickness; }
 
     /// True if it is certain that every point is outside of this body or inside, once: then no ray from an outside point can
     /// leave the body before it enters. A deforming body may cross itself.
     PIERCE_HD bool is_simple() const { return mesh.simple && motion != Motion::deforming; }
 };
 
-/// Two bodies whose boxes overlap, a < b.
+/// Two bodies whose boxes overlap, a < b; or a body that is looked for in itself, a = b.
 struct Pair {
     std::uint32_t a = 0;
     std::uint32_t b = 0;
 
+    PIERCE_HD bool is_self() const { return a == b; }
     PIERCE_HD std::uint32_t source(std::uint32_t side) const { return side == 0 ? a : b; }
     PIERCE_HD std::uint32_t target(std::uint32_t side) const { return side == 0 ? b : a; }
     friend bool operator==(const Pair&, const Pair&) = default;

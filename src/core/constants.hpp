@@ -38,12 +38,12 @@ inline constexpr std::uint32_t treelet_rounds = 3;
 /// them side by side, and waits for every launch.
 inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 
-/// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister and Bittner 2018): twice as
-/// far doubles the work and gains a few per cent of a tree's cost.
+/// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister and Bittner 2018): twice
+/// as far doubles the work and gains a few per cent of a tree's cost.
 inline constexpr std::uint32_t cluster_radius = 8;
 
-/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a tree has 4096 at most and one
-/// thread can put them together.
+/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a tree has 4096 at most and
+/// one thread can put them together.
 inline constexpr std::uint32_t cell_bits = 12;
 
 /// Bins along each axis between which a split of cells is tried (Wald 2007).
@@ -115,6 +115,24 @@ inline constexpr double open_body_range = 2.0;
 
 /// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest coordinate].
 inline constexpr double double_rounding = 0x1p-47;
+
+/// What double arithmetic on moving corners may lose [largest coordinate relative to one of them]. The sum of the roundings
+/// is written out where it is used (separating_direction.hpp), with half as much to spare.
+inline constexpr double motion_rounding = 0x1p-46;
+
+/// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: about
+/// 1e-6, the rounding of positions ten edges from the origin.
+inline constexpr double meeting_tolerance = 0x1p-20;
+
+/// How often a feature is halved at most when the time of a meeting is looked for. Weights of its parts stay exact.
+inline constexpr int meeting_halvings = 40;
+
+/// Advances of a search for a meeting, after which it answers that there is one.
+inline constexpr int meeting_advances = 4096;
+
+/// A solid is not in contact with itself closer to home than this at rest [mean edge length]: three rings of triangles,
+/// which bend but do not meet.
+inline constexpr double self_distance = 3.0;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

@@ -19,7 +19,8 @@ inline std::uint64_t contact_hash(std::span<const Contact> contacts) {
     };
     for (const Contact& c : contacts) {
         add(std::uint64_t{c.a.index} << 32 | c.b.index);
-        add(c.feature() << 1 | c.grazing);
+        add(c.feature());
+        add(c.grazing);
         add(c.triangle);
         for (double w : c.barycentric) add(std::bit_cast<std::uint64_t>(w + 0.0));
         add_vector(c.point_a);

@@ -108,6 +108,7 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     edges_ = std::move(edges.edges);
     edge_offsets_ = std::move(edges.offsets);
     edge_reach_ = std::move(edges.reach);
+    features_ = features_of(view());
     parts_ = parts_of(view());
     neighbors_ = neighbors_of(data_.triangles);
     if (traits_.closed()) {
@@ -141,6 +142,7 @@ MeshView Mesh::view() const {
             view_of(edges_),
             view_of(edge_offsets_),
             view_of(edge_reach_),
+            view_of(features_),
             view_of(parts_),
             view_of(neighbors_),
             view_of(rings_),

@@ -32,6 +32,13 @@ struct Edge {
     std::uint32_t triangle[2];
 };
 
+/// A triangle's edges, and which of its vertices and edges are its own: each vertex and edge belongs to one triangle, so
+/// that whoever looks at all triangles sees each once (Curtis, Tamstorf and Manocha 2008).
+struct TriangleFeatures {
+    std::uint32_t edge[3] = {};  ///< edge[k] joins vertex k and the next one; no_vertex for one of no length
+    std::uint32_t own = 0;       ///< bit k: vertex k; bit 3 + k: edge k
+};
+
 /// A triangle as one of its vertices sees it: the other two, counter-clockwise seen from outside.
 struct Corner {
     std::uint32_t next, previous;
@@ -114,6 +121,7 @@ struct MeshView {
     View<const Edge> edges;                    ///< patch after patch, each with its first vertex
     View<const std::uint32_t> edge_offsets;    ///< per patch and one more: where its edges begin
     View<const float> edge_reach;              ///< per patch, its longest edge; of the rest shape
+    View<const TriangleFeatures> features;     ///< per triangle
     View<const std::uint32_t> parts;           ///< one vertex of every connected part
     View<const Neighbors> neighbors;           ///< per triangle
     View<const TriangleRing> rings;            ///< per triangle; of the rest shape
@@ -155,6 +163,7 @@ private:
     std::vector<Edge> edges_;
     std::vector<std::uint32_t> edge_offsets_;
     std::vector<float> edge_reach_;
+    std::vector<TriangleFeatures> features_;
     std::vector<std::uint32_t> parts_;
     std::vector<Neighbors> neighbors_;
     std::vector<TriangleRing> rings_;

@@ -38,6 +38,32 @@ MeshEdges edges_of(const MeshView& mesh) {
     return made;
 }
 
+std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
+    std::vector<TriangleFeatures> features(mesh.triangles.size, {{no_vertex, no_vertex, no_vertex}, 0});
+    std::vector<bool> owned(mesh.positions.size, false);
+    for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t v = mesh.triangles[t].vertex[k];
+            if (!owned[v]) features[t].own |= 1u << k;
+            owned[v] = true;
+        }
+    for (std::uint32_t e = 0; e < mesh.edges.size; ++e) {
+        const Edge& edge = mesh.edges[e];
+        for (int side = 0; side < 2; ++side) {
+            if (edge.triangle[side] == no_triangle) continue;
+            const Triangle& t = mesh.triangles[edge.triangle[side]];
+            TriangleFeatures& of = features[edge.triangle[side]];
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
+                if (std::minmax(v, w) != std::minmax(edge.vertex[0], edge.vertex[1])) continue;
+                of.edge[k] = e;
+                if (side == 0) of.own |= 8u << k;
+            }
+        }
+    }
+    return features;
+}
+
 std::vector<std::uint32_t> parts_of(const MeshView& mesh) {
     DisjointSets vertices = connected_vertices({mesh.triangles.begin(), mesh.triangles.end()}, mesh.positions.size);
     std::vector<std::uint32_t> parts;

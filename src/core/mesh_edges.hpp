@@ -17,6 +17,9 @@ struct MeshEdges {
 /// Reads positions, triangles and patches of `mesh`.
 MeshEdges edges_of(const MeshView& mesh);
 
+/// Per triangle of a mesh with edges.
+std::vector<TriangleFeatures> features_of(const MeshView& mesh);
+
 /// One vertex of every connected part of the surface, in ascending order.
 std::vector<std::uint32_t> parts_of(const MeshView& mesh);
 

@@ -6,7 +6,9 @@
 #include "pierce/core/edge_chords.hpp"
 #include "pierce/core/explain.hpp"
 #include "pierce/core/scene.hpp"
+#include "pierce/core/self_overlap.hpp"
 #include "pierce/core/separation.hpp"
+#include "pierce/core/sheets.hpp"
 #include "pierce/core/stages/bounds.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/contacts.hpp"
@@ -32,7 +34,13 @@ public:
     using Buffer = typename E::template Buffer<Item>;
 
     Pipeline(E& executor, T& tracer)
-        : executor_(executor), tracer_(tracer), tools_(executor, tracer), edges_(tools_), separation_(tools_) {}
+        : executor_(executor),
+          tracer_(tracer),
+          tools_(executor, tracer),
+          edges_(tools_),
+          self_overlap_(tools_),
+          separation_(tools_),
+          sheets_(tools_) {}
 
     /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(), once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
@@ -68,7 +76,9 @@ public:
             time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
         }
         time("classify", [&] { test_own_exit(scene.bodies); });
+        if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
         if (complete) time("separation", [&] { separation(scene); });
+        if (scene.plan->sheets) time("sheets", [&] { sheets_.find(scene, pairs_, view_of(links_)); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });
@@ -95,7 +105,17 @@ public:
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
         stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
         reported_ = after;
-        const stages::ContactSums contacts = executor_.read(contact_sums_);
+        stages::ContactSums contacts = executor_.read(contact_sums_);
+        if (plan.sheets) {
+            contacts = contacts + executor_.read(sheet_sums_);
+            stats.contacts += executor_.number(count_of(sheets_.contacts()));
+            stats.triangle_pairs = sheets_.triangle_pairs();
+            stats.feature_pairs = sheets_.feature_pairs();
+            stats.crossings = contacts.crossings;
+            stats.remembered = contacts.remembered;
+            stats.tangled = contacts.tangled;
+        }
+        stats.self_contacts = contacts.self;
         stats.touching_pairs = contacts.touching_pairs;
         stats.edge_contacts = contacts.edges;
         stats.reprojected = contacts.reprojected;
@@ -123,6 +143,7 @@ public:
         std::swap(block_records_, last_block_records_);
         std::swap(patch_records_, last_patch_records_);
         std::swap(records_, last_records_);
+        sheets_.recall();
         if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
             executor_.extend(seen_bodies_, scene.bodies.size, stages::SeenBody{});
         last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
@@ -132,6 +153,8 @@ public:
     void forget_step(const Scene& scene) { recall(scene); }
 
     const Buffer<Contact>& contacts() const { return contacts_; }
+    /// Those of sheets.
+    const Buffer<Contact>& sheet_contacts() const { return sheets_.contacts(); }
     const Buffer<Pair>& pairs() const { return pairs_; }
 
     /// What spared a vertex of a pair its ray in the last step, if it was a proof.
@@ -376,10 +399,10 @@ private:
         aimed_.hits.resize(count);
         aimed_.meetings.resize(count);
         accepted_.resize(count);
-        executor_.for_each(
-            "limit_to_depth", count,
-            stages::LimitToDepth{scene.bodies, view_of(batch_.rays), view_of(batch_.sources), view_of(batch_.meetings),
-                                 view_of(batch_.candidates), view_of(batch_.keep), view_of(aimed_.rays)});
+        executor_.for_each("limit_to_depth", count,
+                           stages::LimitToDepth{scene.bodies, view_of(batch_.rays), view_of(batch_.sources),
+                                                view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
+                                                view_of(aimed_.rays), view_of(pairs_), scene.settings.reproject});
         tools_.update(scene.bodies, aimed_.rays);
         tools_.closest("closest", scene.bodies, aimed_.rays, closest_);
         executor_.for_each("move_to_closest", count,
@@ -439,6 +462,9 @@ private:
     // Stage 12. What the step did; sums in contact order.
     void count(const Plan& plan) {
         executor_.reduce("count_contacts", count_of(contacts_), stages::CountContact{view_of(contacts_)}, contact_sums_);
+        if (plan.sheets)
+            executor_.reduce("count_sheet_contacts", count_of(sheets_.contacts()),
+                             stages::CountContact{view_of(sheets_.contacts())}, sheet_sums_);
         executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, hit_sum_);
         executor_.reduce("count_own_rays", count_of(own_rays_), stages::CountTraced{view_of(own_rays_)}, own_ray_sum_);
         if (plan.temporal == Temporal::off) return;
@@ -452,7 +478,9 @@ private:
     T& tracer_;
     StepTools<E, T> tools_;
     EdgeChords<E, T> edges_;
+    SelfOverlap<E, T> self_overlap_;
     Separation<E, T> separation_;
+    Sheets<E, T> sheets_;
 
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> patch_bounds_, chunk_bounds_;
@@ -472,7 +500,7 @@ private:
     Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_, closest_;
     Buffer<stages::WalkCount> walk_counts_;
     Buffer<Contact> contacts_;
-    Sum<stages::ContactSums> contact_sums_;
+    Sum<stages::ContactSums> contact_sums_, sheet_sums_;
     Sum<stages::WalkSums> walk_sums_;
     Sum<std::uint32_t> hit_sum_, own_ray_sum_, skipped_sum_, predicted_sum_, full_pass_sum_;
 

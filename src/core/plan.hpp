@@ -16,6 +16,8 @@ struct Plan {
     bool moving = false;                ///< anything can touch at all
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
+    bool meets_itself = false;          ///< some solid is looked for in itself
+    bool sheets = false;                ///< some body is a sheet
     bool reprojects = false;            ///< contacts move to the closest point of the target's surface
     Coverage coverage = Coverage::vertices;
     Temporal temporal = Temporal::off;

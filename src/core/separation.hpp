@@ -32,7 +32,7 @@ public:
         test_parts(scene, directed);
         const std::uint32_t vertices = tools_.list(
             "stranded_vertices", candidates,
-            stages::IsStrandedVertex{sources, view_of(batch.candidates), view_of(touching_)}, stranded_vertices_);
+            stages::IsStrandedVertex{pairs, sources, view_of(batch.candidates), view_of(touching_)}, stranded_vertices_);
         const std::uint32_t stranded =
             vertices + tools_.list("stranded_chords", chords.size, stages::IsStrandedChord{from_chords, view_of(touching_)},
                                    stranded_chords_);

@@ -41,6 +41,12 @@ struct StepStats {
     std::uint32_t inside_tests = 0;      ///< rays that looked for parts of a body inside another
     std::uint32_t separated_pairs = 0;   ///< pairs that overlap without a contact along an inward ray
     std::uint32_t reprojected = 0;       ///< contacts moved to a closer point
+    std::uint32_t self_contacts = 0;     ///< contacts of bodies with themselves
+    std::uint32_t triangle_pairs = 0;    ///< triangles of sheets and others that may meet or come close during the step
+    std::uint32_t feature_pairs = 0;     ///< vertices and triangles, and edges, of those that were tested
+    std::uint32_t crossings = 0;         ///< contacts of sheets that were met during the step
+    std::uint32_t remembered = 0;        ///< contacts of sheets on the wrong side since an earlier step
+    std::uint32_t tangled = 0;           ///< contacts of sheets whose side nobody knows
     std::uint32_t own_rays = 0;          ///< rays that looked for their own body's far side
     std::uint32_t contacts = 0;
     std::uint32_t touching_pairs = 0;  ///< pairs with a contact

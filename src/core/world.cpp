@@ -117,11 +117,32 @@ Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
     return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
 }
 
+void World::set_collision(BodyId body, const Collision& collision) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    const std::string name = "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'";
+    const bool asks = collision.sheet || collision.self != SelfCollision::off;
+    if (asks && entry.motion != Motion::deforming)
+        throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
+    if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
+        throw InputError(name + " needs a thickness that is finite and not negative");
+    if (!collision.sheet && collision.thickness > 0) throw InputError(name + " has a thickness but is no sheet");
+    if (!collision.sheet && asks && !state_->mesh_of(entry).traits().closed())
+        throw InputError(name + " has no inside: it can meet itself only as a sheet");
+    if (!collision.sheet && asks && collision.self != SelfCollision::on)
+        throw InputError(name + " is a solid: rays along velocities are for sheets");
+    entry.collision = collision;
+    state_->planned = false;
+}
+
+const Collision& World::collision_of(BodyId body) const { return state_->bodies.get(body, "body").collision; }
+
 void World::set_pose(BodyId body, const Pose& pose) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     if (entry.motion == Motion::deforming)
         throw InputError("body " + std::to_string(body.index) + " deforms: it has positions, not a pose");
+    state_->begin_motion(entry);
     entry.pose = pose;
+    if (!entry.finite) entry.start_pose = pose;
     entry.finite = is_finite(pose);
 }
 
@@ -130,10 +151,27 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     if (entry.motion != Motion::deforming)
         throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
     check_count(positions.size(), state_->mesh_of(entry));
+    state_->begin_motion(entry);
     std::ranges::copy(positions, entry.positions.begin());
+    if (!entry.finite && !entry.start.empty()) entry.start = entry.positions;
     entry.device_positions = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
+}
+
+void World::set_motion(BodyId body, std::span<const Vec3f> start, std::span<const Vec3f> positions) {
+    check_count(start.size(), state_->mesh_of(state_->bodies.get(body, "body")));
+    set_positions(body, positions);
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    entry.start.assign(start.begin(), start.end());
+    entry.finite = entry.finite && is_finite(start);
+}
+
+void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
+    set_pose(body, pose);
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    entry.start_pose = start;
+    entry.finite = entry.finite && is_finite(start);
 }
 
 void World::set_device_positions(BodyId body, const Vec3f* positions) {
@@ -153,7 +191,10 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     if (entry.motion != Motion::deforming)
         throw InputError("body " + std::to_string(body.index) + " is rigid: only a deforming body changes its mesh");
     check_count(positions.size(), shape);
+    if (entry.collision != Collision{} && !entry.collision.sheet && !shape.traits().closed())
+        throw InputError("mesh '" + shape.name() + "' has no inside: its body can meet itself only as a sheet");
     entry.mesh = mesh;
+    entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());
     entry.device_positions = nullptr;
     entry.positions_version = state_->next_key++;
@@ -180,6 +221,7 @@ const StepStats& World::detect() {
                       settings,
                       &s.plan};
     s.backend->step(scene, s.stats);
+    s.end_motion();
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     return s.stats;
 }

@@ -48,6 +48,11 @@ public:
     BodyId add_deforming_body(MeshId mesh, std::span<const Vec3f> positions = {});
     void remove_body(BodyId body);
 
+    /// What the body is in contact with besides solids it overlaps; nothing unless asked for. Throws InputError for a body
+    /// that does not deform, a negative thickness, or an open mesh that is to meet itself and is no sheet.
+    void set_collision(BodyId body, const Collision& collision);
+    const Collision& collision_of(BodyId body) const;
+
     MeshId mesh_of(BodyId body) const;
     Motion motion_of(BodyId body) const;
     /// The world position of a vertex as the last set_pose or set_positions left it.
@@ -59,7 +64,12 @@ public:
     /// Moves the vertices of a deforming body; copied. Positions that are not finite exclude the body from detect() until
     /// good ones are set. Throws InputError for a wrong count or a body that does not deform.
     void set_positions(BodyId body, std::span<const Vec3f> positions);
-    /// The same with positions in device memory, which must stay as they are until the next detect() is over. Nobody
+    /// The same, and where they were when the step began, in place of where the last step left them: for solvers that try
+    /// several ends of one step. Positions at the start that are not finite exclude the body, too.
+    void set_motion(BodyId body, std::span<const Vec3f> start, std::span<const Vec3f> positions);
+    /// The same for a fixed or rigid body. Between the two poses its points are taken to move in straight lines.
+    void set_motion(BodyId body, const Pose& start, const Pose& pose);
+    /// set_positions() with positions in device memory, which must stay as they are until the next detect() is over. Nobody
     /// checks them: a body with a position that is not finite has no contacts or wrong ones. Throws InputError unless the
     /// backend runs on the device.
     void set_device_positions(BodyId body, const Vec3f* positions);
@@ -68,7 +78,8 @@ public:
 
     /// One step: finds all contacts of the bodies as they stand.
     const StepStats& detect();
-    /// The last step's contacts, sorted by (a, b, source, vertex). Valid until the next detect().
+    /// The last step's contacts, sorted by (a, b, source, vertex): first those of solids, then those of sheets. Valid until
+    /// the next detect().
     std::span<const Contact> contacts() const;
     /// The last step's stages, counts and status bits.
     const StepStats& stats() const;

@@ -37,6 +37,17 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
 }
 
+void World::State::begin_motion(BodyEntry& body) const {
+    if (body.moved) return;
+    body.moved = true;
+    body.start_pose = body.pose;
+    if (plan.sheets) body.start = body.positions;
+}
+
+void World::State::end_motion() {
+    for (auto& slot : bodies.slots()) slot.thing.moved = false;
+}
+
 void World::State::find_own_exits(MeshEntry& entry, std::uint32_t index) {
     const BodyView& body = views[index];
     const MeshView& mesh = body.mesh;
@@ -74,6 +85,13 @@ void World::State::make_plan() {
     seen.assign(slots.size(), {});
     rotations.resize(slots.size());
 
+    for (const auto& slot : slots) {
+        if (!slot.used) continue;
+        const Collision& collision = slot.thing.collision;
+        plan.sheets = plan.sheets || collision.sheet;
+        plan.meets_itself = plan.meets_itself || (!collision.sheet && collision.self != SelfCollision::off);
+    }
+
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
         view.active = false;
@@ -84,12 +102,17 @@ void World::State::make_plan() {
         view.mesh = entry.mesh->view();
         view.mesh_key = entry.key;
         view.motion = body.motion;
+        view.collision = body.collision;
         view.range = settings.open_body_range * view.mesh.mean_edge_length;
         view.fit_box = view.mesh.box;
         view.touch = constants::touch_tolerance * view.fit_box.extent();
         describe(body, *entry.mesh);
         if (body.motion == Motion::deforming) {
             view.positions = view_of(std::as_const(body.positions));
+            // A body that was not asked before has not moved.
+            if (plan.sheets && body.start.empty()) body.start = body.positions;
+            if (!plan.sheets) body.start.clear();
+            view.start = view_of(std::as_const(body.start));
             body.blocks.resize(block_count(view.mesh));
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
@@ -110,10 +133,10 @@ void World::State::make_plan() {
         views[i].own_exit = view_of(std::as_const(entry.own_exit));
     }
 
-    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && ids.size() > 1;
+    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     plan.coverage = settings.coverage;
-    plan.reprojects = settings.reproject;
+    plan.reprojects = settings.reproject || plan.sheets;
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
     plan.traces_own_exits = plan.deforming_bodies > 0 || complete;
     const auto add = [&](bool needed, std::initializer_list<const char*> names) {
@@ -126,6 +149,8 @@ void World::State::make_plan() {
     add(remembers, {"walk"});
     add(true, {"update", "trace", "classify"});
     add(complete, {"separation"});
+    add(plan.meets_itself, {"self"});
+    add(plan.sheets, {"sheets"});
     add(plan.reprojects, {"reproject"});
     add(true, {"contacts"});
     add(remembers, {"remember"});
@@ -136,7 +161,16 @@ void World::State::refresh_views() {
     if (!planned) make_plan();
     for (std::uint32_t i = 0; i < views.size(); ++i) {
         if (!ids[i]) continue;
-        const BodyEntry& body = bodies.slots()[i].thing;
+        BodyEntry& body = bodies.slots()[i].thing;
+        if (plan.sheets && !body.moved) {
+            // Nobody has moved it since the last step.
+            if (body.motion != Motion::deforming) {
+                body.start_pose = body.pose;
+            } else if (body.start != body.positions) {
+                body.start = body.positions;
+                body.positions_version = next_key++;
+            }
+        }
         views[i].active = body.finite;
         if (!body.finite) {
             stats.status |= body_excluded;
@@ -147,6 +181,8 @@ void World::State::refresh_views() {
             views[i].device_positions = body.device_positions;
         } else if (body.finite)
             views[i].fit = views[i].space = frame_of(body.pose);
+        if (body.motion != Motion::deforming)
+            views[i].start_space = plan.sheets && body.moved ? frame_of(body.start_pose) : views[i].space;
     }
 }
 

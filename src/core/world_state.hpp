@@ -25,7 +25,11 @@ struct BodyEntry {
     MeshId mesh;
     Motion motion = Motion::fixed;
     Pose pose;
-    std::vector<Vec3f> positions;             ///< of a deforming body
+    std::vector<Vec3f> positions;  ///< of a deforming body
+    std::vector<Vec3f> start;      ///< of a deforming body, when the step began; empty where nobody asks
+    Pose start_pose;               ///< of any other, likewise
+    bool moved = false;            ///< start and end of the next step are given
+    Collision collision;
     const Vec3f* device_positions = nullptr;  ///< in place of those
     std::vector<PatchBlock> blocks;           ///< of a deforming body
     std::vector<Offsets> patches;
@@ -67,6 +71,10 @@ struct World::State {
     void make_plan();
     void add_chunks(std::uint32_t body);
     void describe(const BodyEntry& body, const Mesh& mesh);
+    /// A body is about to get a new place: where it is, is where the next step begins.
+    void begin_motion(BodyEntry& body) const;
+    /// The step is over: the next one begins where it has ended, whatever is given.
+    void end_motion();
     /// What may have changed since the last step.
     void refresh_views();
     /// Lengths of the inward rays of a mesh's rest shape inside itself; -1 where a ray does not start inside (R2).

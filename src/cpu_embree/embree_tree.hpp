@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/box.hpp"
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/first_crossing.hpp"
 #include "pierce/core/refit_policy.hpp"
@@ -27,6 +28,9 @@ public:
     /// Shows a search all triangles that may be closest to its point.
     void show_near(ClosestSearch& search) const;
 
+    /// Calls visit(to, triangle) for every triangle whose box overlaps `box`, and for some others.
+    void show_overlapping(const Box& box, void (*visit)(const void*, std::uint32_t), const void* to) const;
+
     std::uint32_t triangle_count() const { return surface_.triangles.size; }
 
     RefitPolicy policy;
@@ -37,7 +41,8 @@ private:
 
     static void bounds(const RTCBoundsFunctionArguments* arguments);
     static void intersect(const RTCIntersectFunctionNArguments* arguments);
-    static bool test_near(RTCPointQueryFunctionArguments* arguments);
+    static bool answer(RTCPointQueryFunctionArguments* arguments);
+    void ask(Vec3d point, float radius, PointQuery& query) const;
     void set_surface(const Surface& surface, double max_coordinate);
 
     Surface surface_;

@@ -107,6 +107,7 @@ private:
             m.edges = add(m.edges);
             m.edge_offsets = add(m.edge_offsets);
             m.edge_reach = add(m.edge_reach);
+            m.features = add(m.features);
             m.parts = add(m.parts);
             m.neighbors = add(m.neighbors);
             m.rings = add(m.rings);

@@ -136,4 +136,71 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, ClosestS
     }
 }
 
+/// True if the two closed boxes share a point.
+PIERCE_HD inline bool overlap(const BoxF& a, const BoxF& b) {
+    return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x &&  //
+           a.lower.y <= b.upper.y && b.lower.y <= a.upper.y &&  //
+           a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
+}
+
+/// Shows all triangles below `root` whose box overlaps `near`, each once, climbing by the nodes' parents: slower than a
+/// stack, but any depth will do.
+template <class Visit>
+PIERCE_HD void show_overlapping_below(const Forest& forest, const Tree& tree, Item root, const BoxF& near,
+                                      const Visit& visit) {
+    Item item = root;
+    while (true) {
+        if (item.is_leaf()) {
+            visit(item.index());
+        } else {
+            const Node& node = forest.nodes[item.index()];
+            const bool first = overlap(node.box[0], near);
+            if (first || overlap(node.box[1], near)) {
+                item = node.child[first ? 0 : 1];
+                continue;
+            }
+        }
+        while (true) {
+            if (item.code == root.code) return;
+            const Place place =
+                item.is_leaf() ? forest.leaf_places[tree.first + item.index()] : forest.nodes[item.index()].parent;
+            const Node& above = forest.nodes[place.node()];
+            if (place.side() == 0 && overlap(above.box[1], near)) {
+                item = above.child[1];
+                break;
+            }
+            item = Item::node(place.node());
+        }
+    }
+}
+
+/// Shows all triangles whose box overlaps `box`, each once.
+template <class Visit>
+PIERCE_HD void show_overlapping(const Forest& forest, const Tree& tree, const Box& box, const Visit& visit) {
+    const BoxF near{{round_down(box.lower.x), round_down(box.lower.y), round_down(box.lower.z)},
+                    {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)}};
+    ItemStack stack;
+    Item item = tree.root;
+    while (true) {
+        if (item.is_leaf()) {
+            visit(item.index());
+        } else {
+            const Node& node = forest.nodes[item.index()];
+            const bool first = overlap(node.box[0], near), second = overlap(node.box[1], near);
+            if (first && second) {
+                if (stack.full())
+                    show_overlapping_below(forest, tree, node.child[1], near, visit);
+                else
+                    stack.push(node.child[1]);
+            }
+            if (first || second) {
+                item = node.child[first ? 0 : 1];
+                continue;
+            }
+        }
+        if (stack.empty()) return;
+        item = stack.pop();
+    }
+}
+
 }  // namespace pierce::bvh

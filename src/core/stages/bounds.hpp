@@ -144,12 +144,14 @@ struct PartBounds {
     Box fit_box, world_box;
     double deviation = 0;
     double shape_motion = 0;
+    double travel = 0;
 
     PIERCE_HD void extend(const PartBounds& part) {
         world_box.extend(part.world_box);
         fit_box.extend(part.fit_box);
         deviation = max_of(part.deviation, deviation);
         shape_motion = max_of(part.shape_motion, shape_motion);
+        travel = max_of(part.travel, travel);
     }
 };
 
@@ -188,11 +190,22 @@ struct MeasureBounds {
             extend(b.world_box, in_world, world_axis);
             b.deviation = std::sqrt(static_cast<double>(furthest));
             if (last.size > 0) b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
+            if (body.start.size > 0) b.travel = longest_way(body, p);
         }
         bounds[i] = b;
     }
 
 private:
+    /// How far a vertex of the patch has moved since the step began, at most.
+    PIERCE_HD static double longest_way(const BodyView& body, std::uint32_t p) {
+        double squared = 0;
+        for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
+            const std::uint32_t v = body.mesh.patch_vertices[patch_begin(p) + k];
+            squared = max_of(length_squared(to_double(body.positions[v]) - to_double(body.start[v])), squared);
+        }
+        return std::sqrt(squared);
+    }
+
     /// Takes over where a patch is now; returns the square of the longest way from where it was.
     PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets& now) {
         const Vec3f moved = to_float(center - patch.center);
@@ -260,6 +273,7 @@ struct JoinBounds {
         body.fit_box = all.fit_box.inflated(body.touch);
         body.deviation = all.deviation + body.touch;
         body.shape_motion = all.shape_motion + body.touch;
+        body.travel = all.travel + (body.start.size > 0 ? body.touch : 0.0);
     }
 };
 
@@ -313,6 +327,8 @@ struct PlaceBox {
             reach[k] = std::fabs(r.x) * half.x + std::fabs(r.y) * half.y + std::fabs(r.z) * half.z;
         }
         body.world_box = {center - reach, center + reach};
+        // Where nobody asks, the step began where it ends.
+        body.travel = largest_motion(body.start_space, body.space, body.fit_box);
     }
 };
 

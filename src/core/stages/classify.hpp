@@ -105,7 +105,7 @@ struct GenerateOwnRays {
         const bool is_vertex = source.start == RayStart::vertex;
         Ray ray;
         ray.t_max = -1.0;
-        if (body.mesh.closed && (!is_vertex || body.motion == Motion::deforming)) {
+        if (body.is_solid() && into_target.target != body_index && (!is_vertex || body.motion == Motion::deforming)) {
             ray.origin = start_of(body, source, chords);
             ray.direction = relative_frame(target.space, body.space).rotation * into_target.direction;
             ray.target = body_index;

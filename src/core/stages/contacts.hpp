@@ -89,6 +89,7 @@ struct FillContact {
         c.source = static_cast<Side>(from.side);
         c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
         if (routes.size > 0 && routes[r] == Route::walked) c.found = found[r];
+        if (pair.is_self()) c.found = Found::self;
         if (from.separates) c.found = Found::separation;
         c.reprojected = moved;
         c.vertex = from.item;

@@ -27,11 +27,20 @@ struct CountHit {
 /// What contacts add up to.
 struct ContactSums {
     std::uint32_t touching_pairs = 0, edges = 0, reprojected = 0, predictions_true = 0;
+    std::uint32_t self = 0, crossings = 0, remembered = 0, tangled = 0;
     double depth = 0, depth_max = 0;  ///< [length]
 
     PIERCE_HD friend ContactSums operator+(const ContactSums& a, const ContactSums& b) {
-        return {a.touching_pairs + b.touching_pairs,     a.edges + b.edges, a.reprojected + b.reprojected,
-                a.predictions_true + b.predictions_true, a.depth + b.depth, max_of(a.depth_max, b.depth_max)};
+        return {a.touching_pairs + b.touching_pairs,
+                a.edges + b.edges,
+                a.reprojected + b.reprojected,
+                a.predictions_true + b.predictions_true,
+                a.self + b.self,
+                a.crossings + b.crossings,
+                a.remembered + b.remembered,
+                a.tangled + b.tangled,
+                a.depth + b.depth,
+                max_of(a.depth_max, b.depth_max)};
     }
 };
 
@@ -41,8 +50,16 @@ struct CountContact {
     PIERCE_HD ContactSums operator()(std::uint32_t i) const {
         const Contact& c = contacts[i];
         const bool first = i == 0 || contacts[i - 1].a != c.a || contacts[i - 1].b != c.b;
-        return {
-            first, c.is_edge(), c.reprojected, c.found == Found::prediction, c.penetration_depth(), c.penetration_depth()};
+        return {first,
+                c.is_edge(),
+                c.reprojected,
+                c.found == Found::prediction,
+                c.a == c.b,
+                c.found == Found::crossing,
+                c.found == Found::remembered,
+                c.found == Found::tangled,
+                c.penetration_depth(),
+                c.penetration_depth()};
     }
 };
 

@@ -31,7 +31,7 @@ struct CullEdgeBlock {
         const double span = static_cast<double>(block.reach) + static_cast<double>(longest_edge);
         const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
                                 2 * source.deviation + constants::touch_tolerance * span);
-        masks[i] = balls.near & first_bits(count);
+        masks[i] = d.is_self() ? 0 : balls.near & first_bits(count);
         counts[i] = bit_count(masks[i]);
     }
 };

@@ -45,6 +45,15 @@ struct MarkWanted {
     }
 };
 
+/// Per item: zero.
+struct Clear {
+    View<std::uint32_t> items;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { items[i] = 0; }
+};
+
 /// Tells rays that are traced from those that hit nothing by definition.
 struct IsTraced {
     View<const Ray> rays;

@@ -6,7 +6,8 @@
 #include "pierce/core/ids.hpp"
 #include "pierce/core/oriented_box.hpp"
 
-/// Stage 2, pairs: bodies whose boxes overlap, sorted by (a, b). Sort and sweep along x, then the oriented boxes.
+/// Stage 2, pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted by (a, b). Sort and
+/// sweep along x, then the oriented boxes.
 namespace pierce::stages {
 
 /// A key that orders like the number it is made from.
@@ -29,8 +30,8 @@ struct SweepKey {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& body = bodies[i];
         order[i] = i;
-        keys[i] =
-            body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch - body.reach)) : ~std::uint64_t{0};
+        keys[i] = body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch - body.outreach()))
+                              : ~std::uint64_t{0};
     }
 };
 
@@ -39,7 +40,8 @@ struct SweepItem {
     Box box;  ///< in the world, grown by touch tolerance and reach; empty if the body is left out
     std::uint32_t body = 0;
     bool moves = false;
-    std::uint8_t padding[3] = {};
+    bool meets_itself = false;
+    std::uint8_t padding[2] = {};
 };
 
 /// Per place in the sweep order: what the sweep needs, side by side.
@@ -52,8 +54,8 @@ struct GatherSweep {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& body = bodies[order[i]];
-        items[i] = {body.active ? body.world_box.inflated(body.touch + body.reach) : Box{}, order[i],
-                    body.motion != Motion::fixed};
+        items[i] = {body.active ? body.world_box.inflated(body.touch + body.outreach()) : Box{}, order[i],
+                    body.motion != Motion::fixed, body.active && body.collision.self != SelfCollision::off};
     }
 };
 
@@ -69,6 +71,10 @@ struct SweepPairs {
         const std::uint32_t place = i / constants::sweep_walks;
         const SweepItem& first = items[place];
         std::uint32_t found = 0;
+        if (first.meets_itself && i % constants::sweep_walks == 0) {
+            if (keys.data != nullptr) keys[offsets[i]] = std::uint64_t{first.body} << 32 | first.body;
+            ++found;
+        }
         // Places are sorted by float32 lower ends, which are not above the true ones.
         for (std::uint32_t k = place + 1 + i % constants::sweep_walks; k < items.size; k += constants::sweep_walks) {
             const SweepItem& second = items[k];
@@ -93,7 +99,8 @@ struct TestPair {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BodyView& a = bodies[static_cast<std::uint32_t>(keys[i] >> 32)];
         const BodyView& b = bodies[static_cast<std::uint32_t>(keys[i])];
-        keep[i] = oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch) + a.reach + b.reach);
+        keep[i] = oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
+                                         max_of(a.touch, b.touch) + a.outreach() + b.outreach());
     }
 };
 

@@ -50,6 +50,7 @@ PIERCE_HD inline double range_in_boxes(const BodyView& source, const BodyView& t
 
 /// How far an inward ray from `vertex` may go before it leaves its own body for certain.
 PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex, Vec3d direction) {
+    if (source.collision.sheet) return target.fit_box.extent();
     if (!source.mesh.closed) return source.range;
     if (source.motion != Motion::deforming) return source.own_exit[vertex];
     return range_in_boxes(source, target, to_double(source.positions[vertex]), direction);
@@ -64,6 +65,11 @@ PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair&
     ray.direction = normalized(d.to_space.rotation * direction);
     ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
     ray.target = d.target;
+    if (d.is_self()) {
+        ray.excluded[0] = ray.excluded[1] = v;
+        // At rest nothing but the triangles around the vertex comes so close, and nothing has moved so far since.
+        if (source.mesh.star_clearance[v] > 2 * (source.deviation + source.touch)) ray.t_max = -1.0;
+    }
     return ray;
 }
 
@@ -145,7 +151,7 @@ private:
     PIERCE_HD Route route(const DirectedPair& d, const Ray& ray, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];
         if (!(ray.t_max >= 0)) return Route::skip;
-        if (record.triangle == no_triangle) return Route::full;
+        if (record.triangle == no_triangle || d.is_self()) return Route::full;
         // A walk is of use if it can be certified: not where the target has changed its shape too much.
         if (settings.temporal == Temporal::certified)
             return 2 * target.deviation < static_cast<double>(target.mesh.rings[record.triangle].gap) ? Route::walk

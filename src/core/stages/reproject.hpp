@@ -18,10 +18,14 @@ struct LimitToDepth {
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates, keep;
     View<Ray> limited;
+    View<const Pair> pairs;
+    bool all = true;  ///< else only sheets': their normals say nothing about the way out of another body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[i];
-        const bool may_move = keep[i] && !sources[r].separates && bodies[rays[r].target].mesh.closed;
+        const Pair pair = pairs[sources[r].pair];
+        const bool may_move = keep[i] && !sources[r].separates && !pair.is_self() && bodies[rays[r].target].is_solid() &&
+                              (all || bodies[pair.source(sources[r].side)].collision.sheet);
         limited[i] = rays[r];
         limited[i].outward = 0;
         limited[i].t_max = may_move ? meetings[r].t : -1.0;

@@ -42,7 +42,7 @@ struct CountParts {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const bool asked = !reached[i / 2] && bodies[directed[i].target].mesh.closed;
+        const bool asked = !reached[i / 2] && bodies[directed[i].target].is_solid() && !directed[i].is_self();
         counts[i] = asked ? bodies[directed[i].source].mesh.parts.size : 0;
     }
 };
@@ -87,12 +87,13 @@ struct MarkReached {
 
 /// True for vertices that are candidates, but whose pair has no contact.
 struct IsStrandedVertex {
+    View<const Pair> pairs;
     View<const RaySource> sources;
     View<const std::uint32_t> candidates, touching;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const RaySource& from = sources[candidates[i]];
-        return from.start == RayStart::vertex && !touching[from.pair];
+        return from.start == RayStart::vertex && !touching[from.pair] && !pairs[from.pair].is_self();
     }
 };
 

@@ -20,6 +20,7 @@ struct DirectedPair {
     Pass pass = Pass::full;
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
 
+    PIERCE_HD bool is_self() const { return source == target; }
     /// True if vertices with an unexpired record are left alone in this step.
     PIERCE_HD bool waits(Temporal temporal) const { return temporal == Temporal::certified || pass == Pass::walk; }
 };
@@ -50,9 +51,11 @@ struct DirectPair {
             d.step = static_cast<float>(m.step);
             d.pass = m.pass;
             if (m.known) d.last_blocks = last[links[i / 2]].first_block[i % 2];
+            if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
         }
         directed[i] = d;
-        block_counts[i] = target.mesh.clearance.steps.size > 0 ? block_count(source.mesh) : 0;
+        const bool asked = target.is_solid() && target.mesh.clearance.steps.size > 0 && !(d.is_self() && i % 2 == 1);
+        block_counts[i] = asked ? block_count(source.mesh) : 0;
     }
 };
 

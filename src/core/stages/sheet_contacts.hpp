@@ -1,0 +1,462 @@
+#pragma once
+
+#include <bit>
+
+#include "pierce/core/atomics.hpp"
+#include "pierce/core/closest_search.hpp"
+#include "pierce/core/contact.hpp"
+#include "pierce/core/continuous.hpp"
+#include "pierce/core/stages/sheet_search.hpp"
+
+/// Sheets, second half: which of the features found are contacts, and on which side.
+///
+/// A sheet has no inside: what counts is where a vertex comes from. Its side of a triangle is the one it is remembered to be
+/// on; or the one from which it meets the triangle; or the one it was on when the step began. The motion is the one
+/// relative to the triangle: layers that move together do not meet. A contact pushes to that side, also when the vertex is
+/// through. A solid keeps its side for good: out.
+namespace pierce::stages {
+
+/// What is remembered of a contact of a sheet: the same features again are the same contact, and a vertex over a triangle
+/// that shares a corner with this one is still on this side.
+struct SheetRecord {
+    std::uint32_t other = 0;  ///< the triangle, or the edge of b
+    std::uint32_t age = 0;
+    std::int32_t side = 0;  ///< of a vertex: where it belongs, +1 on the side of the triangle's normal; 0: nobody knows
+};
+
+/// The key of a feature: sheets' contacts and records are sorted by it, then by the other feature.
+PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item) {
+    return std::uint64_t{pair} << 33 | static_cast<std::uint64_t>(kind) << 30 | item;
+}
+static_assert(constants::max_elements <= std::uint32_t{1} << 30);
+
+/// Last step's records, by pair of this step.
+struct SheetMemory {
+    View<const std::uint32_t> links;  ///< per pair, which it was in the last step, or no_pair
+    View<const std::uint64_t> keys;
+    View<const SheetRecord> records;
+
+    /// The side a vertex belongs to, of a triangle; 0 if nothing is remembered.
+    PIERCE_HD std::int32_t side(const FeaturePair& f, View<const Triangle> triangles) const {
+        std::int32_t side = 0;
+        each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
+            const bool same = record.other == f.other;
+            if (!same && (side != 0 || !share_corner(triangles[record.other], triangles[f.other]))) return false;
+            side = record.side;
+            return same;
+        });
+        return side;
+    }
+
+    /// How many steps in a row the contact has been one.
+    PIERCE_HD std::uint32_t age(const FeaturePair& f) const {
+        std::uint32_t age = 0;
+        each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
+            if (record.other == f.other) age = record.age + 1;
+            return age != 0;
+        });
+        return age;
+    }
+
+    /// True if it is remembered of a vertex which side of a triangle it belongs to.
+    PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex, std::uint32_t triangle,
+                         View<const Triangle> triangles) const {
+        return side({pair, kind, vertex, triangle, 0}, triangles) != 0;
+    }
+
+private:
+    PIERCE_HD static bool share_corner(const Triangle& a, const Triangle& b) {
+        return has_vertex(a, b.vertex[0]) || has_vertex(a, b.vertex[1]) || has_vertex(a, b.vertex[2]);
+    }
+
+    /// Calls see(record) for the feature's records until that is true.
+    template <class See>
+    PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item, const See& see) const {
+        if (keys.size == 0 || links[pair] == no_pair) return;
+        const std::uint64_t key = feature_key(links[pair], kind, item);
+        std::uint32_t low = 0, high = keys.size;
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            (keys[middle] < key ? low : high) = keys[middle] < key ? middle + 1 : middle;
+        }
+        for (; low < keys.size && keys[low] == key; ++low)
+            if (see(records[low])) return;
+    }
+};
+
+/// How two features stand at the end of the step.
+struct SheetMeeting {
+    double weight[3] = {};  ///< of the triangle's corners; of edges: the place along the second one comes first
+    double along = 0;       ///< of edges: the place along the first
+    Vec3d out;              ///< unit, world: where the first feature belongs, as seen from the second
+    double distance = 0;    ///< [length] along it
+    double time = 1;
+    Found found = Found::near;
+    std::int8_t side = 0;
+    bool unknown = false;
+    std::uint8_t padding[5] = {};
+};
+
+/// Per two features: whether they are a contact, and how. Reads the memory of the last step.
+struct MeetFeatures {
+    View<const BodyView> bodies;
+    View<const Pair> pairs;
+    View<const SheetPair> sheet_pairs;
+    View<const FeaturePair> features;
+    SheetMemory memory;
+    View<SheetMeeting> meetings;
+    View<std::uint32_t> keep;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const FeaturePair& f = features[i];
+        SheetMeeting m;
+        bool kept = false;
+        if (f.ray != 0)
+            kept = by_ray(f, m);
+        else if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
+            kept = vertex_and_triangle(f, m);
+        else if (f.kind == FeatureKind::edges)
+            kept = two_edges(f, m);
+        else
+            kept = piercing(f, m);
+        keep[i] = kept;
+        if (kept) meetings[i] = m;
+    }
+
+private:
+    /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to the triangle's first
+    /// corner.
+    PIERCE_HD const BodyView& holder(const FeaturePair& f) const { return bodies[pairs[f.pair].source(side_of(f.kind))]; }
+    PIERCE_HD const BodyView& target(const FeaturePair& f) const { return bodies[pairs[f.pair].target(side_of(f.kind))]; }
+    PIERCE_HD static std::uint32_t side_of(FeatureKind kind) {
+        return kind == FeatureKind::vertex_of_b || kind == FeatureKind::piercing_edge_of_b;
+    }
+
+    PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
+
+    PIERCE_HD bool vertex_and_triangle(const FeaturePair& f, SheetMeeting& m) const {
+        const BodyView &of_vertex = holder(f), &of_face = target(f);
+        const Vec3d origin = moving_vertex(of_face, of_face.mesh.triangles[f.other].vertex[0]).end;
+        const MovingTriangle face(of_face, f.other, origin);
+        const MovingPoint p = relative(moving_vertex(of_vertex, f.item), origin);
+        const Vec3d normal = normalized(face.end_normal());
+        const double height = dot(normal, p.end - face.corner[0].end);
+        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
+
+        Impact impact;
+        const bool met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
+        const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
+        m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
+        const bool solid = of_face.mesh.closed && !of_face.collision.sheet;
+        // What is inside a solid is pushed out along a ray.
+        if (solid && m.side < 0) return false;
+
+        const double gap = m.side * height;
+        const bool through = above && remembered != 0 && gap < 0 && -gap < sheet_pairs[f.pair].margin;
+        const double thickness = sheet_pairs[f.pair].thickness;
+        const bool near = above && std::fabs(height) < thickness && gap < proximity(f, thickness, of_vertex, of_face, m);
+        if (!met && !near && !through) return false;
+        m.out = static_cast<double>(m.side) * normal;
+        m.distance = gap;
+        if (!above) {
+            // It meets the triangle and goes on beside it: the place it has met.
+            m.weight[0] = 1 - impact.u - impact.v;
+            m.weight[1] = impact.u;
+            m.weight[2] = impact.v;
+            Vec3d at;
+            for (int k = 0; k < 3; ++k) at += m.weight[k] * face.corner[k].end;
+            m.distance = dot(m.out, p.end - at);
+        }
+        m.found = met ? Found::crossing : through ? Found::remembered : Found::near;
+        if (met) m.time = impact.time;
+        return true;
+    }
+
+    /// Weights of the corners at the foot of `p`; true if that lies in the triangle.
+    PIERCE_HD static bool weights_over(Vec3d a, Vec3d b, Vec3d c, Vec3d p, double (&weight)[3]) {
+        const Vec3d n = cross(b - a, c - a);
+        const double size = length_squared(n);
+        if (!(size > 0)) return false;
+        weight[0] = dot(n, cross(c - b, p - b)) / size;
+        weight[1] = dot(n, cross(a - c, p - c)) / size;
+        weight[2] = 1 - weight[0] - weight[1];
+        return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
+    }
+
+    /// The side of the triangle that the vertex belongs to.
+    PIERCE_HD std::int32_t side(const FeaturePair& f, const MovingTriangle& face, const MovingPoint& p, double height,
+                                std::int32_t remembered, bool met, const Impact& impact) const {
+        if (remembered != 0) return remembered;
+        const Vec3d n = face.start_normal();
+        const double before = dot(n, p.start - face.corner[0].start);
+        if (met) {
+            const double weight[3] = {1 - impact.u - impact.v, impact.u, impact.v};
+            Vec3d motion = p.end - p.start;
+            for (int k = 0; k < 3; ++k) motion -= weight[k] * (face.corner[k].end - face.corner[k].start);
+            Vec3d c[3];
+            for (int k = 0; k < 3; ++k)
+                c[k] = face.corner[k].start + impact.time * (face.corner[k].end - face.corner[k].start);
+            const double approach = dot(cross(c[1] - c[0], c[2] - c[0]), motion);
+            if (approach != 0) return approach < 0 ? 1 : -1;
+            return before < 0 ? -1 : 1;
+        }
+        if ((before < 0) == (height < 0)) return height < 0 ? -1 : 1;
+        // It has changed sides without meeting this triangle: through a neighbour, or around the border.
+        return meets_neighbor(f, p) ? (before < 0 ? -1 : 1) : (height < 0 ? -1 : 1);
+    }
+
+    PIERCE_HD bool meets_neighbor(const FeaturePair& f, const MovingPoint& p) const {
+        const BodyView& of_face = target(f);
+        const Vec3d origin = moving_vertex(of_face, of_face.mesh.triangles[f.other].vertex[0]).end;
+        for (std::uint32_t neighbor : of_face.mesh.neighbors[f.other].across) {
+            if (neighbor == no_triangle) continue;
+            if (pairs[f.pair].is_self() && has_vertex(of_face.mesh.triangles[neighbor], f.item)) continue;
+            const MovingTriangle face(of_face, neighbor, origin);
+            Impact impact;
+            if (vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact)) return true;
+        }
+        return false;
+    }
+
+    /// How close counts as near: the thickness; of a body to itself, no more than half of how close the two are at rest.
+    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const BodyView& of_vertex, const BodyView& of_face,
+                               const SheetMeeting&) const {
+        if (!pairs[f.pair].is_self()) return thickness;
+        const Triangle& t = of_face.mesh.triangles[f.other];
+        const Vec3d p = to_double(of_vertex.mesh.positions[f.item]);
+        const Vec3d q = closest_on_triangle(p, to_double(of_face.mesh.positions[t.vertex[0]]),
+                                            to_double(of_face.mesh.positions[t.vertex[1]]),
+                                            to_double(of_face.mesh.positions[t.vertex[2]]));
+        return min_of(thickness, 0.5 * length(p - q));
+    }
+
+    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const BodyView& a, const Edge& ea, const BodyView& b,
+                               const Edge& eb) const {
+        if (!pairs[f.pair].is_self()) return thickness;
+        return min_of(
+            thickness,
+            0.5 * segment_distance(to_double(a.mesh.positions[ea.vertex[0]]), to_double(a.mesh.positions[ea.vertex[1]]),
+                                   to_double(b.mesh.positions[eb.vertex[0]]), to_double(b.mesh.positions[eb.vertex[1]])));
+    }
+
+    PIERCE_HD bool two_edges(const FeaturePair& f, SheetMeeting& m) const {
+        const BodyView &a = bodies[pairs[f.pair].a], &b = bodies[pairs[f.pair].b];
+        const Edge &ea = a.mesh.edges[f.item], &eb = b.mesh.edges[f.other];
+        const MovingPoint first = moving_vertex(a, ea.vertex[0]);
+        const Vec3d origin = first.end;
+        const MovingPoint p = relative(first, origin), q = relative(moving_vertex(a, ea.vertex[1]), origin),
+                          r = relative(moving_vertex(b, eb.vertex[0]), origin),
+                          s = relative(moving_vertex(b, eb.vertex[1]), origin);
+        const SegmentPlaces at = closest_points_of_segments(p.end, q.end, r.end, s.end);
+        const bool between = at.first > 0 && at.first < 1 && at.second > 0 && at.second < 1;
+        Vec3d way = p.end + at.first * (q.end - p.end) - r.end - at.second * (s.end - r.end);
+        m.distance = length(way);
+
+        Impact impact;
+        const bool met = edges_meet(p, q, r, s, impact);
+        if (!met) {
+            if (!between || !(m.distance > 0) || !(m.distance < proximity(f, sheet_pairs[f.pair].thickness, a, ea, b, eb)))
+                return false;
+            m.out = normalized(way);
+            set_places(m, at.first, at.second);
+            return true;
+        }
+        // The side from which they meet; it stays theirs while they turn.
+        const auto when = [&](const MovingPoint& x) { return x.start + impact.time * (x.end - x.start); };
+        const Vec3d u = when(q) - when(p), v = when(s) - when(r);
+        const Vec3d motion = (1 - impact.u) * (p.end - p.start) + impact.u * (q.end - q.start) -
+                             (1 - impact.v) * (r.end - r.start) - impact.v * (s.end - s.start);
+        const Vec3d n = cross(u, v), end = cross(q.end - p.end, s.end - r.end);
+        const double flat = constants::meeting_tolerance * length(u) * length(v);
+        const bool turned = dot(n, motion) > 0;
+        if (length(n) > flat && length(end) > flat && dot(n, motion) != 0)
+            m.out = normalized(turned ? -end : end);
+        else
+            m.out = length_squared(motion) > 0 ? normalized(-motion) : normalized(way);
+        const double first_place = between ? at.first : impact.u, second_place = between ? at.second : impact.v;
+        way = p.end + first_place * (q.end - p.end) - r.end - second_place * (s.end - r.end);
+        m.distance = dot(m.out, way);
+        set_places(m, first_place, second_place);
+        m.found = Found::crossing;
+        m.time = impact.time;
+        return true;
+    }
+
+    PIERCE_HD static void set_places(SheetMeeting& m, double first, double second) {
+        m.along = first;
+        m.weight[0] = second;
+    }
+
+    /// An edge that has been through a triangle since before the step began: a contact only if nobody knows which way it
+    /// came. Moving it along the gradient of the contour's length makes the two part (Volino and Magnenat-Thalmann 2006).
+    PIERCE_HD bool piercing(const FeaturePair& f, SheetMeeting& m) const {
+        const BodyView &of_edge = holder(f), &of_face = target(f);
+        const View<const Triangle> triangles = of_face.mesh.triangles;
+        const FeatureKind vertices =
+            side_of(f.kind) == 0 || pairs[f.pair].is_self() ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
+        const Edge& e = of_edge.mesh.edges[f.item];
+        for (std::uint32_t v : e.vertex)
+            if (memory.knows(f.pair, vertices, v, f.other, triangles)) return false;
+        const bool solid = of_face.mesh.closed && !of_face.collision.sheet;
+        const bool in_solid = of_edge.mesh.closed && !of_edge.collision.sheet;
+        if (solid || in_solid) return false;
+
+        const Triangle& t = triangles[f.other];
+        const Vec3d a = moving_vertex(of_face, t.vertex[0]).end, b = moving_vertex(of_face, t.vertex[1]).end - a,
+                    c = moving_vertex(of_face, t.vertex[2]).end - a;
+        const Vec3d p = moving_vertex(of_edge, e.vertex[0]).end - a, q = moving_vertex(of_edge, e.vertex[1]).end - a;
+        const Vec3d normal = normalized(cross(b, c));
+        const double from = dot(normal, p), to = dot(normal, q);
+        m.along = from / (from - to);
+        const Vec3d at = p + m.along * (q - p);
+        weights_over({}, b, c, at, m.weight);
+        const Vec3d along = normalized(q - p);
+        Vec3d gradient;
+        for (std::uint32_t side : e.triangle) {
+            if (side == no_triangle) continue;
+            const MovingTriangle wing(of_edge, side, a);
+            const Vec3d wing_normal = wing.end_normal();
+            Vec3d contour = normalized(cross(normal, wing_normal));
+            // Into the wing, away from the edge.
+            Vec3d middle;
+            for (const MovingPoint& corner : wing.corner) middle += (1.0 / 3) * corner.end;
+            if (dot(contour, middle - at - dot(middle - at, along) * along) < 0) contour = -contour;
+            gradient += contour - (2 * dot(along, contour) / dot(along, normal)) * normal;
+        }
+        const double size = length(gradient);
+        m.unknown = !(size > constants::vanishing_normal) || !(size < 1 / constants::vanishing_normal);
+        m.out = m.unknown ? normal : normalized(gradient);
+        m.found = Found::tangled;
+        return true;
+    }
+
+    /// A ray along the velocity has met the triangle ahead of the vertex, or one against it the triangle it has passed.
+    PIERCE_HD bool by_ray(const FeaturePair& f, SheetMeeting& m) const {
+        const BodyView& body = bodies[pairs[f.pair].a];
+        const Vec3d origin = moving_vertex(body, f.item).end;
+        const MovingTriangle face(body, f.other, origin);
+        const MovingPoint p = relative(moving_vertex(body, f.item), origin);
+        const Vec3d a = face.corner[0].end, b = face.corner[1].end, c = face.corner[2].end;
+        Vec3d motion = p.end - p.start;
+        Crossing crossing = meet(motion, f.ray, a, b, c);
+        if (sheet_pairs[f.pair].how == SelfCollision::rays) {
+            // What counts is the motion relative to the place that is met.
+            for (int k = 0; k < 3; ++k) motion -= crossing.weight[k] * (face.corner[k].end - face.corner[k].start);
+            crossing = meet(motion, f.ray, a, b, c);
+        }
+        const double way = length(motion);
+        if (crossing.kind != Crossing::transversal || crossing.t < 0 || crossing.t > way) return false;
+        for (int k = 0; k < 3; ++k) m.weight[k] = crossing.weight[k];
+        m.out = normalized(-motion);
+        m.distance = f.ray == 1 ? crossing.t : -crossing.t;
+        m.found = f.ray == 1 ? Found::near : Found::crossing;
+        m.side = dot(m.out, face.end_normal()) < 0 ? -1 : 1;
+        return true;
+    }
+
+    /// From the origin, along a motion or against it.
+    PIERCE_HD static Crossing meet(Vec3d motion, std::uint32_t ray, Vec3d a, Vec3d b, Vec3d c) {
+        if (!(length_squared(motion) > 0)) return {};
+        return cross_triangle({{}, normalized(ray == 1 ? motion : -motion)}, a, b, c);
+    }
+};
+
+/// Per kept contact: what it is sorted by.
+struct KeySheetContacts {
+    View<const FeaturePair> features;
+    View<const std::uint32_t> kept;
+    View<std::uint64_t> keys;  ///< by the other feature
+    View<std::uint32_t> order;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        keys[i] = features[kept[i]].other;
+        order[i] = kept[i];
+    }
+};
+
+/// Per contact, sorted by the other feature: what it is sorted by next.
+struct KeyByFeature {
+    View<const FeaturePair> features;
+    View<const std::uint32_t> order;
+    View<std::uint64_t> keys;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const FeaturePair& f = features[order[i]];
+        keys[i] = feature_key(f.pair, f.kind, f.item);
+    }
+};
+
+/// Per contact of a sheet: everything in it, and what is remembered of it.
+struct FillSheetContact {
+    View<const BodyView> bodies;
+    View<const BodyId> ids;
+    View<const Pair> pairs;
+    View<const FeaturePair> features;
+    View<const SheetMeeting> meetings;
+    View<const std::uint32_t> order;
+    SheetMemory memory;
+    View<SheetRecord> records;
+    View<std::uint32_t> deepest;  ///< per pair
+    View<Contact> contacts;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const FeaturePair& f = features[order[i]];
+        const SheetMeeting& m = meetings[order[i]];
+        const Pair pair = pairs[f.pair];
+        const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
+        const BodyView &source = bodies[pair.source(from_b)], &target = bodies[pair.target(from_b)];
+        Contact c;
+        c.a = ids[pair.a];
+        c.b = ids[pair.b];
+        c.source = from_b ? Side::b : Side::a;
+        c.of_sheet = true;
+        c.found = m.found;
+        c.unknown_side = m.unknown;
+        c.time = m.time;
+        c.age = memory.age(f);
+        c.distance = m.distance;
+        const bool is_vertex = f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b;
+        Vec3d p;
+        if (is_vertex) {
+            c.vertex = f.item;
+            p = moving_vertex(source, f.item).end;
+        } else {
+            const Edge& edge = source.mesh.edges[f.item];
+            c.edge = f.item;
+            c.vertex = edge.vertex[0];
+            c.edge_end = edge.vertex[1];
+            c.along = m.along;
+            p = (1 - m.along) * moving_vertex(source, edge.vertex[0]).end +
+                m.along * moving_vertex(source, edge.vertex[1]).end;
+        }
+        if (f.kind == FeatureKind::edges) {
+            const Edge& edge = target.mesh.edges[f.other];
+            c.other_edge = f.other;
+            c.triangle = edge.triangle[0];
+            for (int k = 0; k < 3; ++k) {
+                const std::uint32_t v = target.mesh.triangles[c.triangle].vertex[k];
+                c.barycentric[k] = v == edge.vertex[0] ? 1 - m.weight[0] : v == edge.vertex[1] ? m.weight[0] : 0.0;
+            }
+        } else {
+            c.triangle = f.other;
+            for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight[k];
+        }
+        const MovingTriangle face(target, c.triangle, {});
+        Vec3d q;
+        for (int k = 0; k < 3; ++k) q += c.barycentric[k] * face.corner[k].end;
+        c.point_a = from_b ? q : p;
+        c.point_b = from_b ? p : q;
+        c.normal = from_b ? m.out : -m.out;
+        c.face_normal = normalized(face.end_normal());
+        contacts[i] = c;
+        records[i] = {f.other, c.age, m.side};
+        if (is_vertex && m.distance < 0)
+            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.range))));
+    }
+};
+
+}  // namespace pierce::stages
