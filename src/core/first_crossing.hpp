@@ -13,7 +13,7 @@ struct Surface {
     View<const Vec3f> positions;
     View<const Triangle> triangles;
     double touch = 0;         ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
-    View<const Vec3f> start;  ///< where the positions were when the step began, if trees must hold both; else empty
+    View<const Vec3f> start = {};  ///< where the positions were when the step began, if trees must hold both; else empty
 };
 
 /// A ray under way through a surface. Any tracer shows it candidate triangles in any order through test(); which
