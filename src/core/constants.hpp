@@ -116,6 +116,20 @@ inline constexpr double open_body_range = 2.0;
 /// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest coordinate].
 inline constexpr double double_rounding = 0x1p-47;
 
+/// What double arithmetic on moving corners may lose [largest coordinate relative to one of them]. The sum of the roundings
+/// is written out where it is used (separating_direction.hpp), with half as much to spare.
+inline constexpr double motion_rounding = 0x1p-46;
+
+/// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: about
+/// 1e-6, the rounding of positions ten edges from the origin.
+inline constexpr double meeting_tolerance = 0x1p-20;
+
+/// How often a feature is halved at most when the time of a meeting is looked for. Weights of its parts stay exact.
+inline constexpr int meeting_halvings = 40;
+
+/// Advances of a search for a meeting, after which it answers that there is one.
+inline constexpr int meeting_advances = 4096;
+
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;
 
