@@ -8,15 +8,21 @@
 
 /// When a vertex meets a face, or an edge an edge, while all their corners move in straight lines.
 ///
-/// A feature that is not convex in space-time is looked at from one time to the next (conservative advancement, Mirtich
-/// 1996): the direction between the closest points at a time separates the features for a while (separating_direction.hpp),
-/// and up to the end of it nothing can have met. Where that advances too little, as the features turn, one of them is
-/// halved: all of its parts must pass. What is never used is that the closest points are the closest: any direction that
-/// separates is proof.
+/// The search goes from one time to the next (conservative advancement, Mirtich 1996): the direction between the closest
+/// points at a time separates the features for a while (separating_direction.hpp), and nothing can meet in it. Where that
+/// advances too little, as the features turn, one of them is halved, and both halves are followed from there. Of adaptive
+/// subdivision in time and place (Wang et al. 2021, doi 10.1145/3460775) this needs the part in place only: halves are
+/// convex, too, and their corners, fixed combinations of the whole's, move in straight lines as well.
 ///
-/// A meeting is never missed, and none is reported late: a time is passed only with such a proof for every part. One is
-/// reported only where points of the two features were found closer than the tolerance, or when the work that a search may
-/// take has run out; `gap` tells.
+/// A meeting is never missed and none is reported late. Every part has a time up to which a direction, beyond rounding, has
+/// separated it from the other feature ever since the start; halves take over that of their whole and cover it. A part is
+/// left when that time has passed `last`: the end of the step, or a time after which a direction separates the features up
+/// to there, or a meeting already found, which is no later than what the part has left. So any meeting is in a part that is
+/// still waiting, or not before the one found; and when the search gives up, it reports the earliest time of a waiting part.
+/// It is never used that closest points are closest, or directions accurate: any that separates is proof.
+///
+/// A reported meeting is near: it is reported where points of the two features, whose distance is `gap`, are closer than the
+/// tolerance, or when the work that a search may take has run out.
 namespace pierce {
 
 /// When and where two moving features first meet.
@@ -63,7 +69,7 @@ struct VertexAndFace {
     }
 
     PIERCE_HD Place in_whole(Place p) const {
-        const double w = 1 - p.u - p.v;
+        const double w = max_of(1 - p.u - p.v, 0.0);
         return {w * u[0] + p.u * u[1] + p.v * u[2], w * v[0] + p.u * v[1] + p.v * v[2]};
     }
 
@@ -149,13 +155,14 @@ public:
         : start_(start), end_(end), size_(size), tolerance_(constants::meeting_tolerance * size) {}
 
     PIERCE_HD bool run(Impact& impact) {
-        const Vec3d n = Features::difference(end_, Features::closest(end_));
-        const double back = separating::separated_until<firsts>(end_, start_, 0, n, size_);
+        // The direction at the start decides most, and the one at the end most of the rest.
+        double t = separating::separated_until<firsts>(start_, end_, 0, direction(start_), size_);
+        if (t > 1) return false;
+        const double back = separating::separated_until<firsts>(end_, start_, 0, direction(end_), size_);
         if (back > 1) return false;
         last_ = 1 - back;
 
         Features features;
-        double t = 0;
         int depth = 0;
         for (;;) {
             if (!pass(features, t, depth)) {
@@ -181,6 +188,11 @@ private:
         double since;
         int depth;
     };
+
+    /// From the closest point of the second feature to that of the first.
+    PIERCE_HD static Vec3d direction(const Corners& corners) {
+        return Features::difference(corners, Features::closest(corners));
+    }
 
     /// Follows one part until it meets, or no longer can before what is known; false if work has run out at `t`.
     PIERCE_HD bool pass(Features& features, double& t, int depth) {
