@@ -132,6 +132,10 @@ inline constexpr int meeting_halvings = 40;
 /// to a turning face all the time.
 inline constexpr int meeting_advances = 1 << 14;
 
+/// A solid is not in contact with itself closer to home than this at rest [mean edge length]: three rings of triangles,
+/// which bend but do not meet.
+inline constexpr double self_distance = 3.0;
+
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;
 
