@@ -50,7 +50,7 @@ double eased(double time, double duration) {
 }  // namespace
 
 SceneSetup cloth_capsule(const SceneParameters& parameters) {
-    constexpr double width = 7.6, capsule_radius = 1.0, capsule_half_length = 1.0, height = 2.2, drop = 0.6;
+    constexpr double width = 7.6, capsule_radius = 0.6, capsule_half_length = 0.5, height = 2.6, drop = 0.6;
     const std::uint32_t nodes = nodes_or(parameters, plain_nodes);
     SceneSetup scene{"cloth-capsule",
                      {ground_below(8),

@@ -24,7 +24,7 @@ struct SceneMesh {
 struct SheetMaterial {
     double area_density = 0.2;  ///< [kg/m^2]
     double stretch = 1.0;       ///< of links along edges [0..1]
-    double bend = 0.05;         ///< of links across edges [0..1]
+    double bend = 0.005;        ///< of links across edges [0..1]
     double damping = 0.01;      ///< share of velocity lost in a step
     int iterations = 16;        ///< over all links in a step
 };
