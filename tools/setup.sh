@@ -3,7 +3,7 @@
 packages=(g++ cmake ninja-build pkg-config
           libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev
           libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libcgal-dev libcgal-demo gnuplot-nox
-          libgtest-dev libgmock-dev libbenchmark-dev)
+          libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev)
 
 # Installs the packages that are not installed yet, with sudo if need be; says nothing if there are none.
 install_packages() {

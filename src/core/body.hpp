@@ -44,6 +44,7 @@ struct BodyView {
     View<const PatchBlock> blocks;            ///< in the body's space
     View<const Offsets> patches;              ///< in the body's space
     const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's positions, if on the device
+    const Vec3f* device_start = nullptr;      ///< and its positions when the step began
     View<const Vec3f> start;      ///< positions when the step began; empty for rigid bodies and where nobody asks
     View<const double> own_exit;  ///< per vertex, length of the inward ray inside the rest shape; not for deforming
     Frame space;                  ///< body's space to world

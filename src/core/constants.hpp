@@ -120,15 +120,17 @@ inline constexpr double double_rounding = 0x1p-47;
 /// is written out where it is used (separating_direction.hpp), with half as much to spare.
 inline constexpr double motion_rounding = 0x1p-46;
 
-/// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: about
-/// 1e-6, the rounding of positions ten edges from the origin.
-inline constexpr double meeting_tolerance = 0x1p-20;
+/// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: half a
+/// float32 ulp. Closer than 2^-26, the direction between closest points is rounding, and a search takes twice as long.
+inline constexpr double meeting_tolerance = 0.5 * float_ulp;
 
 /// How often a feature is halved at most when the time of a meeting is looked for. Weights of its parts stay exact.
 inline constexpr int meeting_halvings = 40;
 
-/// Advances of a search for a meeting, after which it answers that there is one.
-inline constexpr int meeting_advances = 4096;
+/// Advances of a search for a meeting, after which it answers that there is one. Measured on two layers of cloth that shake
+/// through each other: 12 where they meet, 69 at most; 8 over the root of the relative gap, where a vertex keeps that close
+/// to a turning face all the time.
+inline constexpr int meeting_advances = 1 << 14;
 
 /// A solid is not in contact with itself closer to home than this at rest [mean edge length]: three rings of triangles,
 /// which bend but do not meet.

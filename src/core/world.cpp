@@ -154,7 +154,7 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     state_->begin_motion(entry);
     std::ranges::copy(positions, entry.positions.begin());
     if (!entry.finite && !entry.start.empty()) entry.start = entry.positions;
-    entry.device_positions = nullptr;
+    entry.device_positions = entry.device_start = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
 }
@@ -175,12 +175,19 @@ void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
 }
 
 void World::set_device_positions(BodyId body, const Vec3f* positions) {
+    if (plan().sheets)
+        throw InputError("a world with a sheet needs positions at both ends of a step: use set_device_motion()");
+    set_device_motion(body, nullptr, positions);
+}
+
+void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     if (entry.motion != Motion::deforming)
         throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
     if (!state_->backend->runs_on_device())
         throw InputError("positions in device memory need a backend that runs there, not '" + backend() + "'");
     entry.device_positions = positions;
+    entry.device_start = start;
     entry.positions_version = state_->next_key++;
     entry.finite = true;
 }
@@ -196,7 +203,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     entry.mesh = mesh;
     entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());
-    entry.device_positions = nullptr;
+    entry.device_positions = entry.device_start = nullptr;
     entry.positions_version = state_->next_key++;
     entry.finite = is_finite(positions);
     state_->planned = false;

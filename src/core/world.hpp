@@ -71,8 +71,10 @@ public:
     void set_motion(BodyId body, const Pose& start, const Pose& pose);
     /// set_positions() with positions in device memory, which must stay as they are until the next detect() is over. Nobody
     /// checks them: a body with a position that is not finite has no contacts or wrong ones. Throws InputError unless the
-    /// backend runs on the device.
+    /// backend runs on the device, or if some body is a sheet.
     void set_device_positions(BodyId body, const Vec3f* positions);
+    /// The same for both ends of the step, which is what a world with a sheet needs.
+    void set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions);
     /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`.
     void set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions);
 

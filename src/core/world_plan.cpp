@@ -166,7 +166,7 @@ void World::State::refresh_views() {
             // Nobody has moved it since the last step.
             if (body.motion != Motion::deforming) {
                 body.start_pose = body.pose;
-            } else if (body.start != body.positions) {
+            } else if (body.device_positions == nullptr && body.start != body.positions) {
                 body.start = body.positions;
                 body.positions_version = next_key++;
             }
@@ -179,6 +179,7 @@ void World::State::refresh_views() {
         if (body.motion == Motion::deforming) {
             views[i].positions_version = body.positions_version;
             views[i].device_positions = body.device_positions;
+            views[i].device_start = body.device_start;
         } else if (body.finite)
             views[i].fit = views[i].space = frame_of(body.pose);
         if (body.motion != Motion::deforming)

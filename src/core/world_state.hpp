@@ -31,6 +31,7 @@ struct BodyEntry {
     bool moved = false;            ///< start and end of the next step are given
     Collision collision;
     const Vec3f* device_positions = nullptr;  ///< in place of those
+    const Vec3f* device_start = nullptr;
     std::vector<PatchBlock> blocks;           ///< of a deforming body
     std::vector<Offsets> patches;
     std::vector<SeenPatch> seen;

@@ -74,7 +74,7 @@ private:
 
     /// Steps whose course does not depend on what they find.
     bool can_repeat(const Plan& plan) const {
-        return options_.graph && plan.coverage == Coverage::vertices && plan.temporal == Temporal::off;
+        return options_.graph && plan.coverage == Coverage::vertices && plan.temporal == Temporal::off && !plan.meets_itself;
     }
 
     void restart() {
@@ -142,9 +142,13 @@ private:
     void fetch() const {
         if (fetched_) return;
         fetched_ = true;
-        contacts_.resize(executor_.number(count_of(pipeline_.contacts())));
+        const std::uint32_t others = executor_.number(count_of(pipeline_.contacts()));
+        const std::uint32_t of_sheets =
+            mirror_.scene().plan->sheets ? executor_.number(count_of(pipeline_.sheet_contacts())) : 0;
+        contacts_.resize(others + of_sheets);
         pairs_.resize(executor_.number(count_of(pipeline_.pairs())));
-        executor_.copy_to_host(contacts_.data(), pipeline_.contacts().data(), contacts_.size());
+        executor_.copy_to_host(contacts_.data(), pipeline_.contacts().data(), others);
+        executor_.copy_to_host(contacts_.data() + others, pipeline_.sheet_contacts().data(), of_sheets);
         executor_.copy_to_host(pairs_.data(), pipeline_.pairs().data(), pairs_.size());
         executor_.wait();
     }

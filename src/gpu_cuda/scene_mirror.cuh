@@ -12,7 +12,9 @@ namespace pierce::cuda {
 /// What the host may change about a body from step to step.
 struct BodyChange {
     Frame space;
+    Frame start_space;
     const Vec3f* positions = nullptr;  ///< of a deforming body
+    const Vec3f* start = nullptr;      ///< the same when the step began
     std::uint64_t positions_version = 0;
     bool active = true;
 };
@@ -29,8 +31,10 @@ struct ApplyChange {
         if (body.motion == Motion::deforming) {
             body.positions_version = change.positions_version;
             body.positions.data = change.positions;
+            body.start.data = change.start;
         } else if (change.active) {
             body.fit = body.space = change.space;
+            body.start_space = change.start_space;
         }
     }
 };
@@ -64,6 +68,7 @@ public:
             host[b].shape_motion = there[b].shape_motion;
             host[b].touch = there[b].touch;
             host[b].reach = there[b].reach;
+            host[b].travel = there[b].travel;
         }
     }
 
@@ -139,6 +144,7 @@ private:
             seen += host.seen[b].size;
         }
         positions_.resize(vertices);
+        starts_.resize(host.plan->sheets ? vertices : 0);
         blocks_.resize(blocks);
         patches_.resize(patches);
         seen_.resize(seen);
@@ -158,6 +164,7 @@ private:
             view.mesh = mesh.view;
             if (view.motion == Motion::deforming) {
                 view.positions = {positions_.data() + first_vertex_[b], view.positions.size};
+                view.start = {starts_.data() + first_vertex_[b], view.start.size};
                 view.blocks = block_views[b] = {next_block, view.blocks.size};
                 view.patches = patch_views[b] = {next_patch, view.patches.size};
                 seen_views[b] = {next_seen, host.seen[b].size};
@@ -198,17 +205,24 @@ private:
     void send_changes(View<const BodyView> host) {
         staged_changes_.resize(host.size);
         for (std::uint32_t b = 0; b < host.size; ++b) {
-            staged_changes_[b] = {host[b].space, positions_.data() + first_vertex_[b], host[b].positions_version,
+            staged_changes_[b] = {host[b].space,
+                                  host[b].start_space,
+                                  positions_.data() + first_vertex_[b],
+                                  starts_.data() + first_vertex_[b],
+                                  host[b].positions_version,
                                   host[b].active};
             if (host[b].device_positions != nullptr) {
                 staged_changes_[b].positions = host[b].device_positions;
+                staged_changes_[b].start = host[b].device_start;
                 continue;
             }
             if (host[b].motion != Motion::deforming || sent_version_[b] == host[b].positions_version) continue;
             sent_version_[b] = host[b].positions_version;
-            if (host[b].active)
-                executor_.copy(positions_.data() + first_vertex_[b], host[b].positions.data, host[b].positions.size,
-                               cudaMemcpyHostToDevice);
+            if (!host[b].active) continue;
+            executor_.copy(positions_.data() + first_vertex_[b], host[b].positions.data, host[b].positions.size,
+                           cudaMemcpyHostToDevice);
+            executor_.copy(starts_.data() + first_vertex_[b], host[b].start.data, host[b].start.size,
+                           cudaMemcpyHostToDevice);
         }
         executor_.upload(std::span<const BodyChange>(staged_changes_), changes_);
         executor_.for_each("apply_changes", host.size, ApplyChange{view_of(changes_), view_of(bodies_)});
@@ -223,7 +237,7 @@ private:
     std::vector<BodyChange> staged_changes_;
     DeviceBuffer<BodyChange> changes_;
     DeviceBuffer<BodyView> bodies_;
-    DeviceBuffer<Vec3f> positions_;
+    DeviceBuffer<Vec3f> positions_, starts_;
     DeviceBuffer<PatchBlock> blocks_;
     DeviceBuffer<Offsets> patches_;
     DeviceBuffer<SeenPatch> seen_;

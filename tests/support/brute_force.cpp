@@ -95,6 +95,42 @@ Expected expected_contacts(const Solid& source, const std::vector<SolidVec>& inw
     return expected;
 }
 
+Expected expected_self_contacts(const Solid& body, const std::vector<SolidVec>& inward, const Solid& rest,
+                                long double away) {
+    Expected expected;
+    const long double band = 1e-5L * extent(body);
+    for (std::uint32_t v = 0; v < body.positions.size(); ++v) {
+        const std::vector<Cross> all = crossings(body.positions[v], inward[v], body, v);
+        bool unclear = false;
+        int winding = 0;
+        for (const Cross& c : all) {
+            unclear = unclear || c.unclear || std::fabs(c.t) < band;
+            if (c.t < 0) winding -= c.sign;  // seen along the outward ray
+        }
+        const auto exit = first(all, band, unclear);
+        if (unclear) {
+            expected.unclear.push_back(v);
+            continue;
+        }
+        if (winding < 1 || !exit || exit->sign < 0) continue;
+        // The point of the triangle at rest, by the same weights.
+        const auto& t = body.triangles[exit->triangle].vertex;
+        const SolidVec a = body.positions[t[0]], e1 = sub(body.positions[t[1]], a), e2 = sub(body.positions[t[2]], a);
+        const SolidVec p{body.positions[v].x + exit->t * inward[v].x - a.x, body.positions[v].y + exit->t * inward[v].y - a.y,
+                         body.positions[v].z + exit->t * inward[v].z - a.z};
+        const SolidVec n = cross(e1, e2);
+        const long double u = dot(n, cross(p, e2)) / dot(n, n), w = dot(n, cross(e1, p)) / dot(n, n);
+        const auto at_rest = [&](long double SolidVec::* k) {
+            return (1 - u - w) * rest.positions[t[0]].*k + u * rest.positions[t[1]].*k + w * rest.positions[t[2]].*k;
+        };
+        const SolidVec q{at_rest(&SolidVec::x), at_rest(&SolidVec::y), at_rest(&SolidVec::z)};
+        const long double distance = norm(sub(q, rest.positions[v]));
+        if (std::fabs(distance - away) < band) expected.unclear.push_back(v);
+        if (distance >= away) expected.contacts.push_back({v, exit->triangle, exit->t});
+    }
+    return expected;
+}
+
 int crossings_between(SolidVec from, SolidVec to, const Solid& solid, std::uint32_t excluded, long double margin) {
     const SolidVec d = sub(to, from);
     int count = 0;

@@ -38,6 +38,10 @@ struct Expected {
 /// Rules R1 to R3 for every vertex of `source` with the given inward directions.
 Expected expected_contacts(const Solid& source, const std::vector<SolidVec>& inward, const Solid& target);
 
+/// What a body's inward rays should find where it is inside itself: vertices just outside of which there is more of it, and
+/// whose ray leaves it, somewhere that is `away` or further from the vertex at rest.
+Expected expected_self_contacts(const Solid& body, const std::vector<SolidVec>& inward, const Solid& rest, long double away);
+
 /// Crossings of a segment with a solid strictly between its ends, leaving out `margin` of its length at both; triangles
 /// around `excluded` do not count.
 int crossings_between(SolidVec from, SolidVec to, const Solid& solid, std::uint32_t excluded, long double margin);

@@ -1,0 +1,303 @@
+// Sheets against continuous collision by definition: every vertex and triangle, every two edges, tested one by one; and the
+// hard cases that a single pose does not answer: 20, 24 and 25.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/continuous.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/core/mesh_edges.hpp"
+#include "pierce/core/world.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "support/backends.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+class SheetsTest : public testing::TestWithParam<test::NamedBackend> {
+protected:
+    World world_{GetParam().make()};
+};
+
+/// A flat sheet of `cells` by `cells` squares of side `cell`, its normals up.
+MeshData flat(std::uint32_t cells, float cell, Vec3f corner) {
+    MeshData mesh;
+    for (std::uint32_t y = 0; y <= cells; ++y)
+        for (std::uint32_t x = 0; x <= cells; ++x)
+            mesh.positions.push_back(corner + Vec3f{cell * static_cast<float>(x), cell * static_cast<float>(y), 0});
+    const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * (cells + 1) + x; };
+    for (std::uint32_t y = 0; y < cells; ++y)
+        for (std::uint32_t x = 0; x < cells; ++x) {
+            mesh.triangles.push_back({{at(x, y), at(x + 1, y), at(x + 1, y + 1)}});
+            mesh.triangles.push_back({{at(x, y), at(x + 1, y + 1), at(x, y + 1)}});
+        }
+    return mesh;
+}
+
+/// Two meshes as one.
+MeshData both(MeshData a, const MeshData& b) {
+    const auto first = static_cast<std::uint32_t>(a.positions.size());
+    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+    for (Triangle t : b.triangles) {
+        for (std::uint32_t& v : t.vertex) v += first;
+        a.triangles.push_back(t);
+    }
+    return a;
+}
+
+std::vector<Vec3f> moved(std::vector<Vec3f> positions, Vec3f by) {
+    for (Vec3f& p : positions) p += by;
+    return positions;
+}
+
+BodyId add_sheet(World& world, const MeshData& mesh, double thickness, SelfCollision self = SelfCollision::on) {
+    const BodyId body = world.add_deforming_body(world.add_mesh("sheet", mesh));
+    world.set_collision(body, {self, true, thickness});
+    return body;
+}
+
+std::span<const Contact> step(World& world, BodyId body, std::span<const Vec3f> from, std::span<const Vec3f> to) {
+    world.set_motion(body, from, to);
+    world.detect();
+    return world.contacts();
+}
+
+TEST_P(SheetsTest, LayersThatMoveTogetherDoNotMeet) {
+    const MeshData mesh = both(flat(4, 0.25f, {0, 0, 0}), flat(4, 0.25f, {0.03f, 0.02f, 0.1f}));
+    const auto to = moved(mesh.positions, {0, 0, 0.2f});
+    for (const SelfCollision how : {SelfCollision::on, SelfCollision::rays, SelfCollision::published}) {
+        World world(GetParam().make());
+        const BodyId body = add_sheet(world, mesh, 0.01, how);
+        const auto contacts = step(world, body, mesh.positions, to);
+        if (how == SelfCollision::published)
+            EXPECT_GT(contacts.size(), 0u) << "with absolute velocities they do (hard case 25)";
+        else
+            EXPECT_EQ(contacts.size(), 0u);
+    }
+}
+
+TEST_P(SheetsTest, AVertexThatPassesThroughAPlateInOneStepIsReported) {
+    // Hard case 24: from z = 1 to z = -1 through abs(z) <= 0.005.
+    const BodyId plate =
+        world_.add_fixed_body(world_.add_mesh("plate", scenes::box({-1, -1, -0.005f}, {1, 1, 0.005f})));
+    const MeshData mesh = flat(1, 0.1f, {0.03f, 0.02f, 1});
+    const BodyId body = add_sheet(world_, mesh, 0);
+    std::set<std::uint32_t> met;
+    for (const Contact& c : step(world_, body, mesh.positions, moved(mesh.positions, {0, 0, -2}))) {
+        EXPECT_EQ(c.a, plate);
+        EXPECT_EQ(c.b, body);
+        EXPECT_EQ(c.found, Found::crossing);
+        if (c.is_edge() || c.source != Side::b) continue;
+        EXPECT_NEAR(c.time, 0.4975, 1e-5) << "entering at the top";
+        EXPECT_NEAR(c.normal.z, 1, 1e-12) << "from the plate to the sheet: up, where it came from";
+        EXPECT_NEAR(c.distance, -1.005, 1e-6);
+        met.insert(c.vertex);
+    }
+    EXPECT_EQ(met.size(), mesh.positions.size());
+}
+
+TEST_P(SheetsTest, ASheetInsideASolidIsPushedOutTheShortWayWhicheverWayItFaces) {
+    // Hard case 20: at z = 0.98 in the unit cube.
+    for (const bool faces_up : {true, false}) {
+        World world(GetParam().make());
+        world.add_fixed_body(world.add_mesh("cube", scenes::box({0, 0, 0}, {1, 1, 1})));
+        MeshData mesh = flat(1, 0.125f, {1.0f / 3, 0.25f, 0.98f});
+        if (!faces_up)
+            for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+        add_sheet(world, mesh, 0);
+        world.detect();
+        ASSERT_EQ(world.contacts().size(), mesh.positions.size());
+        for (const Contact& c : world.contacts()) {
+            EXPECT_NEAR(c.penetration_depth(), 1 - static_cast<double>(0.98f), 1e-9);
+            EXPECT_NEAR(c.normal.z, 1, 1e-9) << "from the cube to the sheet";
+        }
+    }
+}
+
+TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
+    const MeshData mesh = both(flat(4, 0.25f, {-0.5f, -0.5f, 0}), flat(1, 0.05f, {0.02f, 0.15f, 0.2f}));
+    const BodyId body = add_sheet(world_, mesh, 0.02);
+    std::vector<Vec3f> now = mesh.positions;
+    const auto lower_by = [&](float dz) {
+        std::vector<Vec3f> next = now;
+        for (std::size_t v = 25; v < next.size(); ++v) next[v] = next[v] + Vec3f{0.01f, 0, dz};
+        world_.set_positions(body, next);
+        now = next;
+        world_.detect();
+        std::vector<Contact> vertices;
+        for (const Contact& c : world_.contacts())
+            if (!c.is_edge() && c.vertex >= 25) vertices.push_back(c);
+        return vertices;
+    };
+    EXPECT_TRUE(lower_by(-0.1f).empty()) << "0.1 above";
+    for (const Contact& c : lower_by(-0.15f)) {  // 0.05 below
+        EXPECT_EQ(c.found, Found::crossing);
+        EXPECT_NEAR(c.distance, -0.05, 1e-5);
+        EXPECT_NEAR(c.time, 2.0 / 3, 1e-4);
+        EXPECT_NEAR(c.normal.z, -1, 1e-6) << "from the vertex' body, a, to b: away from where the vertex belongs";
+        EXPECT_EQ(c.age, 0u);
+    }
+    for (int k = 0; k < 3; ++k) {
+        const auto contacts = lower_by(-0.005f);
+        ASSERT_EQ(contacts.size(), 4u) << "still through, deeper than the thickness";
+        for (const Contact& c : contacts) {
+            EXPECT_EQ(c.found, Found::remembered);
+            EXPECT_NEAR(c.distance, -0.055 - 0.005 * k, 1e-5);
+            EXPECT_NEAR(c.normal.z, -1, 1e-6);
+        }
+    }
+    const auto back = lower_by(0.075f);
+    ASSERT_EQ(back.size(), 4u);
+    for (const Contact& c : back) {
+        EXPECT_NEAR(c.distance, 0.01, 1e-5) << "back above";
+        EXPECT_NEAR(c.normal.z, -1, 1e-6);
+    }
+    for (const Contact& c : lower_by(0.001f)) EXPECT_EQ(c.found, Found::near);
+    EXPECT_TRUE(lower_by(0.1f).empty());
+}
+
+TEST_P(SheetsTest, WhatStartsTangledHasADirectionOrSaysSo) {
+    // A vertical sheet half through a flat one, since nobody knows when.
+    MeshData upright = flat(2, 0.1f, {0, 0, 0});
+    for (Vec3f& p : upright.positions) p = {p.x + 0.31f, 0.13f, p.y - 0.07f};
+    const MeshData mesh = both(flat(4, 0.25f, {0, 0, 0}), upright);
+    add_sheet(world_, mesh, 0.001);
+    world_.detect();
+    ASSERT_GT(world_.stats().tangled, 0u);
+    std::uint32_t tangled = 0;
+    for (const Contact& c : world_.contacts()) {
+        if (c.found != Found::tangled) continue;
+        ++tangled;
+        EXPECT_TRUE(c.is_edge());
+        EXPECT_NEAR(length(c.normal), 1, 1e-12);
+        EXPECT_NEAR(length(c.point_a - c.point_b), 0, 1e-7) << "where the edge runs through";
+    }
+    EXPECT_EQ(tangled, world_.stats().tangled);
+}
+
+TEST_P(SheetsTest, WhatIsRefused) {
+    const BodyId rigid = world_.add_rigid_body(world_.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1})));
+    EXPECT_THROW(world_.set_collision(rigid, {SelfCollision::on, true, 0}), InputError);
+    const BodyId open = world_.add_deforming_body(world_.add_mesh("sheet", flat(1, 1, {})));
+    EXPECT_THROW(world_.set_collision(open, {SelfCollision::on, false, 0}), InputError) << "no inside";
+    EXPECT_THROW(world_.set_collision(open, {SelfCollision::on, true, -1}), InputError);
+    EXPECT_THROW(world_.set_collision(open, {SelfCollision::off, false, 1}), InputError);
+    EXPECT_NO_THROW(world_.set_collision(open, {SelfCollision::on, true, 0.1}));
+    const BodyId closed = world_.add_deforming_body(world_.add_mesh("solid", scenes::box({0, 0, 0}, {1, 1, 1})));
+    EXPECT_THROW(world_.set_collision(closed, {SelfCollision::rays, false, 0}), InputError);
+    EXPECT_NO_THROW(world_.set_collision(closed, {SelfCollision::on, false, 0}));
+}
+
+/// Two features that meet during a step: kind (0: vertex and triangle, 1: edges), bodies and features.
+using Meeting = std::tuple<int, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
+
+struct Moving {
+    const Mesh* mesh;
+    std::vector<Vec3f> start, end;
+
+    MovingPoint at(std::uint32_t v) const { return {to_double(start[v]), to_double(end[v])}; }
+};
+
+/// All meetings of the bodies with themselves and each other, by definition.
+std::set<Meeting> all_meetings(const std::vector<Moving>& bodies) {
+    std::set<Meeting> all;
+    Impact impact;
+    for (std::uint32_t a = 0; a < bodies.size(); ++a)
+        for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+            const auto edges_a = bodies[a].mesh->view().edges, edges_b = bodies[b].mesh->view().edges;
+            for (std::uint32_t v = 0; v < bodies[a].start.size(); ++v)
+                for (std::uint32_t t = 0; t < bodies[b].mesh->triangles().size(); ++t) {
+                    const Triangle& tri = bodies[b].mesh->triangles()[t];
+                    if (a == b && has_vertex(tri, v)) continue;
+                    if (vertex_meets_face(bodies[a].at(v), bodies[b].at(tri.vertex[0]), bodies[b].at(tri.vertex[1]),
+                                          bodies[b].at(tri.vertex[2]), impact))
+                        all.insert({0, a, v, b, t});
+                }
+            if (a > b) continue;
+            for (std::uint32_t e = 0; e < edges_a.size; ++e)
+                for (std::uint32_t f = a == b ? e + 1 : 0; f < edges_b.size; ++f) {
+                    const auto &p = edges_a[e].vertex, &q = edges_b[f].vertex;
+                    if (a == b && (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1])) continue;
+                    if (edges_meet(bodies[a].at(p[0]), bodies[a].at(p[1]), bodies[b].at(q[0]), bodies[b].at(q[1]), impact))
+                        all.insert({1, a, e, b, f});
+                }
+        }
+    return all;
+}
+
+TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        test::Random random(seed);
+        World world(GetParam().make());
+        // Two crumpled sheets, one of two layers, that move wildly.
+        const MeshData first = both(flat(3, 0.3f, {0, 0, 0}), flat(2, 0.4f, {0.1f, 0.05f, 0.12f})),
+                       second = flat(3, 0.3f, {0.05f, -0.04f, 0.2f});
+        std::vector<Moving> bodies;
+        std::vector<BodyId> ids;
+        for (const MeshData* mesh : {&first, &second}) {
+            ids.push_back(add_sheet(world, *mesh, 0.02));
+            Moving m{&world.mesh(world.mesh_of(ids.back())), mesh->positions, mesh->positions};
+            const auto shake = [&](Vec3f p, double by) {
+                return p + to_float(by * Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+            };
+            for (Vec3f& p : m.start) p = shake(p, 0.04);
+            for (std::size_t v = 0; v < m.end.size(); ++v) m.end[v] = shake(m.start[v], 0.12);
+            world.set_motion(ids.back(), m.start, m.end);
+            bodies.push_back(std::move(m));
+        }
+        world.detect();
+        std::set<Meeting> found;
+        for (const Contact& c : world.contacts()) {
+            const std::uint32_t source = c.source == Side::a ? c.a.index : c.b.index,
+                                target = c.source == Side::a ? c.b.index : c.a.index;
+            if (c.found != Found::crossing) continue;
+            EXPECT_TRUE(found
+                            .insert(c.is_edge() ? Meeting{1, source, c.edge, target, c.other_edge}
+                                                : Meeting{0, source, c.vertex, target, c.triangle})
+                            .second)
+                << "twice";
+        }
+        const std::set<Meeting> expected = all_meetings(bodies);
+        EXPECT_GT(expected.size(), 10u);
+        EXPECT_EQ(found, expected);
+
+        World reference(reference_backend());
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+            reference.set_motion(add_sheet(reference, b == 0 ? first : second, 0.02), bodies[b].start, bodies[b].end);
+        }
+        reference.detect();
+        EXPECT_EQ(contact_hash(world.contacts()), contact_hash(reference.contacts()));
+    }
+}
+
+TEST_P(SheetsTest, ASheetMeetsRigidBodiesThatMove) {
+    const MeshData mesh = flat(6, 0.2f, {-0.6f, -0.6f, 0});
+    const BodyId body = add_sheet(world_, mesh, 0.02, SelfCollision::off);
+    const BodyId ball = world_.add_rigid_body(world_.add_mesh("box", scenes::box({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f})),
+                                              {{0.03, 0.04, 0.3}, {}});
+    world_.detect();
+    EXPECT_EQ(world_.contacts().size(), 0u);
+    world_.set_pose(ball, {{0.03, 0.04, -0.5}, {0.1, 0.2, 0, 1}});
+    world_.detect();
+    std::set<std::uint32_t> corners;
+    for (const Contact& c : world_.contacts()) {
+        EXPECT_EQ(c.a, body);
+        if (c.found == Found::crossing && !c.is_edge() && c.source == Side::b) {
+            corners.insert(c.vertex);
+            EXPECT_NEAR(c.normal.z, 1, 1e-6) << "from the sheet to the box that came from above";
+            EXPECT_LT(c.distance, 0);
+        }
+    }
+    EXPECT_EQ(corners.size(), 8u) << "all corners of the box went through";
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, SheetsTest, testing::ValuesIn(test::backends()), test::backend_name);
+
+}  // namespace
+}  // namespace pierce
