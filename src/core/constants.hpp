@@ -124,6 +124,9 @@ inline constexpr double double_rounding = 0x1p-47;
 /// is written out where it is used (separating_direction.hpp), with half as much to spare.
 inline constexpr double motion_rounding = 0x1p-46;
 
+/// The same in float32, which has 29 bits less.
+inline constexpr float quick_rounding = 0x1p-17f;
+
 /// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: half a
 /// float32 ulp. Closer than 2^-26, the direction between closest points is rounding, and a search takes twice as long.
 inline constexpr double meeting_tolerance = 0.5 * float_ulp;

@@ -83,10 +83,11 @@ private:
         const Count in_groups = constants::group_size * count_of(groups_);
         masks_.resize(in_groups);
         counts_.resize(in_groups);
-        executor_.for_each("find_triangles", in_groups,
-                           stages::FindTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_),
-                                                 view_of(triangle_boxes_), view_of(block_offsets_), view_of(vertex_offsets_),
-                                                 view_of(flat_), view_of(masks_), view_of(counts_)});
+        executor_.for_each(
+            "find_triangles", in_groups,
+            stages::FindTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_),
+                                  view_of(triangle_slabs_), view_of(block_offsets_), view_of(vertex_offsets_),
+                                  view_of(flat_), view_of(masks_), view_of(counts_)});
         triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
         executor_.for_each(
             "list_triangles", in_groups,
@@ -115,7 +116,11 @@ private:
         executor_.for_each("box_triangles", triangles,
                            stages::BoxTriangles{scene.bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
         slabs_.resize(groups);
-        executor_.for_each("fit_slabs", groups, stages::FitSlab{scene.bodies, view_of(block_offsets_), view_of(slabs_)});
+        executor_.for_each("fit_slabs", groups,
+                           stages::FitSlab{scene.bodies, view_of(block_offsets_), view_of(slabs_), constants::group_size});
+        triangle_slabs_.resize(triangles);
+        executor_.for_each("fit_slabs", triangles,
+                           stages::FitSlab{scene.bodies, view_of(block_offsets_), view_of(triangle_slabs_), 1});
         executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
         executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
     }
@@ -178,7 +183,7 @@ private:
     Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, flat_;
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
-    Buffer<stages::Slab> slabs_;
+    Buffer<stages::Slab> slabs_, triangle_slabs_;  ///< of groups, and of triangles
     Buffer<stages::ClosePair> blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;
     Buffer<stages::FeaturePair> features_;

@@ -185,7 +185,6 @@ public:
         bounded_ = false;
         bank_ = bank;
         next_ = 0;
-        bounds_.clear();
     }
     void begin_bounded(std::uint32_t bank) {
         bounded_ = true;
@@ -338,7 +337,7 @@ private:
 
     Count next_total_of_nothing() {
         ++next_;
-        if (!bounded_) bounds_.push_back(spare_items);
+        if (!bounded_) grow_bound(next_ - 1, spare_items);
         return 0;
     }
 
@@ -355,8 +354,15 @@ private:
         std::uint32_t* const host = host_totals_ + (to.total - totals_.data());
         copy_to_host(host, to.total, 1);
         wait();
-        bounds_.push_back(*host + *host / spare_share + spare_items);
+        grow_bound(next_ - 1, *host + *host / spare_share + spare_items);
         return *host;
+    }
+
+    /// What a total may come to in bounded steps: what it has come to so far, in any exact step, and some more. A total that
+    /// is small now and large then does not make every other step come twice.
+    void grow_bound(std::uint32_t total, std::uint32_t bound) {
+        if (bounds_.size() <= total) bounds_.resize(total + 1, 0);
+        bounds_[total] = max_of(bound, bounds_[total]);
     }
 
     Count note_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {

@@ -16,12 +16,14 @@
 /// through. A solid keeps its side for good: out.
 namespace pierce::stages {
 
-/// What is remembered of a contact of a sheet: the same features again are the same contact, and a vertex over a triangle
-/// that shares a corner with this one is still on this side.
+/// What is remembered of a contact of a sheet: the same features again are the same contact; and of a vertex that has ended
+/// a step on the wrong side, where it belongs, also when it is over a triangle that shares a corner with this one by now. Of
+/// any other vertex the begin of the next step says it, and better: at a sharp fold, triangles that share a corner have
+/// different sides.
 struct SheetRecord {
     std::uint32_t other = 0;  ///< the triangle, or the edge of b
     std::uint32_t age = 0;
-    std::int32_t side = 0;  ///< of a vertex: where it belongs, +1 on the side of the triangle's normal; 0: nobody knows
+    std::int32_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of the triangle's normal
 };
 
 /// The key of a feature: sheets' contacts and records are sorted by it, then by the other feature.
@@ -43,8 +45,8 @@ struct SheetMemory {
         std::int32_t side = 0;
         each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
             const bool same = record.other == f.other;
-            if (!same && (side != 0 || !share_corner(triangles[record.other], triangles[f.other]))) return false;
-            side = record.side;
+            if (record.side == 0 || (!same && !share_corner(triangles[record.other], triangles[f.other]))) return false;
+            if (same || side == 0) side = record.side;
             return same;
         });
         return side;
@@ -153,15 +155,17 @@ private:
         const double height = dot(normal, p.end - face.corner[0].end);
         const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
 
-        const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
+        // Looking into the memory takes longer than all the rest: only where it matters.
+        const bool close = above && std::fabs(height) < sheet_pairs[f.pair].margin;
         const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) != (height < 0);
         Impact impact;
         bool met = false;
         if constexpr (searching)
             met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
-        else if (!vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2]) ||
-                 (remembered == 0 && changes))
+        else if (!vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2]) || (close && changes))
             return Verdict::undecided;
+        if (!met && !close) return Verdict::nothing;
+        const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
         m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
         const bool solid = of_face.mesh.closed && !of_face.collision.sheet;
         // What is inside a solid is pushed out along a ray.
@@ -454,7 +458,7 @@ struct FillSheetContact {
         c.normal = from_b ? m.out : -m.out;
         c.face_normal = normalized(face.end_normal());
         contacts[i] = c;
-        records[i] = {f.other, c.age, m.side};
+        records[i] = {f.other, c.age, m.distance < 0 ? m.side : 0};
         if (is_vertex && m.distance < 0)
             atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.range))));
     }

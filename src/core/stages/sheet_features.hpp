@@ -5,6 +5,63 @@
 /// Sheets, second part: which vertices and triangles, and which edges, of two triangles may meet or come close.
 namespace pierce::stages {
 
+/// A point during the step, float32, relative to some place near it.
+struct QuickPoint {
+    Vec3f start, end;
+};
+
+/// True if along `n`, of any length, two convex features stay further apart than `margin`, one always ahead: differences of
+/// corners are linear in time, so they do if they do at the start and at the end. In float32, with constants::quick_rounding
+/// to be sure. `size`: no coordinate is larger.
+template <int mine, int others>
+PIERCE_HD bool stay_apart(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin, float size) {
+    const float room =
+        margin * length(n) + constants::quick_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
+    float low_a[2], high_a[2], low_b[2], high_b[2];  // at the start and at the end
+    for (int k = 0; k < mine; ++k) {
+        const float at[2] = {dot(n, a[k].start), dot(n, a[k].end)};
+        for (int when = 0; when < 2; ++when) {
+            low_a[when] = k == 0 ? at[when] : min_of(at[when], low_a[when]);
+            high_a[when] = k == 0 ? at[when] : max_of(at[when], high_a[when]);
+        }
+    }
+    for (int k = 0; k < others; ++k) {
+        const float at[2] = {dot(n, b[k].start), dot(n, b[k].end)};
+        for (int when = 0; when < 2; ++when) {
+            low_b[when] = k == 0 ? at[when] : min_of(at[when], low_b[when]);
+            high_b[when] = k == 0 ? at[when] : max_of(at[when], high_b[when]);
+        }
+    }
+    return (low_a[0] - high_b[0] > room && low_a[1] - high_b[1] > room) ||
+           (low_b[0] - high_a[0] > room && low_b[1] - high_a[1] > room);
+}
+
+/// True if a coordinate axis does.
+template <int mine, int others>
+PIERCE_HD bool stay_apart(const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin, float size) {
+    return stay_apart(Vec3f{1, 0, 0}, a, b, margin, size) || stay_apart(Vec3f{0, 1, 0}, a, b, margin, size) ||
+           stay_apart(Vec3f{0, 0, 1}, a, b, margin, size);
+}
+
+/// A triangle during the step, float32, relative to `origin`.
+struct QuickTriangle {
+    QuickPoint corner[3];
+    float size = 0;  ///< no coordinate is larger
+
+    PIERCE_HD QuickTriangle(const BodyView& body, std::uint32_t triangle, Vec3d origin) {
+        const MovingTriangle t(body, triangle, origin);
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = {to_float(t.corner[k].start), to_float(t.corner[k].end)};
+            for (int axis = 0; axis < 3; ++axis)
+                size = max_of(max_of(std::fabs(corner[k].start[axis]), std::fabs(corner[k].end[axis])), size);
+        }
+    }
+    PIERCE_HD Vec3f start_normal() const {
+        return cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
+    }
+    PIERCE_HD Vec3f end_normal() const { return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+};
+
 /// What two features are.
 enum class FeatureKind : std::uint32_t {
     vertex_of_a,         ///< a vertex of the pair's a, and a triangle of its b
@@ -55,65 +112,70 @@ private:
         const Triangle &ta = a.mesh.triangles[t.first], &tb = b.mesh.triangles[t.second];
         const std::uint32_t own_a = a.mesh.features[t.first].own, own_b = b.mesh.features[t.second].own;
         const Vec3d origin = moving_vertex(a, ta.vertex[0]).end;
-        const MovingTriangle ma(a, t.first, origin), mb(b, t.second, origin);
-        const double size = max_of(ma.box().max_coordinate(), mb.box().max_coordinate());
+        const QuickTriangle qa(a, t.first, origin), qb(b, t.second, origin);
+        const float size = max_of(qa.size, qb.size), thickness = round_up(pair.thickness), margin = round_up(pair.margin);
         const bool self = pair.first == pair.second;
         std::uint32_t bits = 0;
         for (std::uint32_t k = 0; k < 3; ++k) {
-            if (own_a >> k & 1 && !(self && has_vertex(tb, ta.vertex[k])) && may_meet(ma.corner[k], mb, pair.margin, size))
+            if (own_a >> k & 1 && !(self && has_vertex(tb, ta.vertex[k])) && may_meet(qa.corner[k], qb, margin, size))
                 bits |= 1u << k;
-            if (own_b >> k & 1 && !(self && has_vertex(ta, tb.vertex[k])) && may_meet(mb.corner[k], ma, pair.margin, size))
+            if (own_b >> k & 1 && !(self && has_vertex(ta, tb.vertex[k])) && may_meet(qb.corner[k], qa, margin, size))
                 bits |= 1u << (first_faces + k);
         }
         for (std::uint32_t k = 0; k < 3; ++k) {
             if (!(own_a >> (3 + k) & 1)) continue;
-            const MovingPoint mine[2] = {ma.corner[k], ma.corner[(k + 1) % 3]};
             const std::uint32_t p = ta.vertex[k], q = ta.vertex[(k + 1) % 3];
+            const QuickPoint mine[2] = {qa.corner[k], qa.corner[(k + 1) % 3]};
             for (std::uint32_t l = 0; l < 3; ++l) {
                 if (!(own_b >> (3 + l) & 1)) continue;
                 const std::uint32_t r = tb.vertex[l], s = tb.vertex[(l + 1) % 3];
                 if (self && (p == r || p == s || q == r || q == s)) continue;
-                const MovingPoint others[2] = {mb.corner[l], mb.corner[(l + 1) % 3]};
-                if (edges_may_meet(mine, others, pair.thickness, size)) bits |= 1u << (first_edges + 3 * k + l);
+                const QuickPoint others[2] = {qb.corner[l], qb.corner[(l + 1) % 3]};
+                if (edges_may_meet(mine, others, thickness, size)) bits |= 1u << (first_edges + 3 * k + l);
             }
         }
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t next = (k + 1) % 3;
             if (own_a >> (3 + k) & 1 && !(self && (has_vertex(tb, ta.vertex[k]) || has_vertex(tb, ta.vertex[next]))) &&
-                stays_pierced(ma.corner[k], ma.corner[next], mb))
+                may_pierce(qa.corner[k].end, qa.corner[next].end, qb, size) &&
+                stays_pierced(a, ta.vertex[k], ta.vertex[next], b, tb))
                 bits |= 1u << (first_piercing + k);
             if (own_b >> (3 + k) & 1 && !(self && (has_vertex(ta, tb.vertex[k]) || has_vertex(ta, tb.vertex[next]))) &&
-                stays_pierced(mb.corner[k], mb.corner[next], ma))
+                may_pierce(qb.corner[k].end, qb.corner[next].end, qa, size) &&
+                stays_pierced(b, tb.vertex[k], tb.vertex[next], a, ta))
                 bits |= 1u << (first_piercing + 3 + k);
         }
         return bits;
     }
 
-    PIERCE_HD static bool may_meet(const MovingPoint& p, const MovingTriangle& face, double margin, double size) {
-        const MovingPoint point[1] = {p};
-        for (int axis = 0; axis < 3; ++axis) {
-            Vec3d n;
-            n[axis] = 1;
-            if (stay_apart(n, point, face.corner, margin, size)) return false;
-        }
+    PIERCE_HD static bool may_meet(const QuickPoint& p, const QuickTriangle& face, float margin, float size) {
+        const QuickPoint point[1] = {p};
         return !stay_apart(face.end_normal(), point, face.corner, margin, size) &&
+               !stay_apart(point, face.corner, margin, size) &&
                !stay_apart(face.start_normal(), point, face.corner, margin, size);
     }
 
-    PIERCE_HD static bool edges_may_meet(const MovingPoint (&a)[2], const MovingPoint (&b)[2], double margin, double size) {
-        for (int axis = 0; axis < 3; ++axis) {
-            Vec3d n;
-            n[axis] = 1;
-            if (stay_apart(n, a, b, margin, size)) return false;
-        }
+    PIERCE_HD static bool edges_may_meet(const QuickPoint (&a)[2], const QuickPoint (&b)[2], float margin, float size) {
         return !stay_apart(cross(a[1].end - a[0].end, b[1].end - b[0].end), a, b, margin, size) &&
+               !stay_apart(a, b, margin, size) &&
                !stay_apart(cross(a[1].start - a[0].start, b[1].start - b[0].start), a, b, margin, size);
     }
 
-    PIERCE_HD static bool stays_pierced(const MovingPoint& p, const MovingPoint& q, const MovingTriangle& face) {
-        const MovingPoint* c = face.corner;
-        return pierces(p.end, q.end, c[0].end, c[1].end, c[2].end) &&
-               pierces(p.start, q.start, c[0].start, c[1].start, c[2].start);
+    /// False if both ends are on one side of the triangle's plane for certain.
+    PIERCE_HD static bool may_pierce(Vec3f p, Vec3f q, const QuickTriangle& face, float size) {
+        const Vec3f n = face.end_normal();
+        const float room = constants::quick_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
+        const float from = dot(n, p - face.corner[0].end), to = dot(n, q - face.corner[0].end);
+        return !(from > room && to > room) && !(from < -room && to < -room);
+    }
+
+    PIERCE_HD static bool stays_pierced(const BodyView& of_edge, std::uint32_t v, std::uint32_t w, const BodyView& of_face,
+                                        const Triangle& t) {
+        const MovingPoint a = moving_vertex(of_face, t.vertex[0]), b = moving_vertex(of_face, t.vertex[1]),
+                          c = moving_vertex(of_face, t.vertex[2]), p = moving_vertex(of_edge, v),
+                          q = moving_vertex(of_edge, w);
+        return pierces(p.end - a.end, q.end - a.end, {}, b.end - a.end, c.end - a.end) &&
+               pierces(p.start - a.start, q.start - a.start, {}, b.start - a.start, c.start - a.start);
     }
 };
 

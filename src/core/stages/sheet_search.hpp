@@ -6,7 +6,6 @@
 #include "pierce/core/bits.hpp"
 #include "pierce/core/body.hpp"
 #include "pierce/core/moving_point.hpp"
-#include "pierce/core/separating_direction.hpp"
 #include "pierce/core/stages/pairs.hpp"
 
 /// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet during the step or come
@@ -47,32 +46,6 @@ struct MovingTriangle {
     }
     PIERCE_HD Vec3d end_normal() const { return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
 };
-
-/// True if along `n`, of any length, two convex features stay further apart than `margin`, one always ahead: differences of
-/// corners are linear in time, so they do if they do at the start and at the end. `size`: no coordinate is larger.
-template <int mine, int others>
-PIERCE_HD bool stay_apart(Vec3d n, const MovingPoint (&a)[mine], const MovingPoint (&b)[others], double margin,
-                          double size) {
-    const double room =
-        margin * length(n) + constants::motion_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
-    double low[2][2], high[2][2];  // of a and b, at the start and at the end
-    for (int k = 0; k < mine; ++k) {
-        const double at[2] = {dot(n, a[k].start), dot(n, a[k].end)};
-        for (int when = 0; when < 2; ++when) {
-            low[0][when] = k == 0 ? at[when] : min_of(at[when], low[0][when]);
-            high[0][when] = k == 0 ? at[when] : max_of(at[when], high[0][when]);
-        }
-    }
-    for (int k = 0; k < others; ++k) {
-        const double at[2] = {dot(n, b[k].start), dot(n, b[k].end)};
-        for (int when = 0; when < 2; ++when) {
-            low[1][when] = k == 0 ? at[when] : min_of(at[when], low[1][when]);
-            high[1][when] = k == 0 ? at[when] : max_of(at[when], high[1][when]);
-        }
-    }
-    return (low[0][0] - high[1][0] > room && low[0][1] - high[1][1] > room) ||
-           (low[1][0] - high[0][0] > room && low[1][1] - high[0][1] > room);
-}
 
 /// How a pair with a sheet is searched.
 struct SheetPair {
@@ -202,9 +175,9 @@ struct BoxTriangles {
     }
 };
 
-/// A group of triangles over the step, between two planes along its mean normal and within a rectangle across it: float32,
-/// not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of many others; slabs
-/// do not.
+/// A triangle or a group of them over the step, between two planes along its mean normal and within a rectangle across it:
+/// float32, not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of many
+/// others; slabs do not.
 struct Slab {
     Vec3f center;
     Vec3f axis[3];  ///< the normal, and two at right angles to it; unit
@@ -220,17 +193,19 @@ struct Slab {
     }
 };
 
-/// Per group: its slab.
+/// Per group, or per triangle: its slab.
 struct FitSlab {
     View<const BodyView> bodies;
     View<const std::uint32_t> block_offsets;  ///< per body
     View<Slab> slabs;
+    std::uint32_t held = 1;  ///< triangles a slab holds
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const OwnedItem block = owned_item(block_offsets, i / constants::group_size);
+        const std::uint32_t place = i * held;
+        const OwnedItem block = owned_item(block_offsets, place / CountSheetItems::per_block);
         const BodyView& body = bodies[block.owner];
-        const std::uint32_t begin = (i - block_offsets[block.owner] * constants::group_size) * constants::group_size;
-        const std::uint32_t end = min_of(begin + constants::group_size, body.mesh.triangles.size);
+        const std::uint32_t begin = place - block_offsets[block.owner] * CountSheetItems::per_block;
+        const std::uint32_t end = min_of(begin + held, body.mesh.triangles.size);
         Slab slab;
         if (begin < end && body.active) fit(body, begin, end, slab);
         slabs[i] = slab;
@@ -429,6 +404,12 @@ struct ListGroups {
     }
 };
 
+/// The triangle at a place of a group; `first_block`: where its body's blocks begin.
+PIERCE_HD inline std::uint32_t triangle_at(const BodyView& body, std::uint32_t first_block, std::uint32_t group,
+                                           std::uint32_t k) {
+    return body.mesh.group_triangles[(group - first_block * constants::group_size) * constants::group_size + k];
+}
+
 /// Per triangle of a near group: a bit for each triangle of the other group that it may meet or come close to, and their
 /// number.
 struct FindTriangles {
@@ -436,6 +417,7 @@ struct FindTriangles {
     View<const SheetPair> pairs;
     View<const ClosePair> close;                              ///< groups
     View<const Boxes> boxes;                                  ///< of triangles, per group
+    View<const Slab> slabs;                                   ///< of triangles
     View<const std::uint32_t> block_offsets, vertex_offsets;  ///< per body
     View<const std::uint32_t> flat;
     View<std::uint32_t> masks, counts;
@@ -446,45 +428,37 @@ struct FindTriangles {
         const std::uint32_t k = i % constants::group_size;
         std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pair.margin);
         if (c.first == c.second) mask &= ~std::uint32_t{1} << k;
-        if (mask != 0) mask = cull(c, pair, k, mask);
+        if (mask != 0) mask = keep_near(c, round_up(pair.margin), k, mask);
+        if (mask != 0 && pair.first == pair.second) mask = keep_folding(c, pair, k, mask);
         masks[i] = mask;
         counts[i] = bit_count(mask);
     }
 
 private:
-    PIERCE_HD std::uint32_t cull(const ClosePair& c, const SheetPair& pair, std::uint32_t k, std::uint32_t mask) const {
-        const BodyView &a = bodies[pair.first], &b = bodies[pair.second];
-        const std::uint32_t t = triangle_at(a, block_offsets[pair.first], c.first, k);
-        const Vec3d origin = moving_vertex(a, a.mesh.triangles[t].vertex[0]).end;
-        const MovingTriangle mine(a, t, origin);
-        const Vec3d normal = mine.end_normal();
-        const double size = mine.box().max_coordinate();
-        std::uint32_t kept = 0;
+    PIERCE_HD std::uint32_t keep_near(const ClosePair& c, float margin, std::uint32_t k, std::uint32_t mask) const {
+        const Slab mine = slabs[c.first * constants::group_size + k];
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {
             const std::uint32_t bit = lowest_bit(left);
-            const std::uint32_t u = triangle_at(b, block_offsets[pair.second], c.second, bit);
-            if (pair.first == pair.second && hang_together(a.mesh, vertex_offsets[pair.first], t, u)) continue;
-            const MovingTriangle other(b, u, origin);
-            const double largest = max_of(size, other.box().max_coordinate());
-            if (stay_apart(normal, mine.corner, other.corner, pair.margin, largest) ||
-                stay_apart(other.end_normal(), mine.corner, other.corner, pair.margin, largest))
-                continue;
-            kept |= 1u << bit;
+            const Slab& other = slabs[c.second * constants::group_size + bit];
+            if (mine.is_apart(other, margin) || other.is_apart(mine, margin)) mask &= ~(1u << bit);
         }
-        return kept;
+        return mask;
     }
 
-    /// True if the triangles share a vertex around which nothing folds.
-    PIERCE_HD bool hang_together(const MeshView& mesh, std::uint32_t first_vertex, std::uint32_t t, std::uint32_t u) const {
-        for (std::uint32_t v : mesh.triangles[t].vertex)
-            if (has_vertex(mesh.triangles[u], v) && flat[first_vertex + v]) return true;
-        return false;
-    }
-
-public:
-    PIERCE_HD static std::uint32_t triangle_at(const BodyView& body, std::uint32_t first_block, std::uint32_t group,
-                                               std::uint32_t k) {
-        return body.mesh.group_triangles[(group - first_block * constants::group_size) * constants::group_size + k];
+    /// Leaves out triangles that share a vertex around which nothing folds.
+    PIERCE_HD std::uint32_t keep_folding(const ClosePair& c, const SheetPair& pair, std::uint32_t k,
+                                         std::uint32_t mask) const {
+        const BodyView& body = bodies[pair.first];
+        const std::uint32_t first_block = block_offsets[pair.first];
+        const std::uint32_t* const is_flat = flat.data + vertex_offsets[pair.first];
+        const Triangle t = body.mesh.triangles[triangle_at(body, first_block, c.first, k)];
+        for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+            const std::uint32_t bit = lowest_bit(left);
+            const Triangle other = body.mesh.triangles[triangle_at(body, first_block, c.second, bit)];
+            for (std::uint32_t v : t.vertex)
+                if (has_vertex(other, v) && is_flat[v]) mask &= ~(1u << bit);
+        }
+        return mask;
     }
 };
 
@@ -508,11 +482,9 @@ struct ListTriangles {
         const SheetPair& pair = pairs[c.pair];
         std::uint32_t place = offsets[i];
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            found[place++] = {
-                c.pair,
-                FindTriangles::triangle_at(bodies[pair.first], block_offsets[pair.first], c.first,
-                                           i % constants::group_size),
-                FindTriangles::triangle_at(bodies[pair.second], block_offsets[pair.second], c.second, lowest_bit(mask))};
+            found[place++] = {c.pair,
+                              triangle_at(bodies[pair.first], block_offsets[pair.first], c.first, i % constants::group_size),
+                              triangle_at(bodies[pair.second], block_offsets[pair.second], c.second, lowest_bit(mask))};
     }
 };
 
