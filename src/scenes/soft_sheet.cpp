@@ -44,7 +44,8 @@ SheetLinks links_of(const MeshData& mesh) {
 
 }  // namespace
 
-SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh) : guides_(body.guides), thickness_(body.collision.thickness) {
+SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh)
+    : guides_(body.guides), thickness_(body.collision.thickness) {
     const Frame frame = frame_of(body.pose);
     std::vector<btVector3> nodes;
     for (Vec3f p : mesh.positions) {
