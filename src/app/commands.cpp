@@ -46,7 +46,7 @@ void require_rays(World* world, const fs::path& png) {
 }
 
 scenes::SceneSetup scene_of(const RunOptions& options) {
-    return scenes::make_scene(options.scene, {options.count, options.soft, options.seed});
+    return scenes::make_scene(options.scene, {options.count, options.soft, options.seed, options.nodes});
 }
 
 std::uint32_t step_count(double seconds, double dt) {
@@ -65,7 +65,7 @@ void check_writable(const fs::path& file) {
 }
 
 int list_scenes() {
-    for (const scenes::SceneInfo& info : scenes::scene_list()) fmt::print("{:<10} {}\n", info.name, info.description);
+    for (const scenes::SceneInfo& info : scenes::scene_list()) fmt::print("{:<13} {}\n", info.name, info.description);
     return 0;
 }
 
@@ -124,7 +124,8 @@ int run(const RunOptions& options) {
                          {"soft", options.soft},
                          {"seconds", options.seconds},
                          {"dt", options.dt},
-                         {"seed", options.seed}});
+                         {"seed", options.seed},
+                         {"nodes", options.nodes}});
         log.write_json(options.detection.json, settings);
     }
     return 0;
@@ -207,6 +208,7 @@ int demo(const fs::path& png) {
                              .seconds = 10,
                              .dt = 1.0 / 60,
                              .seed = 1,
+                             .nodes = 0,
                              .record = {},
                              .png = png,
                              .detection = {}};

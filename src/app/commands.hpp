@@ -23,6 +23,7 @@ struct RunOptions {
     double seconds = 10;
     double dt = 1.0 / 60;
     std::uint32_t seed = 1;
+    std::uint32_t nodes = 0;
     std::filesystem::path record, png;
     DetectionOptions detection;
 };

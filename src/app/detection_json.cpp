@@ -5,7 +5,8 @@ namespace {
 
 constexpr const char* temporal_names[] = {"off", "paper", "certified"};
 constexpr const char* coverage_names[] = {"vertices", "complete"};
-constexpr const char* found_names[] = {"full", "walk", "prediction", "separation"};
+constexpr const char* found_names[] = {"full",     "walk",       "prediction", "self",      "near",
+                                       "crossing", "remembered", "tangled",    "separation"};
 
 }  // namespace
 

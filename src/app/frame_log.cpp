@@ -86,7 +86,14 @@ constexpr Count counts[] = {{"pairs", "pairs", &FrameResult::pairs, true},
                             {"lost walks", "lost_walks", &FrameResult::lost_walks, false},
                             {"predictions", "predictions", &FrameResult::predictions, false},
                             {"predictions true", "predictions_true", &FrameResult::predictions_true, false},
-                            {"contacts", "contacts", &FrameResult::contacts, true}};
+                            {"contacts", "contacts", &FrameResult::contacts, true},
+                            {"crossings", "crossings", &FrameResult::crossings, false},
+                            {"remembered", "remembered", &FrameResult::remembered, false},
+                            {"tangled", "tangled", &FrameResult::tangled, false},
+                            {"rounds", "rounds", &FrameResult::rounds, false},
+                            {"pulled back", "pulled_back", &FrameResult::pulled_back, false},
+                            {"crossings left", "crossings_left", &FrameResult::crossings_left, false},
+                            {"self crossings", "self_crossings", &FrameResult::self_crossings, false}};
 
 }  // namespace
 
@@ -107,6 +114,7 @@ void FrameLog::print() const {
     count("colliding pairs", spread_of(touching_pairs()));
     row("penetration mean", spread_of(column(&FrameResult::penetration_mean)));
     row("penetration max", spread_of(column(&FrameResult::penetration_max)));
+    if (const Spread self = spread_of(column(&FrameResult::self_penetration)); self.max > 0) row("self-penetration", self);
     const auto excluded = std::ranges::count_if(frames_, [](const FrameResult& f) { return f.status != 0; });
     if (excluded > 0)
         fmt::print("  warning: in {} frames bodies were left out because their motion is not finite\n", excluded);
@@ -157,6 +165,8 @@ void FrameLog::write_json(const std::filesystem::path& file, const json& setting
     summary["penetration_mean"] = spread_json(spread_of(column(&FrameResult::penetration_mean)));
     summary["penetration_max"] = spread_json(spread_of(column(&FrameResult::penetration_max)));
 
+    summary["self_penetration_max"] = spread_of(column(&FrameResult::self_penetration)).max;
+
     json frames = json::array();
     for (std::size_t i = 0; i < frames_.size(); ++i) {
         const FrameResult& f = frames_[i];
@@ -168,6 +178,7 @@ void FrameLog::write_json(const std::filesystem::path& file, const json& setting
                           {"pairs", f.touching},
                           {"penetration_mean", f.penetration_mean},
                           {"penetration_max", f.penetration_max},
+                          {"self_penetration", f.self_penetration},
                           {"status", f.status},
                           {"hash", fmt::format("{:016x}", f.hash)}});
         // "pairs" of a frame are the ones that touch; their number before that is in the summary.

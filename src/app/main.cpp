@@ -88,6 +88,8 @@ void add_scene(CLI::App& command, RunOptions& options) {
     command.add_option("--count", options.count, "falling bodies")->capture_default_str()->check(CLI::Range(1u, 1000000u));
     command.add_flag("--soft", options.soft, "falling bodies deform");
     command.add_option("--seed", options.seed, "of the bodies' rotations")->capture_default_str();
+    command.add_option("--nodes", options.nodes, "of a sheet, vertices along a side; the scene's own number if not given")
+        ->check(CLI::Range(2u, 10000u));
 }
 
 }  // namespace

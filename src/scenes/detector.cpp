@@ -137,6 +137,7 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
                 break;
             case Motion::deforming:
                 bodies.push_back(world.add_deforming_body(mesh, start_positions(body, scene.meshes[body.mesh].data)));
+                world.set_collision(bodies.back(), body.collision);
                 break;
         }
     }
@@ -168,6 +169,9 @@ FrameResult SceneWorld::result() const {
     result.lost_walks = stats.lost_walks;
     result.predictions = stats.predictions;
     result.predictions_true = stats.predictions_true;
+    result.crossings = stats.crossings;
+    result.remembered = stats.remembered;
+    result.tangled = stats.tangled;
     result.status = stats.status;
     result.penetration_mean = stats.penetration_mean;
     result.penetration_max = stats.penetration_max;

@@ -48,6 +48,14 @@ struct FrameResult {
     std::uint32_t status = 0;
     double penetration_mean = 0, penetration_max = 0;
     std::uint64_t hash = 0;
+    // Of sheets.
+    std::uint32_t crossings = 0;  ///< met where the solver left them
+    std::uint32_t remembered = 0, tangled = 0;
+    std::uint32_t rounds = 0;          ///< of moving them apart
+    std::uint32_t pulled_back = 0;     ///< vertices that had to go back to where the step began, or towards it
+    std::uint32_t crossings_left = 0;  ///< with what moves as told
+    std::uint32_t self_crossings = 0;  ///< edges of a simulated sheet through triangles of its own at the end of the step
+    double self_penetration = 0;       ///< [length] the deepest of these; 0 if there are none
 };
 
 /// A contact in the same terms for every method: bodies by their index in the scene, a < b.

@@ -20,6 +20,7 @@ constexpr int format_version = 1;
 constexpr std::size_t pose_size = 7;
 
 constexpr std::array motion_names = {"static", "rigid", "deforming"};
+constexpr std::array self_names = {"off", "on", "rays", "published"};
 
 std::size_t frame_size(const Recording& recording, const RecordedBody& body) {
     if (body.motion != Motion::deforming) return pose_size;
@@ -38,10 +39,26 @@ SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::
     return {entry.at("name").get<std::string>(), read_mesh(inside(folder, entry.at("file").get<std::string>(), where)), {}};
 }
 
+json collision_json(const Collision& collision) {
+    return {{"self", self_names[static_cast<std::size_t>(collision.self)]},
+            {"sheet", collision.sheet},
+            {"thickness", collision.thickness}};
+}
+
+Collision read_collision(const json& entry, const std::string& where) {
+    const auto self = entry.value("self", std::string(self_names[0]));
+    const auto known = std::ranges::find(self_names, self);
+    if (known == self_names.end())
+        throw InputError(where + ": self-collision is '" + self + "'; there are off, on, rays, published");
+    return {static_cast<SelfCollision>(known - self_names.begin()), entry.value("sheet", false),
+            entry.value("thickness", 0.0)};
+}
+
 RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording, const std::string& where) {
     RecordedBody body;
     body.name = entry.at("name").get<std::string>();
     body.ground = entry.value("ground", false);
+    if (entry.contains("collision")) body.collision = read_collision(entry.at("collision"), where);
     const auto mesh_name = entry.at("mesh").get<std::string>();
     const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
     if (mesh == recording.meshes.end())
@@ -92,14 +109,15 @@ SceneSetup scene_of(const Recording& recording) {
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
         const RecordedBody& body = recording.bodies[b];
         const Pose pose = body.motion == Motion::deforming ? Pose{} : recording.pose(b, 0);
-        scene.bodies.push_back({body.name, body.mesh, body.motion, pose, body.ground});
+        scene.bodies.push_back({body.name, body.mesh, body.motion, pose, body.ground, body.collision});
     }
     return scene;
 }
 
 Recording start_recording(const SceneSetup& scene, double dt) {
     Recording recording{dt, 0, scene.meshes, {}};
-    for (const SceneBody& b : scene.bodies) recording.bodies.push_back({b.name, b.mesh, b.motion, b.ground, {}});
+    for (const SceneBody& b : scene.bodies)
+        recording.bodies.push_back({b.name, b.mesh, b.motion, b.ground, {}, b.collision});
     return recording;
 }
 
@@ -128,6 +146,7 @@ void write_recording(const Recording& recording, const fs::path& folder) {
                                    {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
                                    {body.motion == Motion::deforming ? "positions" : "poses", file}});
         if (body.ground) scene["bodies"].back()["ground"] = true;
+        if (body.collision != Collision{}) scene["bodies"].back()["collision"] = collision_json(body.collision);
     }
     std::ofstream out(folder / "scene.json");
     out << scene.dump(2) << '\n';

@@ -15,6 +15,7 @@ struct RecordedBody {
     Motion motion = Motion::rigid;
     bool ground = false;  ///< as in SceneBody
     std::vector<float> values;
+    Collision collision = {};  ///< as in SceneBody
 };
 
 /// Bodies over time, the same for every method that looks at them. On disk a folder; docs/recordings.md has the format.

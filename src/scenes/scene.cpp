@@ -7,14 +7,21 @@
 
 #include "pierce/core/error.hpp"
 #include "pierce/scenes/bunny.hpp"
+#include "pierce/scenes/cloth_scenes.hpp"
+#include "pierce/scenes/layers.hpp"
 #include "pierce/scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {
 
-const std::array<SceneInfo, 2> scene_infos = {{
+const std::array<SceneInfo, 7> scene_infos = {{
     {"tori", "tori of 300 vertices and 600 triangles (radii 2 and 0.5) fall on a plane"},
     {"bunnies", "Stanford bunnies of 453 vertices and 902 triangles fall on a plane"},
+    {"cloth-capsule", "a sheet of 20 x 20 vertices falls on a capsule, on the ground and on itself"},
+    {"cloth-fold", "a sheet is folded onto itself and let go"},
+    {"cloth-twist", "a tube of cloth is wrung"},
+    {"layers", "50 sheets, 475000 triangles in all, swing and slide in a stack as a formula says"},
+    {"ball-squash", "a soft ball with a groove is pressed between two plates until the groove closes"},
 }};
 
 constexpr double ground_half_width = 60;
@@ -80,6 +87,11 @@ SceneSetup make_scene(const std::string& name, const SceneParameters& parameters
     if (parameters.count == 0) throw InputError("scene '" + name + "' needs at least one body");
     if (name == "tori") return falling(name, torus_mesh(), parameters);
     if (name == "bunnies") return falling(name, bunny_mesh(), parameters);
+    if (name == "cloth-capsule") return cloth_capsule(parameters);
+    if (name == "cloth-fold") return cloth_fold(parameters);
+    if (name == "cloth-twist") return cloth_twist(parameters);
+    if (name == "layers") return layers_with(parameters.nodes).scene();
+    if (name == "ball-squash") return ball_squash(parameters);
     std::string known;
     for (const SceneInfo& info : scene_list()) known += (known.empty() ? "" : ", ") + info.name;
     throw InputError("unknown scene '" + name + "'; there are: " + known);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,13 +20,35 @@ struct SceneMesh {
     std::vector<std::vector<Vec3f>> convex_pieces;  ///< point sets whose hulls make up the mesh; may be empty
 };
 
+/// What a sheet is made of, as Bullet understands it.
+struct SheetMaterial {
+    double area_density = 0.2;  ///< [kg/m^2]
+    double stretch = 1.0;       ///< of links along edges [0..1]
+    double bend = 0.05;         ///< of links across edges [0..1]
+    double damping = 0.01;      ///< share of velocity lost in a step
+    int iterations = 16;        ///< over all links in a step
+};
+
+/// Vertices that are led.
+struct Guide {
+    std::vector<std::uint32_t> vertices;
+    /// Where a vertex is [s] after the start, given where it was then; nothing: it is let go for good.
+    std::function<std::optional<Vec3d>(Vec3d start, double time)> place;
+};
+
 /// A body of a scene at its start.
 struct SceneBody {
     std::string name;
     std::uint32_t mesh = 0;  ///< index into Scene::meshes
     Motion motion = Motion::rigid;
-    Pose pose;            ///< of a deforming body: where its rest shape is placed at the start
-    bool ground = false;  ///< nothing gets below or beside it: Bullet's own methods may take the plane through its top
+    Pose pose;                 ///< of a deforming body: where its rest shape is placed at the start
+    bool ground = false;       ///< nothing gets below or beside it: Bullet's own methods may take the plane through its top
+    Collision collision = {};  ///< of a deforming body
+    SheetMaterial material = {};                 ///< of a sheet
+    std::vector<Guide> guides = {};              ///< of a sheet
+    std::function<Pose(double time)> path = {};  ///< of a fixed body: it is led along this
+    std::function<void(double time, std::span<Vec3f> positions)> motion_of =
+        {};  ///< of a deforming body: all there is to it
 };
 
 /// What is simulated: meshes and bodies at their start. Lengths in metres, density 1.
@@ -31,6 +56,7 @@ struct SceneSetup {
     std::string name;
     std::vector<SceneMesh> meshes;
     std::vector<SceneBody> bodies;
+    double gravity = 9.81;  ///< [m/s^2] along -z
 };
 
 /// What a named scene can be asked for.
@@ -38,6 +64,7 @@ struct SceneParameters {
     std::uint32_t count = 100;  ///< falling bodies
     bool soft = false;          ///< falling bodies deform
     std::uint32_t seed = 1;
+    std::uint32_t nodes = 0;  ///< of a sheet, along a side; 0: as many as the scene was made for
 };
 
 struct SceneInfo {

@@ -67,4 +67,70 @@ MeshData sphere(double radius, int levels) {
     return mesh;
 }
 
+MeshData grid(double width, double depth, std::uint32_t along, std::uint32_t across) {
+    MeshData mesh;
+    for (std::uint32_t j = 0; j < across; ++j)
+        for (std::uint32_t i = 0; i < along; ++i)
+            mesh.positions.push_back(to_float({width * (static_cast<double>(i) / (along - 1) - 0.5),
+                                               depth * (static_cast<double>(j) / (across - 1) - 0.5), 0}));
+    for (std::uint32_t j = 0; j + 1 < across; ++j)
+        for (std::uint32_t i = 0; i + 1 < along; ++i) {
+            const std::uint32_t a = j * along + i, b = a + 1, c = b + along, d = a + along;
+            if ((i + j) % 2 == 0) {
+                mesh.triangles.push_back({{a, b, c}});
+                mesh.triangles.push_back({{a, c, d}});
+            } else {
+                mesh.triangles.push_back({{a, b, d}});
+                mesh.triangles.push_back({{b, c, d}});
+            }
+        }
+    return mesh;
+}
+
+MeshData tube(double radius, double height, std::uint32_t around, std::uint32_t rings) {
+    MeshData mesh;
+    for (std::uint32_t j = 0; j < rings; ++j)
+        for (std::uint32_t i = 0; i < around; ++i) {
+            const double a = 2 * std::numbers::pi * i / around;
+            mesh.positions.push_back(to_float(
+                {radius * std::cos(a), radius * std::sin(a), height * (static_cast<double>(j) / (rings - 1) - 0.5)}));
+        }
+    for (std::uint32_t j = 0; j + 1 < rings; ++j)
+        for (std::uint32_t i = 0; i < around; ++i) {
+            const std::uint32_t a = j * around + i, b = j * around + (i + 1) % around, c = b + around, d = a + around;
+            mesh.triangles.push_back({{a, b, c}});
+            mesh.triangles.push_back({{a, c, d}});
+        }
+    return mesh;
+}
+
+MeshData capsule(double radius, double half_length, std::uint32_t around, std::uint32_t rings) {
+    MeshData mesh;
+    const auto add = [&](double x, double r, double turn) {
+        const double a = 2 * std::numbers::pi * turn / around;
+        mesh.positions.push_back(to_float({x, r * std::cos(a), r * std::sin(a)}));
+    };
+    // A pole, the rings of a half sphere, those of the other one, its pole.
+    add(-half_length - radius, 0, 0);
+    for (int side : {-1, 1})
+        for (std::uint32_t j = 0; j < rings; ++j) {
+            const double up = 0.5 * std::numbers::pi * (side < 0 ? rings - 1 - j : j) / rings;
+            for (std::uint32_t i = 0; i < around; ++i)
+                add(side * (half_length + radius * std::sin(up)), radius * std::cos(up), i);
+        }
+    add(half_length + radius, 0, 0);
+    const std::uint32_t last = static_cast<std::uint32_t>(mesh.positions.size()) - 1;
+    for (std::uint32_t i = 0; i < around; ++i) {
+        const std::uint32_t next = (i + 1) % around, end = (2 * rings - 1) * around + 1;
+        mesh.triangles.push_back({{0, 1 + next, 1 + i}});
+        mesh.triangles.push_back({{last, end + i, end + next}});
+        for (std::uint32_t j = 0; j + 1 < 2 * rings; ++j) {
+            const std::uint32_t a = 1 + j * around + i, b = 1 + j * around + next, c = b + around, d = a + around;
+            mesh.triangles.push_back({{a, b, c}});
+            mesh.triangles.push_back({{a, c, d}});
+        }
+    }
+    return mesh;
+}
+
 }  // namespace pierce::scenes

@@ -11,16 +11,17 @@
 #include "pierce/bullet/baseline_shapes.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/bullet/bullet_dispatcher.hpp"
+#include "pierce/bullet/sheet_response.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/scenes/bullet_result.hpp"
 #include "pierce/scenes/detector.hpp"
 #include "pierce/scenes/mass_properties.hpp"
+#include "pierce/scenes/sheet_crossings.hpp"
 #include "pierce/scenes/soft_damping.hpp"
+#include "pierce/scenes/soft_sheet.hpp"
 
 namespace pierce::scenes {
 namespace {
-
-constexpr double gravity = 9.81;  // [m/s^2] along -z
 
 /// How soft bodies keep their shape, in Bullet's terms.
 constexpr btScalar link_stiffness = btScalar(1.0);
@@ -64,6 +65,21 @@ bullet::Baseline baseline_of(Method method) {
                                         : bullet::Baseline::gimpact;
 }
 
+/// A step's result, with what all detections of the step took together.
+FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) {
+    result.stages = report.stages;
+    result.stages.push_back({"response", report.response_ms});
+    result.response_ms = report.response_ms;
+    result.total_ms = report.detection_ms + report.response_ms;
+    result.crossings = report.crossings;
+    result.remembered = report.remembered;
+    result.tangled = report.tangled;
+    result.rounds = report.rounds;
+    result.pulled_back = report.pulled_back;
+    result.crossings_left = report.crossings_left;
+    return result;
+}
+
 }  // namespace
 
 struct Simulation::State {
@@ -77,7 +93,11 @@ struct Simulation::State {
     btSequentialImpulseConstraintSolver solver;
     std::vector<bullet::BaselineShape> shapes;
     std::vector<std::unique_ptr<btRigidBody>> rigid;  ///< by body, null if soft
-    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null if rigid
+    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null if it is no solid that deforms
+    std::vector<std::unique_ptr<SoftSheet>> sheets;   ///< by body, null if it is no sheet
+    std::vector<std::vector<Vec3f>> given;            ///< by body, empty unless its motion is given
+    std::unique_ptr<bullet::SheetResponse> apart;     ///< null if there are no sheets
+    double time = 0;                                  ///< [s] since the start
     std::vector<double> mass;                         ///< by body
     std::unique_ptr<ClockedWorld> world;
     FrameResult result;
@@ -87,6 +107,13 @@ struct Simulation::State {
     bullet::Dispatcher& ray_dispatcher() { return static_cast<bullet::Dispatcher&>(*dispatcher); }
     void add_rigid(std::uint32_t index);
     void add_soft(std::uint32_t index);
+    void add_sheet(std::uint32_t index);
+    void add_given(std::uint32_t index);
+    void lead(double dt);
+    void measure_sheets();
+    btSoftBody* soft_body(std::size_t index) const {
+        return soft[index] ? soft[index].get() : sheets[index] ? &sheets[index]->soft() : nullptr;
+    }
 };
 
 void Simulation::State::add_rigid(std::uint32_t index) {
@@ -114,7 +141,57 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     rigid[index] = std::make_unique<btRigidBody>(info);
     rigid[index]->setUserIndex(static_cast<int>(index));
     world->addRigidBody(rigid[index].get());
-    if (rays != nullptr) ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
+    if (body.path)
+        rigid[index]->setCollisionFlags(rigid[index]->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    if (apart != nullptr)
+        apart->bind(*rigid[index], rays->bodies[index]);
+    else if (rays != nullptr)
+        ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
+}
+
+void Simulation::State::add_sheet(std::uint32_t index) {
+    const SceneBody& body = scene.bodies[index];
+    sheets[index] = std::make_unique<SoftSheet>(world->getWorldInfo(), body, scene.meshes[body.mesh].data);
+    mass[index] = sheets[index]->mass();
+    world->addSoftBody(&sheets[index]->soft());
+    apart->bind(sheets[index]->soft(), rays->bodies[index]);
+}
+
+void Simulation::State::add_given(std::uint32_t index) {
+    given[index].resize(scene.meshes[scene.bodies[index].mesh].data.positions.size());
+    scene.bodies[index].motion_of(0, given[index]);
+    rays->world.set_motion(rays->bodies[index], given[index], given[index]);
+}
+
+/// Moves what is led to where it is to be at the end of the step.
+void Simulation::State::lead(double dt) {
+    for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) {
+        const SceneBody& body = scene.bodies[i];
+        if (body.path) {
+            const btVector3 from = rigid[i]->getWorldTransform().getOrigin();
+            rigid[i]->setWorldTransform(bullet::to_bullet(body.path(time + dt)));
+            rigid[i]->setLinearVelocity((rigid[i]->getWorldTransform().getOrigin() - from) / static_cast<btScalar>(dt));
+        }
+        if (sheets[i]) sheets[i]->lead(time + dt, dt);
+        if (body.motion_of) {
+            body.motion_of(time + dt, given[i]);
+            rays->world.set_positions(rays->bodies[i], given[i]);
+        }
+    }
+}
+
+/// How the simulated sheets run through themselves, if they do.
+void Simulation::State::measure_sheets() {
+    std::vector<Vec3f> positions;
+    for (std::size_t i = 0; i < sheets.size(); ++i) {
+        if (!sheets[i]) continue;
+        positions.clear();
+        const auto& nodes = sheets[i]->soft().m_nodes;
+        for (int n = 0; n < nodes.size(); ++n) positions.push_back(bullet::from_bullet_float(nodes[n].m_x));
+        const SurfaceCrossings found = self_crossings(scene.meshes[scene.bodies[i].mesh].data.triangles, positions);
+        result.self_crossings += found.count;
+        result.self_penetration = std::max(result.self_penetration, found.depth);
+    }
 }
 
 void Simulation::State::add_soft(std::uint32_t index) {
@@ -152,31 +229,47 @@ void Simulation::State::add_soft(std::uint32_t index) {
 Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings& settings)
     : state_(std::make_unique<State>(scene, method)) {
     State& s = *state_;
-    bool any_soft = false;
-    for (const SceneBody& body : scene.bodies) any_soft |= body.motion == Motion::deforming;
+    bool any_soft = false, any_sheet = false, any_given = false, any_free = false;
+    for (const SceneBody& body : scene.bodies) {
+        any_soft |= body.motion == Motion::deforming;
+        any_given |= body.motion_of != nullptr;
+        any_sheet |= body.collision.sheet && !body.motion_of;
+        any_free |= body.motion != Motion::fixed && !body.collision.sheet;
+    }
+    if (any_sheet && any_free) throw InputError("sheets are simulated with fixed and led bodies only");
     if (any_soft && method != Method::rays) throw InputError("soft bodies are simulated with rays only");
 
     btCollisionConfiguration* configuration = &s.rigid_configuration;
     if (method == Method::rays) {
         s.rays = std::make_unique<SceneWorld>(scene, settings);
         configuration = &s.soft_configuration;
-        s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.rays->world);
+        if (any_sheet || any_given)
+            s.dispatcher = std::make_unique<btCollisionDispatcher>(configuration);
+        else
+            s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.rays->world);
+        if (any_sheet) s.apart = std::make_unique<bullet::SheetResponse>(s.rays->world);
     } else {
         s.dispatcher = std::make_unique<TimedDispatcher>(configuration);
         register_baseline(*s.dispatcher);
     }
     s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver, configuration);
-    const btVector3 down(0, 0, static_cast<btScalar>(-gravity));
+    const btVector3 down(0, 0, static_cast<btScalar>(-scene.gravity));
     s.world->setGravity(down);
     s.world->getWorldInfo().m_gravity = down;
 
     const std::size_t count = scene.bodies.size();
     s.rigid.resize(count);
     s.soft.resize(count);
+    s.sheets.resize(count);
+    s.given.resize(count);
     s.mass.resize(count, 0);
     s.shapes.reserve(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (scene.bodies[i].motion == Motion::deforming)
+        if (scene.bodies[i].motion_of)
+            s.add_given(i);
+        else if (scene.bodies[i].collision.sheet)
+            s.add_sheet(i);
+        else if (scene.bodies[i].motion == Motion::deforming)
             s.add_soft(i);
         else
             s.add_rigid(i);
@@ -184,8 +277,8 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
 }
 
 Simulation::~Simulation() {
-    for (const auto& body : state_->soft)
-        if (body) state_->world->removeSoftBody(body.get());
+    for (std::size_t i = 0; i < state_->soft.size(); ++i)
+        if (btSoftBody* body = state_->soft_body(i)) state_->world->removeSoftBody(body);
     for (const auto& body : state_->rigid)
         if (body) state_->world->removeRigidBody(body.get());
 }
@@ -194,10 +287,19 @@ const FrameResult& Simulation::step(double dt) {
     if (!(dt > 0) || !std::isfinite(dt)) throw InputError("time step must be positive");
     State& s = *state_;
     s.rigid_configuration.take_epa_milliseconds();
+    s.lead(dt);
     s.world->stepSimulation(static_cast<btScalar>(dt), 0);
+    s.time += dt;
     for (const auto& body : s.soft)
         if (body) damp_vibration(*body, vibration_damping);
-    if (s.rays != nullptr) {
+    if (s.apart != nullptr) {
+        const bullet::SheetReport& report = s.apart->finish_step(dt);
+        s.result = sheet_result(s.rays->result(), report);
+        s.measure_sheets();
+    } else if (dynamic_cast<bullet::Dispatcher*>(s.dispatcher.get()) == nullptr && s.rays != nullptr) {
+        s.rays->world.detect();
+        s.result = s.rays->result();
+    } else if (s.rays != nullptr) {
         s.result = s.rays->result();
         s.result.response_ms = s.ray_dispatcher().response_milliseconds();
         s.result.stages.push_back({"response", s.result.response_ms});
@@ -214,11 +316,15 @@ void Simulation::record(Recording& recording) const {
     const State& s = *state_;
     for (std::uint32_t i = 0; i < recording.bodies.size(); ++i) {
         std::vector<float>& values = recording.bodies[i].values;
-        if (s.soft[i]) {
-            for (int n = 0; n < s.soft[i]->m_nodes.size(); ++n) {
-                const Vec3f p = bullet::from_bullet_float(s.soft[i]->m_nodes[n].m_x);
+        if (const btSoftBody* soft = s.soft_body(i)) {
+            for (int n = 0; n < soft->m_nodes.size(); ++n) {
+                const Vec3f p = bullet::from_bullet_float(soft->m_nodes[n].m_x);
                 values.insert(values.end(), {p.x, p.y, p.z});
             }
+            continue;
+        }
+        if (!s.given[i].empty()) {
+            for (Vec3f p : s.given[i]) values.insert(values.end(), {p.x, p.y, p.z});
             continue;
         }
         const Pose pose = bullet::from_bullet(s.rigid[i]->getWorldTransform());
@@ -235,16 +341,17 @@ double Simulation::kinetic_energy_per_mass() const {
     for (std::size_t i = 0; i < s.mass.size(); ++i) {
         mass += s.mass[i];
         if (s.rigid[i] && s.mass[i] > 0) energy += 0.5 * s.mass[i] * s.rigid[i]->getLinearVelocity().length2();
-        if (s.soft[i])
-            for (int n = 0; n < s.soft[i]->m_nodes.size(); ++n)
-                energy += 0.5 * s.mass[i] / s.soft[i]->m_nodes.size() * s.soft[i]->m_nodes[n].m_v.length2();
+        if (const btSoftBody* soft = s.soft_body(i))
+            for (int n = 0; n < soft->m_nodes.size(); ++n)
+                energy += 0.5 * s.mass[i] / soft->m_nodes.size() * soft->m_nodes[n].m_v.length2();
     }
     return mass > 0 ? energy / mass : 0;
 }
 
 Vec3d Simulation::vertex_position(std::uint32_t body, std::uint32_t vertex) const {
     const State& s = *state_;
-    if (s.soft[body]) return bullet::from_bullet(s.soft[body]->m_nodes[static_cast<int>(vertex)].m_x);
+    if (const btSoftBody* soft = s.soft_body(body)) return bullet::from_bullet(soft->m_nodes[static_cast<int>(vertex)].m_x);
+    if (!s.given[body].empty()) return to_double(s.given[body][vertex]);
     const Vec3f rest = s.scene.meshes[s.scene.bodies[body].mesh].data.positions[vertex];
     return frame_of(bullet::from_bullet(s.rigid[body]->getWorldTransform())).to_parent(to_double(rest));
 }

@@ -1,0 +1,323 @@
+#include "pierce/bullet/sheet_response.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <unordered_map>
+
+#include "pierce/bullet/bullet_convert.hpp"
+#include "pierce/core/error.hpp"
+
+namespace pierce::bullet {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Pulling back starts gently: a vertex keeps this part of its way to the meeting [1] ...
+constexpr double way_kept = 0.5;
+/// ... for so many detections; then it goes back all the way,
+constexpr std::uint32_t gentle_attempts = 3;
+/// then the vertices around it, ring by ring,
+constexpr std::uint32_t single_attempts = 8;
+/// then the whole body: twenty rings are further than anything spreads that did not end before.
+constexpr std::uint32_t ring_attempts = 28;
+
+struct Sheet {
+    btSoftBody* soft = nullptr;
+    BodyId body;
+    MovingNodes nodes;
+    std::vector<Vec3f> end;  ///< as it is detected: what the next step starts from
+    std::vector<bool> pulled_back;
+};
+
+struct Obstacle {
+    btRigidBody* rigid = nullptr;
+    BodyId body;
+    Pose start, end;
+};
+
+}  // namespace
+
+struct SheetResponse::State {
+    World& world;
+    SheetSettings settings;
+    SheetProjection projection;
+    std::vector<std::unique_ptr<Sheet>> sheets;
+    std::vector<Obstacle> obstacles;
+    std::unordered_map<BodyId, Sheet*> sheet_of;
+    std::unordered_map<BodyId, std::size_t> obstacle_of;
+    SheetReport report;
+
+    void read_step();
+    void detect();
+    void count_contacts();
+    bool has_violation() const;
+    bool project();
+    void keep_apart();
+    bool pull_back(std::uint32_t attempt);
+    void pull_back(Sheet& sheet, std::uint32_t vertex, double share);
+    void pull_back_around(Sheet& sheet);
+    void write_step(double dt);
+
+    bool concerns_sheet(const Contact& c) const { return sheet_of.contains(c.a) || sheet_of.contains(c.b); }
+    SheetProjection::Point source_point(const Contact& c) const;
+    SheetProjection::Point target_point(const Contact& c) const;
+    SheetProjection::Point given_point(BodyId body, Vec3d point) const;
+};
+
+namespace {
+
+BodyId source_of(const Contact& c) { return c.source == Side::a ? c.a : c.b; }
+BodyId target_of(const Contact& c) { return c.source == Side::a ? c.b : c.a; }
+bool is_met(const Contact& c) { return c.of_sheet && c.found == Found::crossing; }
+
+/// Calls visit(body, vertex) for the vertices of a contact.
+template <class Visit>
+void each_vertex(const World& world, const Contact& c, const Visit& visit) {
+    visit(source_of(c), c.vertex);
+    if (c.is_edge()) visit(source_of(c), c.edge_end);
+    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
+    for (int k = 0; k < 3; ++k)
+        // A meeting at a corner has no weight elsewhere, but the whole triangle counts. Of an edge, what lies opposite does
+        // not.
+        if (!c.is_edge() || c.barycentric[k] != 0) visit(target_of(c), t.vertex[k]);
+}
+
+}  // namespace
+
+/// A point that moves as its body is told.
+SheetProjection::Point SheetResponse::State::given_point(BodyId body, Vec3d point) const {
+    SheetProjection::Point p;
+    p.start = p.end = point;
+    if (const auto found = obstacle_of.find(body); found != obstacle_of.end()) {
+        const Obstacle& o = obstacles[found->second];
+        p.start = frame_of(o.start).to_parent(frame_of(o.end).to_local(point));
+    }
+    return p;
+}
+
+SheetProjection::Point SheetResponse::State::source_point(const Contact& c) const {
+    const auto found = sheet_of.find(source_of(c));
+    if (found == sheet_of.end()) return given_point(source_of(c), c.source == Side::a ? c.point_a : c.point_b);
+    SheetProjection::Point p;
+    p.nodes = &found->second->nodes;
+    p.vertex[0] = c.vertex;
+    p.weight[0] = 1;
+    if (c.is_edge()) {
+        p.vertex[1] = c.edge_end;
+        p.weight[0] = c.source_weight(0);
+        p.weight[1] = c.source_weight(1);
+    }
+    return p;
+}
+
+SheetProjection::Point SheetResponse::State::target_point(const Contact& c) const {
+    const auto found = sheet_of.find(target_of(c));
+    if (found == sheet_of.end()) return given_point(target_of(c), c.source == Side::a ? c.point_b : c.point_a);
+    SheetProjection::Point p;
+    p.nodes = &found->second->nodes;
+    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
+    for (int k = 0; k < 3; ++k) {
+        p.vertex[k] = t.vertex[k];
+        p.weight[k] = c.barycentric[k];
+    }
+    return p;
+}
+
+/// Takes over what Bullet's step has done.
+void SheetResponse::State::read_step() {
+    for (const auto& sheet : sheets) {
+        MovingNodes& nodes = sheet->nodes;
+        for (std::size_t i = 0; i < nodes.end.size(); ++i) {
+            const btSoftBody::Node& node = sheet->soft->m_nodes[static_cast<int>(i)];
+            nodes.end[i] = from_bullet(node.m_x);
+            nodes.inverse_mass[i] = node.m_im;
+        }
+        sheet->pulled_back.assign(nodes.end.size(), false);
+    }
+    for (Obstacle& o : obstacles) {
+        o.start = o.end;
+        o.end = from_bullet(o.rigid->getWorldTransform());
+    }
+}
+
+void SheetResponse::State::detect() {
+    const auto begin = Clock::now();
+    for (const auto& sheet : sheets) {
+        std::ranges::transform(sheet->nodes.end, sheet->end.begin(), [](Vec3d p) { return to_float(p); });
+        std::ranges::transform(sheet->end, sheet->nodes.end.begin(), [](Vec3f p) { return to_double(p); });
+        world.set_motion(sheet->body, sheet->nodes.start, sheet->end);
+    }
+    for (const Obstacle& o : obstacles) world.set_motion(o.body, o.start, o.end);
+    const StepStats& stats = world.detect();
+    for (const StepStats::Stage& stage : stats.stages) {
+        const auto same = std::ranges::find_if(
+            report.stages, [&](const StepStats::Stage& s) { return std::string_view(s.name) == stage.name; });
+        if (same == report.stages.end())
+            report.stages.push_back(stage);
+        else
+            same->milliseconds += stage.milliseconds;
+    }
+    ++report.detections;
+    report.detection_ms += milliseconds_since(begin);
+}
+
+void SheetResponse::State::count_contacts() {
+    for (const Contact& c : world.contacts()) {
+        if (!c.of_sheet) continue;
+        ++report.contacts;
+        if (c.found == Found::crossing) ++report.crossings;
+        if (c.found == Found::remembered) ++report.remembered;
+        if (c.found == Found::tangled) ++report.tangled;
+    }
+}
+
+/// True if something has met during the step, or is on its wrong side.
+bool SheetResponse::State::has_violation() const {
+    return std::ranges::any_of(world.contacts(),
+                               [&](const Contact& c) { return concerns_sheet(c) && (is_met(c) || c.distance < 0); });
+}
+
+/// Moves vertices out of all contacts; false if there are none.
+bool SheetResponse::State::project() {
+    projection.clear();
+    for (const Contact& c : world.contacts()) {
+        if (!concerns_sheet(c) || c.unknown_side) continue;
+        const Vec3d out = c.source == Side::a ? -c.normal : c.normal;
+        double thickness = std::max(world.collision_of(c.a).thickness, world.collision_of(c.b).thickness);
+        if (c.a == c.b) {
+            // Neighbours of a sheet that is finer than it is thick stay as close as they are made.
+            const Mesh& mesh = world.mesh(world.mesh_of(c.a));
+            const auto rest = [&](std::uint32_t v) { return to_double(mesh.positions()[v]); };
+            Vec3d way =
+                c.is_edge() ? c.source_weight(0) * rest(c.vertex) + c.source_weight(1) * rest(c.edge_end) : rest(c.vertex);
+            const Triangle& t = mesh.triangles()[c.triangle];
+            for (int k = 0; k < 3; ++k) way -= c.barycentric[k] * rest(t.vertex[k]);
+            thickness = std::min(thickness, 0.5 * length(way));
+        }
+        projection.add(source_point(c), target_point(c), out, thickness);
+    }
+    ++report.rounds;
+    return projection.project();
+}
+
+void SheetResponse::State::pull_back(Sheet& sheet, std::uint32_t vertex, double share) {
+    const Vec3d start = to_double(sheet.nodes.start[vertex]);
+    Vec3d& end = sheet.nodes.end[vertex];
+    end = start + share * (end - start);
+    sheet.pulled_back[vertex] = true;
+}
+
+/// All vertices of triangles with a vertex that was pulled back.
+void SheetResponse::State::pull_back_around(Sheet& sheet) {
+    const std::vector<bool> before = sheet.pulled_back;
+    for (const Triangle& t : world.mesh(world.mesh_of(sheet.body)).triangles())
+        if (before[t.vertex[0]] || before[t.vertex[1]] || before[t.vertex[2]])
+            for (std::uint32_t v : t.vertex) pull_back(sheet, v, 0);
+}
+
+/// Pulls back the vertices of what has met; false if nothing that is left has a way to go back.
+bool SheetResponse::State::pull_back(std::uint32_t attempt) {
+    bool moved = false;
+    report.crossings_left = 0;
+    for (const Contact& c : world.contacts()) {
+        if (!is_met(c)) continue;
+        bool could = false;
+        each_vertex(world, c, [&](BodyId body, std::uint32_t v) {
+            const auto found = sheet_of.find(body);
+            if (found == sheet_of.end()) return;
+            Sheet& sheet = *found->second;
+            // As it was detected: an earlier contact of this list may have pulled it back since.
+            if (sheet.end[v] == sheet.nodes.start[v]) return;
+            could = true;
+            pull_back(sheet, v, attempt < gentle_attempts ? way_kept * c.time : 0.0);
+        });
+        moved |= could;
+        // What does not move has not met, it is only as close as two things can be told apart.
+        const auto moves = [&](BodyId body) {
+            const auto found = obstacle_of.find(body);
+            return found != obstacle_of.end() && !(obstacles[found->second].start == obstacles[found->second].end);
+        };
+        if (!could && (moves(c.a) || moves(c.b))) ++report.crossings_left;
+    }
+    if (!moved) return false;
+    for (const auto& sheet : sheets) {
+        if (attempt >= ring_attempts)
+            for (std::uint32_t v = 0; v < sheet->end.size(); ++v) pull_back(*sheet, v, 0);
+        else if (attempt >= single_attempts)
+            pull_back_around(*sheet);
+    }
+    return true;
+}
+
+void SheetResponse::State::keep_apart() {
+    detect();
+    count_contacts();
+    for (std::uint32_t round = 0; round < settings.rounds; ++round) {
+        if (round > 0 && !has_violation()) return;
+        if (!project()) return;
+        detect();
+    }
+    for (std::uint32_t attempt = 0; pull_back(attempt); ++attempt) detect();
+    for (const auto& sheet : sheets)
+        report.pulled_back += static_cast<std::uint32_t>(std::ranges::count(sheet->pulled_back, true));
+}
+
+void SheetResponse::State::write_step(double dt) {
+    for (const auto& sheet : sheets) {
+        const btScalar kept = 1 - sheet->soft->m_cfg.kDP;
+        for (std::size_t i = 0; i < sheet->end.size(); ++i) {
+            btSoftBody::Node& node = sheet->soft->m_nodes[static_cast<int>(i)];
+            node.m_x = to_bullet(sheet->end[i]);
+            node.m_v = kept * to_bullet((1 / dt) * (to_double(sheet->end[i]) - to_double(sheet->nodes.start[i])));
+        }
+        sheet->nodes.start = sheet->end;
+        sheet->soft->updateNormals();
+    }
+}
+
+SheetResponse::SheetResponse(World& world, SheetSettings settings)
+    : state_(new State{world, settings, SheetProjection(settings.projection), {}, {}, {}, {}, {}}) {}
+SheetResponse::~SheetResponse() = default;
+
+void SheetResponse::bind(btSoftBody& soft, BodyId body) {
+    const Mesh& mesh = state_->world.mesh(state_->world.mesh_of(body));
+    const std::size_t count = mesh.positions().size();
+    if (static_cast<std::size_t>(soft.m_nodes.size()) != count)
+        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes, mesh '" + mesh.name() + "' has " +
+                         std::to_string(count) + " vertices");
+    auto sheet = std::make_unique<Sheet>();
+    sheet->soft = &soft;
+    sheet->body = body;
+    sheet->nodes.end.resize(count);
+    sheet->nodes.inverse_mass.resize(count);
+    sheet->end.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+        sheet->nodes.start.push_back(from_bullet_float(soft.m_nodes[static_cast<int>(i)].m_x));
+    state_->sheet_of[body] = sheet.get();
+    state_->sheets.push_back(std::move(sheet));
+}
+
+void SheetResponse::bind(btRigidBody& rigid, BodyId body) {
+    state_->obstacle_of[body] = state_->obstacles.size();
+    const Pose pose = from_bullet(rigid.getWorldTransform());
+    state_->obstacles.push_back({&rigid, body, pose, pose});
+}
+
+const SheetReport& SheetResponse::finish_step(double dt) {
+    const auto begin = Clock::now();
+    State& s = *state_;
+    s.report = {};
+    s.read_step();
+    s.keep_apart();
+    s.write_step(dt);
+    s.report.response_ms = milliseconds_since(begin) - s.report.detection_ms;
+    return s.report;
+}
+
+const SheetReport& SheetResponse::report() const { return state_->report; }
+
+}  // namespace pierce::bullet

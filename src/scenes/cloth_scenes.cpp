@@ -1,0 +1,169 @@
+#include "pierce/scenes/cloth_scenes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <utility>
+
+#include "pierce/scenes/shapes.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+using std::numbers::pi;
+
+/// Thickness of a sheet [distance of its vertices]: as thick as it can be without its own folds being in its way.
+constexpr double thickness_share = 0.1;
+
+/// Vertices along a side of the sheet whose material the defaults are made for, and how often its links are solved. What
+/// a round over the links passes on is one link further: finer sheets need more.
+constexpr std::uint32_t plain_nodes = 20;
+
+SheetMaterial material_for(std::uint32_t nodes) {
+    SheetMaterial material;
+    material.iterations = std::max(1, static_cast<int>(std::lround(material.iterations * nodes / double{plain_nodes})));
+    return material;
+}
+
+std::uint32_t nodes_or(const SceneParameters& parameters, std::uint32_t standard) {
+    return parameters.nodes == 0 ? standard : std::max(parameters.nodes, 2u);
+}
+
+SceneBody sheet_body(std::string name, std::uint32_t mesh, std::uint32_t nodes, double spacing) {
+    SceneBody body{std::move(name), mesh, Motion::deforming, {}, false};
+    body.collision = {SelfCollision::on, true, thickness_share * spacing};
+    body.material = material_for(nodes);
+    return body;
+}
+
+SceneMesh ground_below(double half_width) {
+    return {"ground", box({-half_width, -half_width, -1}, {half_width, half_width, 0}), {}};
+}
+
+/// Straight from 0 to 1 within `duration`, starting and ending at rest.
+double eased(double time, double duration) {
+    const double t = std::clamp(time / duration, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
+SceneSetup cloth_capsule(const SceneParameters& parameters) {
+    constexpr double width = 7.6, capsule_radius = 1.0, capsule_half_length = 1.0, height = 2.2, drop = 0.6;
+    const std::uint32_t nodes = nodes_or(parameters, plain_nodes);
+    SceneSetup scene{"cloth-capsule",
+                     {ground_below(8),
+                      {"capsule", capsule(capsule_radius, capsule_half_length, 32, 10), {}},
+                      {"sheet", grid(width, width, nodes, nodes), {}}},
+                     {{"ground", 0, Motion::fixed, {}, true}, {"capsule", 1, Motion::fixed, {{0, 0, height}, {}}, false}}};
+    SceneBody sheet = sheet_body("sheet", 2, nodes, width / (nodes - 1));
+    std::mt19937 random(parameters.seed);
+    const double turn = 0.5 * pi * static_cast<double>(random()) / 4294967296.0;
+    sheet.pose = {{0.3, 0.2, height + capsule_radius + drop}, {0, 0, std::sin(0.5 * turn), std::cos(0.5 * turn)}};
+    scene.bodies.push_back(std::move(sheet));
+    return scene;
+}
+
+SceneSetup cloth_fold(const SceneParameters& parameters) {
+    constexpr double width = 4.0, radius = 1.9, duration = 2.0, end = 0.97 * pi;
+    const std::uint32_t nodes = nodes_or(parameters, plain_nodes);
+    SceneSetup scene{"cloth-fold",
+                     {ground_below(4), {"sheet", grid(width, width, nodes, nodes), {}}},
+                     {{"ground", 0, Motion::fixed, {}, true}}};
+    SceneBody sheet = sheet_body("sheet", 1, nodes, width / (nodes - 1));
+    sheet.pose.position.z = sheet.collision.thickness;
+    Guide edge;
+    for (std::uint32_t j = 0; j < nodes; ++j) edge.vertices.push_back(j * nodes);
+    edge.place = [=](Vec3d start, double time) -> std::optional<Vec3d> {
+        if (time > duration) return std::nullopt;
+        const double angle = end * eased(time, duration);
+        return start + radius * Vec3d{1 - std::cos(angle), 0, std::sin(angle)};
+    };
+    sheet.guides.push_back(std::move(edge));
+    scene.bodies.push_back(std::move(sheet));
+    return scene;
+}
+
+SceneSetup cloth_twist(const SceneParameters& parameters) {
+    constexpr double radius = 0.5, height = 2.5, turns = 3.0, duration = 6.0, nearer = 1.0;
+    const std::uint32_t rings = nodes_or(parameters, 24);
+    SceneSetup scene{"cloth-twist", {{"tube", tube(radius, height, rings, rings), {}}}, {}, 0};
+    SceneBody sheet = sheet_body("tube", 0, rings, 2 * pi * radius / rings);
+    for (int side : {-1, 1}) {
+        Guide end;
+        for (std::uint32_t i = 0; i < rings; ++i) end.vertices.push_back(side < 0 ? i : (rings - 1) * rings + i);
+        end.place = [=](Vec3d start, double time) -> std::optional<Vec3d> {
+            const double part = eased(time, duration), angle = side * pi * turns * part;
+            const double c = std::cos(angle), s = std::sin(angle);
+            return Vec3d{c * start.x - s * start.y, s * start.x + c * start.y, start.z - side * 0.5 * nearer * part};
+        };
+        sheet.guides.push_back(std::move(end));
+    }
+    scene.bodies.push_back(std::move(sheet));
+    return scene;
+}
+
+namespace {
+
+/// A ball with a deep groove around its equator, closed.
+MeshData grooved_ball(std::uint32_t around) {
+    constexpr double lip = 0.32, groove_radius = 0.35;
+    const double step = 2 * pi / around;
+    std::vector<std::pair<double, double>> upper;  // radius and height from the pole to the bottom of the groove
+    const double lip_angle = std::asin(lip);
+    const auto arc = static_cast<int>(std::lround((0.5 * pi - lip_angle) / step));
+    for (int i = 1; i <= arc; ++i) {
+        const double angle = 0.5 * pi - i * (0.5 * pi - lip_angle) / arc;
+        upper.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    const double inner = std::cos(lip_angle) - groove_radius;
+    const auto wall = static_cast<int>(std::lround(inner / step));
+    for (int i = 1; i <= wall; ++i) upper.emplace_back(std::cos(lip_angle) - i * inner / wall, lip);
+    const auto floor = static_cast<int>(std::lround(lip / step));
+    for (int i = 1; i < floor; ++i) upper.emplace_back(groove_radius, lip * (1 - static_cast<double>(i) / floor));
+    std::vector<std::pair<double, double>> rings = upper;
+    rings.emplace_back(groove_radius, 0);
+    for (std::size_t i = upper.size(); i-- > 0;) rings.emplace_back(upper[i].first, -upper[i].second);
+
+    MeshData mesh;
+    mesh.positions.push_back({0, 0, 1});
+    for (const auto& [r, z] : rings)
+        for (std::uint32_t i = 0; i < around; ++i)
+            mesh.positions.push_back(to_float({r * std::cos(i * step), r * std::sin(i * step), z}));
+    mesh.positions.push_back({0, 0, -1});
+    const auto last = static_cast<std::uint32_t>(mesh.positions.size()) - 1, bottom = last - around;
+    for (std::uint32_t i = 0; i < around; ++i) {
+        const std::uint32_t next = (i + 1) % around;
+        mesh.triangles.push_back({{0, 1 + i, 1 + next}});
+        mesh.triangles.push_back({{last, bottom + next, bottom + i}});
+        for (std::uint32_t j = 0; j + 1 < rings.size(); ++j) {
+            const std::uint32_t a = 1 + j * around + i, b = 1 + j * around + next;
+            mesh.triangles.push_back({{a, a + around, b + around}});
+            mesh.triangles.push_back({{a, b + around, b}});
+        }
+    }
+    return mesh;
+}
+
+}  // namespace
+
+SceneSetup ball_squash(const SceneParameters& parameters) {
+    constexpr double half_width = 2, plate = 0.5, gap = 0.02, press = 0.45, duration = 2.0;
+    const std::uint32_t around = parameters.nodes == 0 ? 40 : std::max(parameters.nodes, 16u);
+    const MeshData plate_mesh = box({-half_width, -half_width, -0.5 * plate}, {half_width, half_width, 0.5 * plate});
+    SceneSetup scene{
+        "ball-squash", {{"plate", plate_mesh, {plate_mesh.positions}}, {"ball", grooved_ball(around), {}}}, {}, 0};
+    for (int side : {-1, 1}) {
+        const double start = side * (1 + gap + 0.5 * plate);
+        SceneBody body{side < 0 ? "lower plate" : "upper plate", 0, Motion::fixed, {{0, 0, start}, {}}, false};
+        body.path = [=](double time) { return Pose{{0, 0, start - side * press * eased(time, duration)}, {}}; };
+        scene.bodies.push_back(std::move(body));
+    }
+    SceneBody ball{"ball", 1, Motion::deforming, {}, false};
+    ball.collision.self = SelfCollision::on;
+    scene.bodies.push_back(std::move(ball));
+    return scene;
+}
+
+}  // namespace pierce::scenes

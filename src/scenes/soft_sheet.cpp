@@ -1,0 +1,87 @@
+#include "pierce/scenes/soft_sheet.hpp"
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <utility>
+
+#include "pierce/bullet/bullet_convert.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+struct SheetLinks {
+    std::vector<std::pair<int, int>> along;   ///< edges
+    std::vector<std::pair<int, int>> across;  ///< the corners opposite an edge
+};
+
+/// Bullet's own helpers need memory for the square of the vertex count.
+SheetLinks links_of(const MeshData& mesh) {
+    SheetLinks links;
+    std::map<std::pair<int, int>, int> opposite;
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) {
+            const auto a = static_cast<int>(t.vertex[k]), b = static_cast<int>(t.vertex[(k + 1) % 3]);
+            const auto corner = static_cast<int>(t.vertex[(k + 2) % 3]);
+            const auto [edge, is_new] = opposite.try_emplace(std::minmax(a, b), corner);
+            if (is_new)
+                links.along.push_back(edge->first);
+            else
+                links.across.emplace_back(edge->second, corner);
+        }
+    // Bullet solves links one after another: in the order of a grid, corrections would run one way.
+    std::mt19937 random(1);
+    for (auto* list : {&links.along, &links.across})
+        for (std::size_t i = list->size(); i > 1; --i) std::swap((*list)[i - 1], (*list)[random() % i]);
+    return links;
+}
+
+}  // namespace
+
+SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh) : guides_(body.guides) {
+    const Frame frame = frame_of(body.pose);
+    std::vector<btVector3> nodes;
+    for (Vec3f p : mesh.positions) {
+        start_.push_back(to_double(to_float(frame.to_parent(to_double(p)))));
+        nodes.push_back(bullet::to_bullet(start_.back()));
+    }
+    const SheetMaterial& material = body.material;
+    node_mass_.assign(nodes.size(), 0);
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3d a = start_[t.vertex[0]], b = start_[t.vertex[1]], c = start_[t.vertex[2]];
+        const double share = material.area_density * 0.5 * length(cross(b - a, c - a)) / 3;
+        for (std::uint32_t v : t.vertex) node_mass_[v] += share;
+        mass_ += 3 * share;
+    }
+    std::vector<btScalar> masses(node_mass_.begin(), node_mass_.end());
+    soft_ = std::make_unique<btSoftBody>(&info, static_cast<int>(nodes.size()), nodes.data(), masses.data());
+    btSoftBody::Material* stretch = soft_->m_materials[0];
+    stretch->m_kLST = static_cast<btScalar>(material.stretch);
+    btSoftBody::Material* bend = soft_->appendMaterial();
+    bend->m_kLST = static_cast<btScalar>(material.bend);
+    const SheetLinks links = links_of(mesh);
+    for (const auto& [a, b] : links.across) soft_->appendLink(a, b, bend);
+    for (const auto& [a, b] : links.along) soft_->appendLink(a, b, stretch);
+    for (const Triangle& t : mesh.triangles)
+        soft_->appendFace(static_cast<int>(t.vertex[0]), static_cast<int>(t.vertex[1]), static_cast<int>(t.vertex[2]),
+                          stretch);
+    soft_->m_cfg.piterations = material.iterations;
+    soft_->m_cfg.kDP = static_cast<btScalar>(material.damping);
+    soft_->m_cfg.collisions = 0;
+}
+
+void SoftSheet::lead(double time, double dt) {
+    for (Guide& guide : guides_)
+        for (std::uint32_t v : guide.vertices) {
+            btSoftBody::Node& node = soft_->m_nodes[static_cast<int>(v)];
+            const std::optional<Vec3d> place = guide.place(start_[v], time);
+            soft_->setMass(static_cast<int>(v), place ? btScalar(0) : static_cast<btScalar>(node_mass_[v]));
+            if (place) node.m_v = bullet::to_bullet((1 / dt) * (*place - bullet::from_bullet(node.m_x)));
+        }
+    std::erase_if(guides_, [&](const Guide& guide) {
+        return std::ranges::none_of(guide.vertices,
+                                    [&](std::uint32_t v) { return guide.place(start_[v], time).has_value(); });
+    });
+}
+
+}  // namespace pierce::scenes

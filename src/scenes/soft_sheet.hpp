@@ -1,0 +1,31 @@
+#pragma once
+
+#include <BulletSoftBody/btSoftBody.h>
+
+#include <memory>
+#include <vector>
+
+#include "pierce/scenes/scene.hpp"
+
+namespace pierce::scenes {
+
+/// A sheet as Bullet simulates it: a node per vertex, a link per edge and one across it, a face per triangle. Bullet's
+/// collisions are off.
+class SoftSheet {
+public:
+    SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh);
+
+    btSoftBody& soft() const { return *soft_; }
+    double mass() const { return mass_; }
+    /// Sends the nodes that are led to where they are to be at `time`, the end of the next step of `dt` [s].
+    void lead(double time, double dt);
+
+private:
+    std::unique_ptr<btSoftBody> soft_;
+    std::vector<Guide> guides_;
+    std::vector<Vec3d> start_;
+    std::vector<double> node_mass_;
+    double mass_ = 0;
+};
+
+}  // namespace pierce::scenes
