@@ -6,6 +6,7 @@
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/core/error.hpp"
+#include "pierce/core/moving_point.hpp"
 
 namespace pierce::bullet {
 namespace {
@@ -50,11 +51,14 @@ struct SheetResponse::State {
     std::unordered_map<BodyId, Sheet*> sheet_of;
     std::unordered_map<BodyId, std::size_t> obstacle_of;
     SheetReport report;
+    /// False as long as nothing can be through anything when a step begins: then what meets is all there is to mend.
+    bool is_crossed = true;
 
     void read_step();
     void detect();
     void count_contacts();
     bool has_violation() const;
+    bool counts(const Contact& c) const;
     bool project();
     void keep_apart();
     bool pull_back(std::uint32_t attempt);
@@ -66,6 +70,8 @@ struct SheetResponse::State {
     SheetProjection::Point source_point(const Contact& c) const;
     SheetProjection::Point target_point(const Contact& c) const;
     SheetProjection::Point given_point(BodyId body, Vec3d point) const;
+    MovingPoint vertex_motion(BodyId body, std::uint32_t vertex) const;
+    Vec3d out_of(const Contact& c) const;
 };
 
 namespace {
@@ -177,16 +183,53 @@ void SheetResponse::State::count_contacts() {
 
 /// True if something has met during the step, or is on its wrong side.
 bool SheetResponse::State::has_violation() const {
-    return std::ranges::any_of(world.contacts(),
-                               [&](const Contact& c) { return concerns_sheet(c) && (is_met(c) || c.distance < 0); });
+    return std::ranges::any_of(world.contacts(), [&](const Contact& c) {
+        return concerns_sheet(c) && (is_met(c) || (c.distance < 0 && counts(c)));
+    });
+}
+
+/// False for what is only remembered, when it is known that nothing is through.
+bool SheetResponse::State::counts(const Contact& c) const {
+    return !c.unknown_side && (is_crossed || !c.of_sheet || c.found == Found::near || c.found == Found::crossing);
+}
+
+MovingPoint SheetResponse::State::vertex_motion(BodyId body, std::uint32_t vertex) const {
+    if (const auto found = sheet_of.find(body); found != sheet_of.end())
+        return {to_double(found->second->nodes.start[vertex]), to_double(found->second->end[vertex])};
+    const Vec3d end = world.vertex_position(body, vertex);
+    return {given_point(body, end).start, end};
+}
+
+/// Which way the contact's source is to go. A vertex that meets a triangle goes back to where it has come from, whatever is
+/// remembered of it: near folds, memory may be of another layer.
+Vec3d SheetResponse::State::out_of(const Contact& c) const {
+    const Vec3d out = c.source == Side::a ? -c.normal : c.normal;
+    if (is_crossed || !is_met(c) || c.is_edge()) return out;
+    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
+    const MovingPoint p = vertex_motion(source_of(c), c.vertex);
+    MovingPoint corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = vertex_motion(target_of(c), t.vertex[k]);
+    const auto when = [&](const MovingPoint& m) { return m.start + c.time * (m.end - m.start); };
+    const Vec3d at[3] = {when(corner[0]), when(corner[1]), when(corner[2])}, met = when(p);
+    const Vec3d n = cross(at[1] - at[0], at[2] - at[0]);
+    const double size = length_squared(n);
+    if (!(size > 0)) return out;
+    const double weight[2] = {dot(n, cross(at[2] - at[1], met - at[1])) / size,
+                              dot(n, cross(at[0] - at[2], met - at[2])) / size};
+    const auto way = [](const MovingPoint& m) { return m.end - m.start; };
+    const Vec3d motion =
+        way(p) - weight[0] * way(corner[0]) - weight[1] * way(corner[1]) - (1 - weight[0] - weight[1]) * way(corner[2]);
+    const double approach = dot(n, motion);
+    const Vec3d end = normalized(cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end));
+    return approach < 0 ? end : approach > 0 ? -end : out;
 }
 
 /// Moves vertices out of all contacts; false if there are none.
 bool SheetResponse::State::project() {
     projection.clear();
     for (const Contact& c : world.contacts()) {
-        if (!concerns_sheet(c) || c.unknown_side) continue;
-        const Vec3d out = c.source == Side::a ? -c.normal : c.normal;
+        if (!concerns_sheet(c) || !counts(c)) continue;
+        const Vec3d out = out_of(c);
         double thickness = std::max(world.collision_of(c.a).thickness, world.collision_of(c.b).thickness);
         if (c.a == c.b) {
             // Neighbours of a sheet that is finer than it is thick stay as close as they are made.
@@ -256,6 +299,8 @@ bool SheetResponse::State::pull_back(std::uint32_t attempt) {
 void SheetResponse::State::keep_apart() {
     detect();
     count_contacts();
+    if (report.tangled == 0 && report.remembered == 0) is_crossed = false;
+    if (report.tangled > 0) is_crossed = true;
     for (std::uint32_t round = 0; round < settings.rounds; ++round) {
         if (round > 0 && !has_violation()) return;
         if (!project()) return;
@@ -264,6 +309,7 @@ void SheetResponse::State::keep_apart() {
     for (std::uint32_t attempt = 0; pull_back(attempt); ++attempt) detect();
     for (const auto& sheet : sheets)
         report.pulled_back += static_cast<std::uint32_t>(std::ranges::count(sheet->pulled_back, true));
+    if (report.crossings_left > 0) is_crossed = true;
 }
 
 void SheetResponse::State::write_step(double dt) {

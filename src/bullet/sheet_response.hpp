@@ -43,7 +43,7 @@ public:
 
     /// A soft body with one node per vertex of the mesh, in their order. Throws InputError if the counts differ.
     void bind(btSoftBody& soft, BodyId body);
-    /// An obstacle. It moves the sheets and, unless it is static or kinematic, takes the impulse from them.
+    /// An obstacle. It moves sheets and does not feel them.
     void bind(btRigidBody& rigid, BodyId body);
 
     /// To be called after Bullet's step of `dt` seconds: moves nodes and sets their velocities.

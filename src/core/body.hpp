@@ -67,7 +67,12 @@ struct BodyView {
     /// True if it has an inside that counts.
     PIERCE_HD bool is_solid() const { return mesh.closed && !collision.sheet; }
 
-    PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch, start}; }
+    /// True if its vertices look for it along their velocities.
+    PIERCE_HD bool sends_velocity_rays() const {
+        return collision.sheet && (collision.self == SelfCollision::rays || collision.self == SelfCollision::published);
+    }
+
+    PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
 
     /// How far beyond its box and its touch tolerance others may matter to it.
     PIERCE_HD double outreach() const { return reach + travel + collision.thickness; }

@@ -23,11 +23,6 @@ public:
         executor.for_each(name, count, Closest{bodies, rays, triangles});
     }
 
-    template <class E, class Query>
-    void overlaps(E& executor, const char* name, View<const BodyView> bodies, typename E::Count count, const Query& query) {
-        executor.for_each(name, count, Overlaps<Query>{bodies, query});
-    }
-
     /// Counts nothing: it has no trees.
     template <class E>
     TracerCounts counts(const E&) const {
@@ -49,18 +44,6 @@ private:
                 return first_crossing(r, surface, [&](CrossingSearch& search) {
                     for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
                 });
-            });
-        }
-    };
-
-    template <class Query>
-    struct Overlaps {
-        View<const BodyView> bodies;
-        Query query;
-
-        void operator()(std::uint32_t i) const {
-            query(i, [&](std::uint32_t target, const Box&, const auto& visit) {
-                for (std::uint32_t t = 0; t < bodies[target].mesh.triangles.size; ++t) visit(t);
             });
         }
     };

@@ -90,6 +90,10 @@ inline constexpr std::uint32_t patch_size = 16;
 /// Patches per block: one register's width of them is culled at a time.
 inline constexpr std::uint32_t block_size = 16;
 
+/// Triangles per group, and groups per block, when sheets are searched: a mask of sixteen bits says which of the other's
+/// sixteen are near.
+inline constexpr std::uint32_t group_size = 16;
+
 /// Blocks per work item when a deforming body is measured; fixed, so that sums never depend on the thread count.
 inline constexpr std::uint32_t chunk_blocks = 4;
 

@@ -12,8 +12,7 @@ namespace pierce {
 struct Surface {
     View<const Vec3f> positions;
     View<const Triangle> triangles;
-    double touch = 0;         ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
-    View<const Vec3f> start = {};  ///< where the positions were when the step began, if trees must hold both; else empty
+    double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
 };
 
 /// A ray under way through a surface. Any tracer shows it candidate triangles in any order through test(); which

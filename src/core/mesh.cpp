@@ -67,16 +67,16 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<
 
 namespace {
 
-/// Vertex ids along a Morton curve, so that consecutive ones are neighbours; ties keep the caller's order.
-std::vector<std::uint32_t> spatial_order(const MeshData& data, const Box& box) {
+/// The numbers of points along a Morton curve, so that consecutive ones are neighbours; ties keep the caller's order.
+template <class At>
+std::vector<std::uint32_t> spatial_order(std::size_t count, const Box& box, At at) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-    keys.reserve(data.positions.size());
-    for (std::uint32_t v = 0; v < data.positions.size(); ++v)
-        keys.emplace_back(morton_code(to_double(data.positions[v]), box), v);
+    keys.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) keys.emplace_back(morton_code(at(i), box), i);
     std::ranges::sort(keys);
     std::vector<std::uint32_t> order;
     order.reserve(keys.size());
-    for (const auto& [code, v] : keys) order.push_back(v);
+    for (const auto& [code, i] : keys) order.push_back(i);
     return order;
 }
 
@@ -103,7 +103,13 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     centroid_ = sum * (1.0 / static_cast<double>(data_.positions.size()));
     traits_ = traits_of(data_, centroid_);
     std::tie(corner_offsets_, corners_) = corners_of(data_.triangles, data_.positions.size());
-    patch_vertices_ = spatial_order(data_, box_);
+    patch_vertices_ =
+        spatial_order(data_.positions.size(), box_, [&](std::uint32_t v) { return to_double(data_.positions[v]); });
+    group_triangles_ = spatial_order(data_.triangles.size(), box_, [&](std::uint32_t t) {
+        Vec3d middle;
+        for (std::uint32_t v : data_.triangles[t].vertex) middle += (1.0 / 3) * to_double(data_.positions[v]);
+        return middle;
+    });
     MeshEdges edges = edges_of(view());
     edges_ = std::move(edges.edges);
     edge_offsets_ = std::move(edges.offsets);
@@ -143,6 +149,7 @@ MeshView Mesh::view() const {
             view_of(edge_offsets_),
             view_of(edge_reach_),
             view_of(features_),
+            view_of(group_triangles_),
             view_of(parts_),
             view_of(neighbors_),
             view_of(rings_),

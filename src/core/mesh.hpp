@@ -115,20 +115,21 @@ struct MeshView {
     View<const Triangle> triangles;
     View<const std::uint32_t> corner_offsets;  ///< vertex_count + 1; of vertex v: corners[offsets[v]..offsets[v+1])
     View<const Corner> corners;
-    View<const std::uint32_t> patch_vertices;  ///< all vertices, patch after patch, constants::patch_size each
-    View<const PatchBlock> blocks;             ///< of the rest shape
-    View<const Offsets> patches;               ///< per patch, its vertices relative to its centre; of the rest shape
-    View<const Edge> edges;                    ///< patch after patch, each with its first vertex
-    View<const std::uint32_t> edge_offsets;    ///< per patch and one more: where its edges begin
-    View<const float> edge_reach;              ///< per patch, its longest edge; of the rest shape
-    View<const TriangleFeatures> features;     ///< per triangle
-    View<const std::uint32_t> parts;           ///< one vertex of every connected part
-    View<const Neighbors> neighbors;           ///< per triangle
-    View<const TriangleRing> rings;            ///< per triangle; of the rest shape
-    View<const float> star_clearance;          ///< per vertex; empty for a mesh that is not closed
-    ClearanceGridView clearance;               ///< of the rest shape; empty for a mesh that is not closed
-    Box box;                                   ///< of the rest shape
-    Vec3d centroid;                            ///< mean of the rest positions
+    View<const std::uint32_t> patch_vertices;   ///< all vertices, patch after patch, constants::patch_size each
+    View<const PatchBlock> blocks;              ///< of the rest shape
+    View<const Offsets> patches;                ///< per patch, its vertices relative to its centre; of the rest shape
+    View<const Edge> edges;                     ///< patch after patch, each with its first vertex
+    View<const std::uint32_t> edge_offsets;     ///< per patch and one more: where its edges begin
+    View<const float> edge_reach;               ///< per patch, its longest edge; of the rest shape
+    View<const TriangleFeatures> features;      ///< per triangle
+    View<const std::uint32_t> group_triangles;  ///< all triangles, group after group, constants::group_size each
+    View<const std::uint32_t> parts;            ///< one vertex of every connected part
+    View<const Neighbors> neighbors;            ///< per triangle
+    View<const TriangleRing> rings;             ///< per triangle; of the rest shape
+    View<const float> star_clearance;           ///< per vertex; empty for a mesh that is not closed
+    ClearanceGridView clearance;                ///< of the rest shape; empty for a mesh that is not closed
+    Box box;                                    ///< of the rest shape
+    Vec3d centroid;                             ///< mean of the rest positions
     double mean_edge_length = 0;
     bool closed = false;
     bool simple = false;  ///< one closed surface that does not meet itself and has its inside inside
@@ -164,6 +165,7 @@ private:
     std::vector<std::uint32_t> edge_offsets_;
     std::vector<float> edge_reach_;
     std::vector<TriangleFeatures> features_;
+    std::vector<std::uint32_t> group_triangles_;
     std::vector<std::uint32_t> parts_;
     std::vector<Neighbors> neighbors_;
     std::vector<TriangleRing> rings_;

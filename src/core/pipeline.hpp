@@ -67,6 +67,7 @@ public:
             tools_.trace("trace", scene.bodies, full, remembers ? full_hits_ : batch_.hits);
             if (remembers) scatter_hits();
         });
+        if (scene.plan->velocity_rays) time("sheets", [&] { relate_to_layers(scene.bodies); });
         time("classify", [&] { test_inside(scene.bodies); });
         own_rays_.clear();
         own_hits_.clear();
@@ -336,6 +337,12 @@ private:
     void scatter_hits() {
         executor_.for_each("scatter_hits", count_of(full_slots_),
                            stages::Scatter<Hit>{view_of(full_hits_), view_of(full_slots_), view_of(batch_.hits)});
+    }
+
+    void relate_to_layers(View<const BodyView> bodies) {
+        executor_.for_each("relate_to_layer", count_of(batch_.rays),
+                           stages::RelateToLayer{bodies, view_of(directed_), view_of(batch_.sources), view_of(batch_.rays),
+                                                 view_of(batch_.hits)});
     }
 
     // Stage 9, first half. R1: which rays start inside their target.

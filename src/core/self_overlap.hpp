@@ -19,9 +19,9 @@ public:
 
     /// Clears `batch.keep` of candidates that are not inside another part of their own body.
     void test(const Scene& scene, View<const Pair> pairs, RayBatch<E>& batch) {
-        const std::uint32_t count =
-            tools_.list("self_candidates", count_of(batch.candidates),
-                        stages::IsSelfCandidate{pairs, view_of(batch.sources), view_of(batch.candidates)}, listed_);
+        const std::uint32_t count = tools_.list(
+            "self_candidates", count_of(batch.candidates),
+            stages::IsSelfCandidate{scene.bodies, pairs, view_of(batch.sources), view_of(batch.candidates)}, listed_);
         outward_.resize(count);
         winding_.resize(count);
         active_.resize(count);

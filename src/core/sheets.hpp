@@ -36,29 +36,87 @@ public:
     }
 
 private:
-    /// Triangles that may meet, then their features.
+    /// Triangles that may meet.
     void search(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         const Count pair_count = count_of(pairs);
+        const std::uint32_t bodies = scene.bodies.size;
         sheet_pairs_.resize(pair_count);
-        counts_.resize(pair_count);
+        executor_.assign(wanted_, bodies, 0u);
         executor_.for_each("plan_sheet_pair", pair_count,
                            stages::PlanSheetPair{scene.bodies, view_of(pairs), links, view_of(last_deepest_),
-                                                 view_of(sheet_pairs_), view_of(counts_)});
-        executor_.assign(item_offsets_, static_cast<std::uint32_t>(pairs.size()), ~std::uint32_t{0});
-        const Count all = tools_.place("sheet_triangle_scan", counts_, item_offsets_);
-        const Count near = tools_.list(
-            "near_triangles", all, stages::IsNearBody{scene.bodies, view_of(sheet_pairs_), view_of(item_offsets_)}, items_);
-        counts_.resize(near);
-        stages::FindTriangles query{
-            scene.bodies, view_of(sheet_pairs_), view_of(item_offsets_), view_of(items_), view_of(counts_), {}, {}};
-        tools_.update_searched(scene.bodies, pair_count, view_of(sheet_pairs_));
-        tools_.tracer.overlaps(executor_, "count_triangles", scene.bodies, near, query);
+                                                 view_of(sheet_pairs_), view_of(wanted_)});
+        bound(scene);
+
+        counts_.resize(pair_count);
+        executor_.for_each("count_rows", pair_count,
+                           stages::CountRows{view_of(sheet_pairs_), view_of(block_counts_), view_of(counts_)});
+        executor_.assign(row_offsets_, static_cast<std::uint32_t>(pairs.size()), ~std::uint32_t{0});
+        const Count rows = tools_.place("row_scan", counts_, row_offsets_);
+        counts_.resize(rows);
+        stages::FindBlocks find_blocks{view_of(sheet_pairs_),
+                                       view_of(row_offsets_),
+                                       view_of(block_offsets_),
+                                       view_of(block_counts_),
+                                       view_of(block_boxes_),
+                                       view_of(counts_),
+                                       {},
+                                       {}};
+        executor_.for_each("find_blocks", rows, find_blocks);
+        blocks_.resize(tools_.place("block_pair_scan", counts_, offsets_));
+        find_blocks.offsets = view_of(offsets_);
+        find_blocks.found = view_of(blocks_);
+        if (!blocks_.empty()) executor_.for_each("list_blocks", rows, find_blocks);
+
+        const Count in_blocks = constants::group_size * count_of(blocks_);
+        masks_.resize(in_blocks);
+        counts_.resize(in_blocks);
+        executor_.for_each("find_groups", in_blocks,
+                           stages::FindGroups{view_of(sheet_pairs_), view_of(blocks_), view_of(group_boxes_),
+                                              view_of(masks_), view_of(counts_)});
+        groups_.resize(tools_.place("group_scan", counts_, offsets_));
+        executor_.for_each("list_groups", in_blocks,
+                           stages::ListGroups{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(groups_)});
+
+        const Count in_groups = constants::group_size * count_of(groups_);
+        masks_.resize(in_groups);
+        counts_.resize(in_groups);
+        executor_.for_each("find_triangles", in_groups,
+                           stages::FindTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_),
+                                                 view_of(triangle_boxes_), view_of(block_offsets_), view_of(vertex_offsets_),
+                                                 view_of(flat_), view_of(masks_), view_of(counts_)});
         triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
-        if (!triangles_.empty()) {
-            query.offsets = view_of(offsets_);
-            query.found = view_of(triangles_);
-            tools_.tracer.overlaps(executor_, "list_triangles", scene.bodies, near, query);
-        }
+        executor_.for_each(
+            "list_triangles", in_groups,
+            stages::ListTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(block_offsets_),
+                                  view_of(masks_), view_of(offsets_), view_of(triangles_)});
+    }
+
+    /// Boxes over the step, of the bodies that matter, and vertices around which nothing folds.
+    void bound(const Scene& scene) {
+        const std::uint32_t bodies = scene.bodies.size;
+        block_counts_.resize(bodies);
+        counts_.resize(bodies);
+        executor_.for_each(
+            "count_sheet_items", bodies,
+            stages::CountSheetItems{scene.bodies, view_of(wanted_), view_of(block_counts_), view_of(counts_)});
+        const Count vertices = tools_.place("vertex_scan", counts_, vertex_offsets_);
+        flat_.resize(vertices);
+        executor_.for_each("find_flat_stars", vertices,
+                           stages::FindFlatStars{scene.bodies, view_of(vertex_offsets_), view_of(flat_)});
+        const Count blocks = tools_.place("block_scan", block_counts_, block_offsets_);
+        const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
+        triangle_boxes_.resize(groups);
+        group_boxes_.resize(blocks);
+        // Blocks have their boxes in sixteens, too; what is past the last one is never asked for.
+        block_boxes_.resize(blocks);
+        executor_.for_each("box_triangles", triangles,
+                           stages::BoxTriangles{scene.bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
+        executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
+        executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
+    }
+
+    /// Their features, and which of those are contacts.
+    void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         const Count met = count_of(triangles_);
         masks_.resize(met);
         counts_.resize(met);
@@ -69,10 +127,6 @@ private:
         executor_.for_each("list_features", met,
                            stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
                                                 view_of(offsets_), view_of(features_)});
-    }
-
-    /// Which of them are contacts.
-    void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_)};
         const Count count = count_of(features_);
         meetings_.resize(count);
@@ -102,7 +156,10 @@ private:
     StepTools<E, T>& tools_;
     E& executor_;
     Buffer<stages::SheetPair> sheet_pairs_;
-    Buffer<std::uint32_t> counts_, offsets_, item_offsets_, items_, masks_, keep_, kept_, order_;
+    Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, flat_;
+    Buffer<std::uint32_t> counts_, offsets_, masks_, keep_, kept_, order_;
+    Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
+    Buffer<stages::ClosePair> blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;
     Buffer<stages::FeaturePair> features_;
     Buffer<stages::SheetMeeting> meetings_;

@@ -4,7 +4,6 @@
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/contacts.hpp"
 #include "pierce/core/stages/gather.hpp"
-#include "pierce/core/stages/sheet_search.hpp"
 #include "pierce/core/tracer.hpp"
 
 namespace pierce {
@@ -65,14 +64,6 @@ public:
         if constexpr (!E::runs_on_host) return update_all(bodies);
         executor.assign(wanted_, bodies.size, 0u);
         executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
-        tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
-    }
-
-    /// Trees of the bodies that sheets search, as they move through the step.
-    void update_searched(View<const BodyView> bodies, Count pair_count, View<const stages::SheetPair> pairs) {
-        if constexpr (!E::runs_on_host) return update_all(bodies);
-        executor.assign(wanted_, bodies.size, 0u);
-        executor.for_each("mark_searched", pair_count, stages::MarkSearched{pairs, view_of(wanted_)});
         tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
     }
 

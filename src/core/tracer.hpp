@@ -32,13 +32,6 @@ PIERCE_HD Hit hit_or_prediction(const Ray& ray, const Surface& surface, First fi
     return {ahead.triangle, true};
 }
 
-namespace detail {
-struct AnyQuery {
-    template <class Show>
-    PIERCE_HD void operator()(std::uint32_t, const Show&) const {}
-};
-}  // namespace detail
-
 /// Finds the triangle each ray crosses first (the meaning is CrossingSearch's), and the one closest to its origin
 /// (ClosestSearch's). Must give the same answers as BruteForceTracer for every ray whose origin lies within the target's
 /// box, grown by a few touch tolerances.
@@ -49,10 +42,6 @@ concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies, Vie
     tracer.closest_hits(executor, "trace", bodies, count, rays, hits);
     // The triangle of its target that is closest to each ray's origin; no_triangle if that is further away than t_max.
     tracer.closest_triangles(executor, "closest", bodies, count, rays, triangles);
-    // Calls query(i, show) for each item; show(target, box, visit) calls visit(triangle) for every triangle of the target
-    // whose box, over the step, overlaps `box` (in the space of its positions), and maybe for others: each once, in any
-    // order.
-    tracer.overlaps(executor, "overlaps", bodies, count, detail::AnyQuery{});
     { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };
 

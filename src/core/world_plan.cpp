@@ -89,6 +89,9 @@ void World::State::make_plan() {
         if (!slot.used) continue;
         const Collision& collision = slot.thing.collision;
         plan.sheets = plan.sheets || collision.sheet;
+        plan.velocity_rays =
+            plan.velocity_rays ||
+            (collision.sheet && (collision.self == SelfCollision::rays || collision.self == SelfCollision::published));
         plan.meets_itself = plan.meets_itself || (!collision.sheet && collision.self != SelfCollision::off);
     }
 

@@ -32,7 +32,7 @@ struct BodyEntry {
     Collision collision;
     const Vec3f* device_positions = nullptr;  ///< in place of those
     const Vec3f* device_start = nullptr;
-    std::vector<PatchBlock> blocks;           ///< of a deforming body
+    std::vector<PatchBlock> blocks;  ///< of a deforming body
     std::vector<Offsets> patches;
     std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;

@@ -168,11 +168,6 @@ void EmbreeTracer::closest_triangles(TbbExecutor& executor, const char* name, Vi
     });
 }
 
-void EmbreeTracer::show_overlapping(std::uint32_t target, const Box& box, void (*visit)(const void*, std::uint32_t),
-                                    const void* to) const {
-    state_->trees[target]->show_overlapping(box, visit, to);
-}
-
 TracerCounts EmbreeTracer::counts(const TbbExecutor&) const { return state_->counts; }
 
 }  // namespace pierce

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <type_traits>
 
 #include "pierce/core/tracer.hpp"
 #include "pierce/cpu_embree/tbb_executor.hpp"
@@ -24,26 +23,9 @@ public:
                       View<const Ray> rays, View<Hit> hits);
     void closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
                            View<const Ray> rays, View<std::uint32_t> triangles);
-    template <class Query>
-    void overlaps(TbbExecutor& executor, const char* name, View<const BodyView>, std::uint32_t count, const Query& query) {
-        executor.for_each(name, count, [&](std::uint32_t i) {
-            query(i, [&](std::uint32_t target, const Box& box, const auto& visit) {
-                show_overlapping(
-                    target, box,
-                    [](const void* to, std::uint32_t t) {
-                        (*static_cast<std::remove_reference_t<decltype(visit)>*>(to))(t);
-                    },
-                    &visit);
-            });
-        });
-    }
     TracerCounts counts(const TbbExecutor&) const;
 
 private:
-    /// Calls visit(to, triangle) for every triangle of the target near the box.
-    void show_overlapping(std::uint32_t target, const Box& box, void (*visit)(const void*, std::uint32_t),
-                          const void* to) const;
-
     struct State;
     std::unique_ptr<State> state_;
 };

@@ -32,7 +32,7 @@ Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, double max_c
     rtcSetGeometryUserData(geometry_, this);
     rtcSetGeometryBoundsFunction(geometry_, bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry_, intersect);
-    rtcSetGeometryPointQueryFunction(geometry_, answer);
+    rtcSetGeometryPointQueryFunction(geometry_, test_near);
     if (kind == TreeKind::moving) {
         // Refitting needs all three; with any other scene quality Embree rebuilds without saying so.
         rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC));
@@ -84,41 +84,25 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     return search.hit();
 }
 
-/// A question on its way through Embree, which knows spheres: what to do with a triangle it comes to.
+/// One point on its way through Embree.
 struct Tree::PointQuery {
-    ClosestSearch* search = nullptr;                      ///< the closest triangle is looked for
-    double slack = 0;                                     ///< how much further than the search's limit Embree looks
-    void (*visit)(const void*, std::uint32_t) = nullptr;  ///< or all are wanted
-    const void* to = nullptr;
+    ClosestSearch* search = nullptr;
+    double slack = 0;  ///< how much further than the search's limit Embree looks
 
     float radius() const { return round_up(search->limit() + slack); }
 };
 
-void Tree::ask(Vec3d point, float radius, PointQuery& query) const {
+void Tree::show_near(ClosestSearch& search) const {
+    PointQuery query{&search, 2.0 * static_cast<double>(margin_)};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    const Vec3f at = to_float(point);
-    RTCPointQuery embree_query{at.x, at.y, at.z, 0.0f, radius};
+    const Vec3f at = to_float(search.point());
+    RTCPointQuery embree_query{at.x, at.y, at.z, 0.0f, query.radius()};
     rtcPointQuery(scene_, &embree_query, &context, nullptr, &query);
 }
 
-void Tree::show_near(ClosestSearch& search) const {
-    PointQuery query{&search, 2.0 * static_cast<double>(margin_)};
-    ask(search.point(), query.radius(), query);
-}
-
-void Tree::show_overlapping(const Box& box, void (*visit)(const void*, std::uint32_t), const void* to) const {
-    PointQuery query{nullptr, 0, visit, to};
-    // The sphere around the box; rounding its centre to float32 moves it by less than the margin.
-    ask(box.center(), round_up(0.5 * box.extent() + 2.0 * static_cast<double>(margin_)), query);
-}
-
-bool Tree::answer(RTCPointQueryFunctionArguments* arguments) {
+bool Tree::test_near(RTCPointQueryFunctionArguments* arguments) {
     const PointQuery& query = *static_cast<const PointQuery*>(arguments->userPtr);
-    if (query.search == nullptr) {
-        query.visit(query.to, arguments->primID);
-        return false;
-    }
     query.search->test(arguments->primID);
     // Shortening the radius is all that Embree needs to know of a find.
     const float before = arguments->query->radius;
@@ -131,15 +115,8 @@ void Tree::bounds(const RTCBoundsFunctionArguments* arguments) {
     const Triangle& t = tree.surface_.triangles[arguments->primID];
     const Float4 a = load(tree.surface_.positions[t.vertex[0]]), b = load(tree.surface_.positions[t.vertex[1]]),
                  c = load(tree.surface_.positions[t.vertex[2]]);
-    Float4 lower = lower_of(a, lower_of(b, c)), upper = upper_of(a, upper_of(b, c));
-    if (tree.surface_.start.size > 0)
-        for (std::uint32_t v : t.vertex) {
-            const Float4 p = load(tree.surface_.start[v]);
-            lower = lower_of(p, lower);
-            upper = upper_of(p, upper);
-        }
-    store(lower - tree.margin_, &arguments->bounds_o->lower_x);
-    store(upper + tree.margin_, &arguments->bounds_o->upper_x);
+    store(lower_of(a, lower_of(b, c)) - tree.margin_, &arguments->bounds_o->lower_x);
+    store(upper_of(a, upper_of(b, c)) + tree.margin_, &arguments->bounds_o->upper_x);
 }
 
 void Tree::intersect(const RTCIntersectFunctionNArguments* arguments) {

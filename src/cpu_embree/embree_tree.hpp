@@ -1,6 +1,5 @@
 #pragma once
 
-#include "pierce/core/box.hpp"
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/first_crossing.hpp"
 #include "pierce/core/refit_policy.hpp"
@@ -28,9 +27,6 @@ public:
     /// Shows a search all triangles that may be closest to its point.
     void show_near(ClosestSearch& search) const;
 
-    /// Calls visit(to, triangle) for every triangle whose box overlaps `box`, and for some others.
-    void show_overlapping(const Box& box, void (*visit)(const void*, std::uint32_t), const void* to) const;
-
     std::uint32_t triangle_count() const { return surface_.triangles.size; }
 
     RefitPolicy policy;
@@ -41,8 +37,7 @@ private:
 
     static void bounds(const RTCBoundsFunctionArguments* arguments);
     static void intersect(const RTCIntersectFunctionNArguments* arguments);
-    static bool answer(RTCPointQueryFunctionArguments* arguments);
-    void ask(Vec3d point, float radius, PointQuery& query) const;
+    static bool test_near(RTCPointQueryFunctionArguments* arguments);
     void set_surface(const Surface& surface, double max_coordinate);
 
     Surface surface_;

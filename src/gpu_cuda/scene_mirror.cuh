@@ -113,6 +113,7 @@ private:
             m.edge_offsets = add(m.edge_offsets);
             m.edge_reach = add(m.edge_reach);
             m.features = add(m.features);
+            m.group_triangles = add(m.group_triangles);
             m.parts = add(m.parts);
             m.neighbors = add(m.neighbors);
             m.rings = add(m.rings);

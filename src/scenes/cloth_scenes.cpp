@@ -50,7 +50,7 @@ double eased(double time, double duration) {
 }  // namespace
 
 SceneSetup cloth_capsule(const SceneParameters& parameters) {
-    constexpr double width = 7.6, capsule_radius = 1.0, capsule_half_length = 1.0, height = 2.2, drop = 0.6;
+    constexpr double width = 7.6, capsule_radius = 0.6, capsule_half_length = 0.5, height = 2.6, drop = 0.6;
     const std::uint32_t nodes = nodes_or(parameters, plain_nodes);
     SceneSetup scene{"cloth-capsule",
                      {ground_below(8),
@@ -149,7 +149,7 @@ MeshData grooved_ball(std::uint32_t around) {
 }  // namespace
 
 SceneSetup ball_squash(const SceneParameters& parameters) {
-    constexpr double half_width = 2, plate = 0.5, gap = 0.02, press = 0.45, duration = 2.0;
+    constexpr double half_width = 2, plate = 0.5, gap = 0.02, press = 0.75, duration = 2.0;
     const std::uint32_t around = parameters.nodes == 0 ? 40 : std::max(parameters.nodes, 16u);
     const MeshData plate_mesh = box({-half_width, -half_width, -0.5 * plate}, {half_width, half_width, 0.5 * plate});
     SceneSetup scene{
@@ -162,6 +162,7 @@ SceneSetup ball_squash(const SceneParameters& parameters) {
     }
     SceneBody ball{"ball", 1, Motion::deforming, {}, false};
     ball.collision.self = SelfCollision::on;
+    ball.shape_matching = 0.02;
     scene.bodies.push_back(std::move(ball));
     return scene;
 }

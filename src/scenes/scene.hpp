@@ -24,7 +24,7 @@ struct SceneMesh {
 struct SheetMaterial {
     double area_density = 0.2;  ///< [kg/m^2]
     double stretch = 1.0;       ///< of links along edges [0..1]
-    double bend = 0.05;         ///< of links across edges [0..1]
+    double bend = 0.005;        ///< of links across edges [0..1]
     double damping = 0.01;      ///< share of velocity lost in a step
     int iterations = 16;        ///< over all links in a step
 };
@@ -44,6 +44,7 @@ struct SceneBody {
     Pose pose;                 ///< of a deforming body: where its rest shape is placed at the start
     bool ground = false;       ///< nothing gets below or beside it: Bullet's own methods may take the plane through its top
     Collision collision = {};  ///< of a deforming body
+    double shape_matching = 0.3;                 ///< of a deforming solid: how fast it goes back to its shape [1 / step]
     SheetMaterial material = {};                 ///< of a sheet
     std::vector<Guide> guides = {};              ///< of a sheet
     std::function<Pose(double time)> path = {};  ///< of a fixed body: it is led along this

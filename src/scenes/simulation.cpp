@@ -25,7 +25,6 @@ namespace {
 
 /// How soft bodies keep their shape, in Bullet's terms.
 constexpr btScalar link_stiffness = btScalar(1.0);
-constexpr btScalar shape_matching = btScalar(0.3);
 constexpr btScalar soft_damping = btScalar(0.01);
 constexpr btScalar vibration_damping = btScalar(0.5);
 constexpr btScalar soft_friction = btScalar(1.0);
@@ -215,7 +214,7 @@ void Simulation::State::add_soft(std::uint32_t index) {
     made.m_cfg.piterations = soft_iterations;
     made.m_cfg.kDP = soft_damping;
     made.m_cfg.kDF = soft_friction;
-    made.m_cfg.kMT = shape_matching;
+    made.m_cfg.kMT = static_cast<btScalar>(body.shape_matching);
     made.m_cfg.kKHR = made.m_cfg.kCHR = made.m_cfg.kSHR = contact_hardness;
     made.m_cfg.collisions = 0;  // Bullet's own soft collisions stay off; the contacts are Pierce's
     mass[index] = mass_properties(mesh).mass;

@@ -58,20 +58,6 @@ struct Closest {
     }
 };
 
-/// Per item: shows its query the triangles in a box.
-template <class Query>
-struct Overlaps {
-    View<const BodyView> bodies;
-    Forest forest;
-    Query query;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        query(i, [&](std::uint32_t target, const Box& box, const auto& visit) {
-            show_overlapping(forest, forest.trees[forest.tree_of_body[target]], box, visit);
-        });
-    }
-};
-
 }  // namespace bvh
 
 /// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming body, all built in one set
@@ -126,11 +112,6 @@ public:
     void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
                            View<std::uint32_t> triangles) {
         executor.for_each(name, count, bvh::Closest{bodies, forest(), rays, triangles});
-    }
-
-    template <class Query>
-    void overlaps(E& executor, const char* name, View<const BodyView> bodies, Count count, const Query& query) {
-        executor.for_each(name, count, bvh::Overlaps<Query>{bodies, forest(), query});
     }
 
     /// True if the next update builds trees.

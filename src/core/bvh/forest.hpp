@@ -102,18 +102,12 @@ PIERCE_HD inline void set_root(const Forest& forest, Tree& tree, Item item) {
     set_place(forest, tree, item, {});
 }
 
-/// The box of a triangle; where the surface moves during the step, of where it begins and where it ends.
+/// The box of a triangle.
 PIERCE_HD inline BoxF triangle_box(const Surface& surface, std::uint32_t triangle) {
     const Triangle& t = surface.triangles[triangle];
-    BoxF box = BoxF::none();
-    for (int k = 0; k < 3; ++k) {
-        const Vec3f p = surface.positions[t.vertex[k]];
-        box.extend({p, p});
-        if (surface.start.size == 0) continue;
-        const Vec3f q = surface.start[t.vertex[k]];
-        box.extend({q, q});
-    }
-    return box;
+    const Vec3f a = surface.positions[t.vertex[0]], b = surface.positions[t.vertex[1]], c = surface.positions[t.vertex[2]];
+    return {{min_of(a.x, min_of(b.x, c.x)), min_of(a.y, min_of(b.y, c.y)), min_of(a.z, min_of(b.z, c.z))},
+            {max_of(a.x, max_of(b.x, c.x)), max_of(a.y, max_of(b.y, c.y)), max_of(a.z, max_of(b.z, c.z))}};
 }
 
 /// Around a body's positions, in their space.

@@ -50,6 +50,38 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
     return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c, surface.touch);
 }
 
+/// Per ray of a sheet along a velocity: what it hits counts if the vertex gets there, or comes from there, by its motion
+/// relative to the place it hits; the ray is turned along that. As published, the vertex' own motion decides.
+struct RelateToLayer {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const RaySource> sources;
+    View<Ray> rays;
+    View<Hit> hits;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
+        if (!d.along_velocity || hits[i].triangle == no_triangle) return;
+        const BodyView& body = bodies[d.target];
+        if (body.collision.self == SelfCollision::published) return;
+        Ray& ray = rays[i];
+        const Meeting m = meet(ray, body.surface(), hits[i].triangle);
+        const Triangle& t = body.mesh.triangles[hits[i].triangle];
+        Vec3d way = ray.origin - to_double(body.start[sources[i].item]);
+        Vec3d corner[3];
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = to_double(body.positions[t.vertex[k]]);
+            way -= m.barycentric[k] * (corner[k] - to_double(body.start[t.vertex[k]]));
+        }
+        const bool moves = length_squared(way) > 0;
+        ray.direction = normalized(sources[i].side == 1 ? -way : way);
+        ray.t_max = length(way);
+        const Crossing crossing =
+            moves ? cross_triangle({ray.origin, ray.direction}, corner[0], corner[1], corner[2]) : Crossing{};
+        if (crossing.kind != Crossing::transversal || crossing.t < 0 || crossing.t > ray.t_max) hits[i] = {};
+    }
+};
+
 /// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere, and how its ray leaves the
 /// target there. Walks have met their triangle already.
 struct TestInside {
@@ -65,7 +97,8 @@ struct TestInside {
         if (hits[i].triangle == no_triangle || hits[i].predicted) return;
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
-        inside[i] = meetings[i].exit;
+        // A ray into a sheet is one of its own, and needs no inside.
+        inside[i] = meetings[i].exit || bodies[rays[i].target].collision.sheet;
     }
 };
 

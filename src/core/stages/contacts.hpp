@@ -109,11 +109,24 @@ struct FillContact {
         c.normal = from.side == 0 ? -direction : direction;
         c.face_normal = target.space.rotation * face;
         c.distance = -m.t;
+        if (target.collision.sheet) of_velocity_ray(c, from, p_world, q_world, direction, m.t);
         c.age = ages[i] = age(from);
         contacts[i] = c;
     }
 
 private:
+    /// A sheet's vertex belongs where it has come from: ahead is what it would meet, behind what it has passed.
+    PIERCE_HD static void of_velocity_ray(Contact& c, const RaySource& from, Vec3d p, Vec3d q, Vec3d direction, double t) {
+        const bool passed = from.side == 1;
+        c.source = Side::a;
+        c.of_sheet = true;
+        c.found = passed ? Found::crossing : Found::near;
+        c.point_a = p;
+        c.point_b = q;
+        c.normal = passed ? -direction : direction;
+        c.distance = passed ? -t : t;
+    }
+
     PIERCE_HD std::uint32_t age(const RaySource& from) const {
         if (links[from.pair] == no_pair) return 0;
         const std::uint64_t key = contact_key(from, links[from.pair], chords);

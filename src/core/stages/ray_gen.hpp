@@ -56,6 +56,20 @@ PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& tar
     return range_in_boxes(source, target, to_double(source.positions[vertex]), direction);
 }
 
+/// A ray of a sheet's vertex along the way it has come in this step, or against it, into the sheet itself (the paper,
+/// section 5.2): as long as that way, and longer where the layer that is hit may come towards it.
+PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, bool against, std::uint32_t v) {
+    Ray ray;
+    ray.origin = to_double(body.positions[v]);
+    const Vec3d way = ray.origin - to_double(body.start[v]);
+    ray.direction = normalized(against ? -way : way);
+    const double more = body.collision.self == SelfCollision::rays ? body.travel : 0.0;
+    ray.t_max = length_squared(way) > 0 ? length(way) + more : -1.0;
+    ray.target = d.target;
+    ray.excluded[0] = ray.excluded[1] = v;
+    return ray;
+}
+
 /// The inward ray of a vertex into the other body of its pair; without a direction, one that hits nothing.
 PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d, std::uint32_t v) {
     const BodyView& source = bodies[d.source];
@@ -132,6 +146,10 @@ struct GenerateRay {
         hits[i] = {};
         if (routes.size > 0 && routes[i] == Route::skip) return;  // and the ray is nobody's to read
         const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
+        if (d.along_velocity) {
+            rays[i] = velocity_ray(bodies[d.source], d, sources[i].side == 1, sources[i].item);
+            return;
+        }
         Ray ray = vertex_ray(bodies, d, sources[i].item);
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict) ray.outward = d.reach;

@@ -13,11 +13,15 @@ namespace pierce::stages {
 
 /// True for candidates whose ray goes into their own body.
 struct IsSelfCandidate {
+    View<const BodyView> bodies;
     View<const Pair> pairs;
     View<const RaySource> sources;
     View<const std::uint32_t> candidates;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return pairs[sources[candidates[i]].pair].is_self(); }
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        const Pair pair = pairs[sources[candidates[i]].pair];
+        return pair.is_self() && bodies[pair.a].is_solid();
+    }
 };
 
 /// Per such candidate: its outward ray.

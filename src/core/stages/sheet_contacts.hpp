@@ -6,9 +6,9 @@
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/contact.hpp"
 #include "pierce/core/continuous.hpp"
-#include "pierce/core/stages/sheet_search.hpp"
+#include "pierce/core/stages/sheet_features.hpp"
 
-/// Sheets, second half: which of the features found are contacts, and on which side.
+/// Sheets, third part: which of the features found are contacts, and on which side.
 ///
 /// A sheet has no inside: what counts is where a vertex comes from. Its side of a triangle is the one it is remembered to be
 /// on; or the one from which it meets the triangle; or the one it was on when the step began. The motion is the one
@@ -61,7 +61,7 @@ struct SheetMemory {
     /// True if it is remembered of a vertex which side of a triangle it belongs to.
     PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex, std::uint32_t triangle,
                          View<const Triangle> triangles) const {
-        return side({pair, kind, vertex, triangle, 0}, triangles) != 0;
+        return side({pair, kind, vertex, triangle}, triangles) != 0;
     }
 
 private:
@@ -111,9 +111,7 @@ struct MeetFeatures {
         const FeaturePair& f = features[i];
         SheetMeeting m;
         bool kept = false;
-        if (f.ray != 0)
-            kept = by_ray(f, m);
-        else if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
+        if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
             kept = vertex_and_triangle(f, m);
         else if (f.kind == FeatureKind::edges)
             kept = two_edges(f, m);
@@ -328,36 +326,6 @@ private:
         m.out = m.unknown ? normal : normalized(gradient);
         m.found = Found::tangled;
         return true;
-    }
-
-    /// A ray along the velocity has met the triangle ahead of the vertex, or one against it the triangle it has passed.
-    PIERCE_HD bool by_ray(const FeaturePair& f, SheetMeeting& m) const {
-        const BodyView& body = bodies[pairs[f.pair].a];
-        const Vec3d origin = moving_vertex(body, f.item).end;
-        const MovingTriangle face(body, f.other, origin);
-        const MovingPoint p = relative(moving_vertex(body, f.item), origin);
-        const Vec3d a = face.corner[0].end, b = face.corner[1].end, c = face.corner[2].end;
-        Vec3d motion = p.end - p.start;
-        Crossing crossing = meet(motion, f.ray, a, b, c);
-        if (sheet_pairs[f.pair].how == SelfCollision::rays) {
-            // What counts is the motion relative to the place that is met.
-            for (int k = 0; k < 3; ++k) motion -= crossing.weight[k] * (face.corner[k].end - face.corner[k].start);
-            crossing = meet(motion, f.ray, a, b, c);
-        }
-        const double way = length(motion);
-        if (crossing.kind != Crossing::transversal || crossing.t < 0 || crossing.t > way) return false;
-        for (int k = 0; k < 3; ++k) m.weight[k] = crossing.weight[k];
-        m.out = normalized(-motion);
-        m.distance = f.ray == 1 ? crossing.t : -crossing.t;
-        m.found = f.ray == 1 ? Found::near : Found::crossing;
-        m.side = dot(m.out, face.end_normal()) < 0 ? -1 : 1;
-        return true;
-    }
-
-    /// From the origin, along a motion or against it.
-    PIERCE_HD static Crossing meet(Vec3d motion, std::uint32_t ray, Vec3d a, Vec3d b, Vec3d c) {
-        if (!(length_squared(motion) > 0)) return {};
-        return cross_triangle({{}, normalized(ray == 1 ? motion : -motion)}, a, b, c);
     }
 };
 

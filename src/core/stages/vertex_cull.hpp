@@ -18,6 +18,7 @@ struct DirectedPair {
     float odometer = 0;  ///< the pair's
     float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
+    bool along_velocity = false;            ///< rays of a sheet into itself: side 0 along the velocity, side 1 against it
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
 
     PIERCE_HD bool is_self() const { return source == target; }
@@ -53,8 +54,11 @@ struct DirectPair {
             if (m.known) d.last_blocks = last[links[i / 2]].first_block[i % 2];
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
         }
+        d.along_velocity = d.is_self() && source.sends_velocity_rays();
+        if (d.along_velocity) d.last_blocks = no_record;
         directed[i] = d;
-        const bool asked = target.is_solid() && target.mesh.clearance.steps.size > 0 && !(d.is_self() && i % 2 == 1);
+        const bool asked =
+            d.along_velocity || (target.is_solid() && target.mesh.clearance.steps.size > 0 && !(d.is_self() && i % 2 == 1));
         block_counts[i] = asked ? block_count(source.mesh) : 0;
     }
 };
@@ -157,7 +161,10 @@ struct CullBlock {
         const BlockRecord* before = d.last_blocks == no_record ? nullptr : &last.blocks[d.last_blocks + blocks[i].index];
         const std::uint32_t all = first_bits(block_length(source.mesh, blocks[i].index));
         std::uint32_t mask = 0;
-        if (temporal == Temporal::paper && d.pass == Pass::walk) {
+        if (d.along_velocity) {
+            mask = all;
+            for (std::uint32_t k = 0; temporal != Temporal::off && k < constants::block_size; ++k) records[i].expiry[k] = 0;
+        } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
             mask = before->kept;
         } else if (temporal == Temporal::certified && before != nullptr &&
                    (expired(*before, d.odometer, all) & ~(bodies[d.target].is_simple() ? before->kept : 0u)) == 0) {
@@ -228,7 +235,9 @@ struct CullVertices {
         const std::uint32_t p = patches[i].index;
         PatchRecord record;
         const PatchRecord* before = temporal == Temporal::off ? nullptr : last.patch(d.last_blocks, p);
-        if (temporal == Temporal::paper && d.pass == Pass::walk) {
+        if (d.along_velocity) {
+            record.mask = first_bits(patch_length(source.mesh, p));
+        } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
             for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
                 const VertexRecord* vertex = last.vertex(before, k);
                 record.mask |= static_cast<std::uint32_t>(vertex != nullptr && vertex->triangle != no_triangle) << k;

@@ -1,0 +1,128 @@
+// Sheets moved by anything at all stay on their sides: the promise of SheetResponse, without a simulation around it.
+#include "pierce/bullet/sheet_response.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pierce/bullet/bullet_convert.hpp"
+#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/scenes/shapes.hpp"
+#include "pierce/scenes/sheet_crossings.hpp"
+#include "pierce/scenes/soft_sheet.hpp"
+#include "support/random.hpp"
+
+namespace pierce::bullet {
+namespace {
+
+constexpr double dt = 0.01;
+
+/// Sheets and a ball that does not move; Bullet's part is played by whoever writes the nodes.
+class SheetResponseTest : public testing::Test {
+protected:
+    void make(std::uint32_t sheets, SheetSettings settings) {
+        mesh = scenes::grid(1, 1, nodes, nodes);
+        response = std::make_unique<SheetResponse>(world, settings);
+        const MeshId id = world.add_mesh("sheet", mesh);
+        for (std::uint32_t s = 0; s < sheets; ++s) {
+            scenes::SceneBody body;
+            body.motion = Motion::deforming;
+            body.pose.position.z = height + gap * s;
+            soft.push_back(std::make_unique<scenes::SoftSheet>(info, body, mesh));
+            bodies.push_back(world.add_deforming_body(id, positions(s)));
+            world.set_collision(bodies.back(), {SelfCollision::on, true, thickness});
+            response->bind(soft.back()->soft(), bodies.back());
+        }
+        ball_mesh = scenes::sphere(ball_radius, 2);
+        world.add_fixed_body(world.add_mesh("ball", ball_mesh));
+    }
+
+    std::vector<Vec3f> positions(std::uint32_t sheet) const {
+        std::vector<Vec3f> list;
+        const auto& all = soft[sheet]->soft().m_nodes;
+        for (int i = 0; i < all.size(); ++i) list.push_back(from_bullet_float(all[i].m_x));
+        return list;
+    }
+
+    /// What a solver that knows of no contact may do: `move` gives every node's way.
+    template <class Move>
+    const SheetReport& step(const Move& move) {
+        for (std::uint32_t s = 0; s < soft.size(); ++s) {
+            auto& all = soft[s]->soft().m_nodes;
+            for (int i = 0; i < all.size(); ++i) {
+                all[i].m_q = all[i].m_x;
+                all[i].m_x += to_bullet(move(s, static_cast<std::uint32_t>(i)));
+            }
+        }
+        return response->finish_step(dt);
+    }
+
+    /// Edges through triangles, among all surfaces.
+    std::uint32_t crossing_count() const {
+        std::uint32_t count = 0;
+        for (std::uint32_t a = 0; a < soft.size(); ++a) {
+            count += scenes::self_crossings(mesh.triangles, positions(a)).count;
+            count += scenes::crossings(mesh.triangles, positions(a), ball_mesh.triangles, ball_mesh.positions).count;
+            for (std::uint32_t b = a + 1; b < soft.size(); ++b)
+                count += scenes::crossings(mesh.triangles, positions(a), mesh.triangles, positions(b)).count;
+        }
+        return count;
+    }
+
+    static constexpr std::uint32_t nodes = 9;
+    static constexpr double thickness = 0.02, gap = 0.05, ball_radius = 0.3, height = 0.35;
+    btSoftBodyWorldInfo info;
+    World world{embree_backend(1)};
+    MeshData mesh, ball_mesh;
+    std::vector<std::unique_ptr<scenes::SoftSheet>> soft;
+    std::vector<BodyId> bodies;
+    std::unique_ptr<SheetResponse> response;
+};
+
+TEST_F(SheetResponseTest, WildMotionCrossesNothing) {
+    make(3, {});
+    test::Random random(11);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 30; ++i) {
+        step([&](std::uint32_t s, std::uint32_t) {
+            return Vec3d{0, 0, s == 0 ? 0.05 : -0.05} + 0.05 * random.unit_vector();
+        });
+        ASSERT_EQ(crossing_count(), 0u) << "step " << i;
+        EXPECT_EQ(response->report().crossings_left, 0u);
+    }
+}
+
+TEST_F(SheetResponseTest, PullingBackAloneIsEnoughAndIsReported) {
+    make(2, {.projection = {}, .rounds = 0});
+    test::Random random(11);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::uint32_t pulled_back = 0;
+    for (int i = 0; i < 20; ++i) {
+        pulled_back += step([&](std::uint32_t s, std::uint32_t) {
+                           return Vec3d{0, 0, s == 0 ? 0.1 : -0.1} + 0.03 * random.unit_vector();
+                       }).pulled_back;
+        ASSERT_EQ(crossing_count(), 0u) << "step " << i;
+    }
+    EXPECT_GT(pulled_back, 0u);
+}
+
+TEST_F(SheetResponseTest, SheetsThatMeetKeepTheirMomentumAndAGap) {
+    make(2, {});
+    // Above the ball, towards each other, the upper one twice as fast.
+    const SheetReport& report = step([](std::uint32_t s, std::uint32_t) { return Vec3d{0, 0, s == 0 ? 0.04 : -0.08}; });
+    EXPECT_GT(report.crossings, 0u);
+    EXPECT_EQ(report.pulled_back, 0u);
+    double momentum = 0, mass = 0, lowest = 1;
+    for (const auto& sheet : soft)
+        for (int i = 0; i < sheet->soft().m_nodes.size(); ++i) {
+            const btSoftBody::Node& node = sheet->soft().m_nodes[i];
+            momentum += node.m_v.z() / node.m_im;
+            mass += 1 / node.m_im;
+        }
+    const double kept = 1 - soft[0]->soft().m_cfg.kDP;
+    EXPECT_NEAR(momentum / mass, kept * -0.02 / dt, 1e-3);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+        lowest = std::min(lowest, static_cast<double>(positions(1)[i].z - positions(0)[i].z));
+    EXPECT_GT(lowest, 0.75 * thickness);
+}
+
+}  // namespace
+}  // namespace pierce::bullet
