@@ -4,8 +4,8 @@
 #include <array>
 #include <memory>
 
-#include "cloth_motions.hpp"
 #include "frame_log.hpp"
+#include "pierce/scenes/crossing_motion.hpp"
 #include "pierce/scenes/detector.hpp"
 #include "pierce/scenes/sheet_accuracy.hpp"
 #include "pierce/scenes/simulation.hpp"
@@ -61,9 +61,9 @@ void put(scenes::Detector& detector, const scenes::Recording& recording, std::ui
 }
 
 /// Methods take turns frame by frame.
-std::vector<SheetComparison> compare_sheets(const ClothMotion& motion, std::span<const scenes::TrueSheetFrame> truth,
+std::vector<SheetComparison> compare_sheets(const std::string& name, const scenes::Recording& recording,
+                                            std::span<const scenes::TrueSheetFrame> truth,
                                             std::span<const SheetMethod> methods, int threads) {
-    const scenes::Recording& recording = motion.recording;
     const scenes::SheetJudge judge(recording);
     std::vector<SheetComparison> results;
     std::vector<std::unique_ptr<scenes::Detector>> detectors;
@@ -72,7 +72,7 @@ std::vector<SheetComparison> compare_sheets(const ClothMotion& motion, std::span
         detectors.push_back(
             scenes::make_detector(scene_with(recording, method.how), scenes::Method::rays, {"embree", threads, {}}));
     }
-    Progress progress("comparing " + motion.name, recording.frame_count);
+    Progress progress("comparing " + name, recording.frame_count);
     for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
         for (std::size_t m = 0; m < results.size(); ++m) {
             put(*detectors[m], recording, f, methods[m].ray_length);
@@ -97,7 +97,8 @@ std::uint32_t triangle_count(const scenes::Recording& recording) {
 
 constexpr const char* table_head =
     "| method | ms a frame: median, p95 | missed, of vertices and triangles that meet | missed, of edges that meet | "
-    "recall | vertices without a contact, of those that meet | reported crossings | of these near | of these wrong | "
+    "recall | vertices without a contact, of those that go through a triangle | reported crossings | of these near | of "
+    "these wrong | "
     "precision |\n|---|---|---|---|---|---|---|---|---|---|";
 
 void row(Page& page, const std::string& name, const SheetComparison& c, const SheetAccuracy& a) {
@@ -108,14 +109,15 @@ void row(Page& page, const std::string& name, const SheetComparison& c, const Sh
 }
 
 /// Recall and precision of rays over their length.
-void ray_length_figure(const ClothMotion& motion, std::span<const scenes::TrueSheetFrame> truth, int threads, Page& page) {
+void ray_length_figure(const std::string& name, const scenes::Recording& recording,
+                       std::span<const scenes::TrueSheetFrame> truth, int threads, Page& page) {
     std::vector<SheetMethod> methods;
     for (const double length : {0.25, 0.5, 1.0, 2.0, 4.0}) {
         methods.push_back({"rays", SelfCollision::rays, length});
         methods.push_back({"published", SelfCollision::published, length});
     }
-    const std::vector<SheetComparison> results = compare_sheets(motion, truth, methods, threads);
-    Curves curves{"Rays of Algorithm 1, " + motion.name,
+    const std::vector<SheetComparison> results = compare_sheets(name, recording, truth, methods, threads);
+    Curves curves{"Rays of Algorithm 1, " + name,
                   "length of the rays [way of the vertex in the step]",
                   "share [1]",
                   {{"length", "rays found", "rays right", "published found", "published right"}, {}},
@@ -129,7 +131,7 @@ void ray_length_figure(const ClothMotion& motion, std::span<const scenes::TrueSh
         }
         curves.table.rows.push_back(std::move(values));
     }
-    page.plot(curves, "f8_ray_length_" + motion.name);
+    page.plot(curves, "f8_ray_length_" + name);
 }
 
 }  // namespace
@@ -141,25 +143,26 @@ void cloth_accuracy_figure(const ClothReportOptions& options, Page& page) {
         "and "
         "triangles and all edges. *Near* is what does not meet, but comes within half a float32 ulp of it.\n",
         options.timing.seconds, options.timing.dt);
-    for (const ClothMotion& motion : crossing_motions(options)) {
-        const std::vector<scenes::TrueSheetFrame> truth = sheet_truth_of(motion.recording);
+    for (const std::string& name : scenes::crossing_motion_names()) {
+        const scenes::Recording recording =
+            scenes::crossing_motion(name, {options.timing.seconds, options.timing.dt, options.nodes, options.seed});
+        const std::vector<scenes::TrueSheetFrame> truth = sheet_truth_of(recording);
         std::size_t pierced = 0;
         double deepest = 0;
         for (const scenes::TrueSheetFrame& frame : truth) {
             pierced += frame.piercings.size();
             deepest = std::max(deepest, frame.self_penetration());
         }
-        const std::vector<SheetComparison> results = compare_sheets(motion, truth, sheet_methods, options.threads);
-        page.line("### {}\n", motion.name);
-        page.line(
-            "{}: {} triangles, {} frames; edges through triangles, all frames: {}; the deepest through itself: {:.4g}.\n",
-            motion.what, triangle_count(motion.recording), motion.recording.frame_count, pierced, deepest);
+        const std::vector<SheetComparison> results = compare_sheets(name, recording, truth, sheet_methods, options.threads);
+        page.line("### {}\n", name);
+        page.line("{} triangles, {} frames; edges through triangles, all frames: {}; the deepest through itself: {:.4g}.\n",
+                  triangle_count(recording), recording.frame_count, pierced, deepest);
         page.line("{}", table_head);
         for (const SheetComparison& c : results)
             if (c.self.meetings() > 0) row(page, c.method.name, c, c.self);
         if (results[0].others.meetings() > 0) row(page, "continuous, with other bodies", results[0], results[0].others);
         page.line("");
-        if (results[0].self.meetings() > 0) ray_length_figure(motion, truth, options.threads, page);
+        if (results[0].self.meetings() > 0) ray_length_figure(name, recording, truth, options.threads, page);
     }
 }
 

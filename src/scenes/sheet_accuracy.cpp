@@ -89,6 +89,16 @@ bool SheetJudge::is_near(const FeatureMeeting& m, std::uint32_t frame, double ti
     return distance(corners(m, frame, time), m.edges) <= constants::meeting_tolerance * size + rounding;
 }
 
+/// True if a vertex is on different sides of the triangle when the step begins and when it ends.
+bool SheetJudge::goes_through(const FeatureMeeting& m, std::uint32_t frame) const {
+    const auto height = [&](double time) {
+        const Corners p = corners(m, frame, time);
+        return dot(cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]);
+    };
+    const double before = height(0), after = height(1);
+    return (before < 0 && after > 0) || (before > 0 && after < 0);
+}
+
 /// True if a vertex is behind a solid's triangle when the step begins.
 bool SheetJudge::leaves(const FeatureMeeting& m, std::uint32_t frame) const {
     if (m.edges || !is_solid(m.b)) return false;
@@ -111,7 +121,7 @@ SheetAccuracy SheetJudge::judge(const TrueSheetFrame& truth, std::span<const Con
         if (std::ranges::binary_search(truth.meetings, m)) continue;
         ++(is_near(m, truth.frame, c.time) ? result.near : result.wrong);
     }
-    std::set<Vertex> meeting;
+    std::set<Vertex> passing;
     for (const FeatureMeeting& m : truth.meetings) {
         if (m.is_self() != (pairs == SheetPairs::self)) continue;
         const bool missed = !found.contains(m);
@@ -121,10 +131,10 @@ SheetAccuracy SheetJudge::judge(const TrueSheetFrame& truth, std::span<const Con
         }
         ++(m.edges ? result.edge_meetings : result.vertex_meetings);
         if (missed) ++(m.edges ? result.missed_edge_meetings : result.missed_vertex_meetings);
-        if (!m.edges) meeting.emplace(m.a, m.item);
+        if (!m.edges && goes_through(m, truth.frame)) passing.emplace(m.a, m.item);
     }
-    result.vertices = meeting.size();
-    for (const Vertex& v : meeting) result.missed_vertices += !touched.contains(v);
+    result.vertices = passing.size();
+    for (const Vertex& v : passing) result.missed_vertices += !touched.contains(v);
     return result;
 }
 

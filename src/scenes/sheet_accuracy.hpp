@@ -21,7 +21,8 @@ enum class SheetPairs : std::uint8_t {
 struct SheetAccuracy {
     std::uint64_t vertex_meetings = 0, missed_vertex_meetings = 0;  ///< a vertex and a triangle
     std::uint64_t edge_meetings = 0, missed_edge_meetings = 0;
-    /// Of vertices that meet some triangle, per step, and those of them without any contact.
+    /// Vertices that go from one side of a triangle that they meet to the other, per step, and those of them that have no
+    /// contact at all. What slides or rests in a triangle's plane goes nowhere.
     std::uint64_t vertices = 0, missed_vertices = 0;
     std::uint64_t leaving = 0;  ///< meetings that are not missed: a vertex leaves a solid, which its ray reports if any does
     std::uint64_t crossings = 0;  ///< contacts that say that the two meet in the step
@@ -54,6 +55,7 @@ private:
     Vec3d place(std::uint32_t body, std::uint32_t vertex, std::uint32_t frame) const;
     Corners corners(const FeatureMeeting& m, std::uint32_t frame, double time) const;
     bool is_near(const FeatureMeeting& m, std::uint32_t frame, double time) const;
+    bool goes_through(const FeatureMeeting& m, std::uint32_t frame) const;
     bool leaves(const FeatureMeeting& m, std::uint32_t frame) const;
 
     const Recording& recording_;
