@@ -8,6 +8,7 @@
 #include "pierce/core/contact_hash.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/scenes/bullet_result.hpp"
+#include "pierce/scenes/soft_sheet.hpp"
 
 namespace pierce::scenes {
 namespace {
@@ -117,6 +118,50 @@ private:
     double refit_ms_ = 0;
 };
 
+/// Bullet's clusters: of every sheet with itself, and nothing else.
+class ClusterDetector : public Detector {
+public:
+    explicit ClusterDetector(const SceneSetup& scene) : sheets_(scene.bodies.size()), positions_(scene.bodies.size()) {
+        bool any = false;
+        for (std::size_t b = 0; b < sheets_.size(); ++b) {
+            if (!scene.bodies[b].collision.sheet) continue;
+            sheets_[b] = std::make_unique<SoftSheet>(info_, scene.bodies[b], scene.meshes[scene.bodies[b].mesh].data);
+            sheets_[b]->collide_by_bullet();
+            any = true;
+        }
+        if (!any) throw InputError("bullet-clusters follows sheets only");
+    }
+
+    void set_pose(std::uint32_t, const Pose&) override {}
+    void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
+        positions_[body].assign(positions.begin(), positions.end());
+    }
+
+    FrameResult detect() override {
+        const auto begin = std::chrono::steady_clock::now();
+        FrameResult result;
+        for (std::uint32_t b = 0; b < sheets_.size(); ++b) {
+            if (!sheets_[b] || positions_[b].empty()) continue;
+            const std::uint32_t found = sheets_[b]->meet_itself(positions_[b]);
+            result.contacts += found;
+            ++result.pairs;
+            if (found > 0) result.touching.emplace_back(b, b);
+        }
+        result.total_ms = result.narrow_ms =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        result.stages.push_back({"clusters", result.total_ms});
+        return result;
+    }
+
+    /// Clusters in contact name no vertex and no place of the mesh.
+    std::vector<MethodContact> contacts() const override { return {}; }
+
+private:
+    btSoftBodyWorldInfo info_;
+    std::vector<std::unique_ptr<SoftSheet>> sheets_;  ///< by body, null if it is no sheet
+    std::vector<std::vector<Vec3f>> positions_;
+};
+
 }  // namespace
 
 SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings)
@@ -199,6 +244,8 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, 
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_hull);
         case Method::gimpact:
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gimpact);
+        case Method::bullet_clusters:
+            return std::make_unique<ClusterDetector>(scene);
     }
     throw InputError("unknown method");
 }

@@ -15,10 +15,20 @@
 namespace pierce::scenes {
 
 /// Who finds the contacts.
-enum class Method : std::uint8_t { rays, gjk_epa, gjk_hull, gimpact };
+enum class Method : std::uint8_t {
+    rays,
+    gjk_epa,
+    gjk_hull,
+    gimpact,
+    bullet_clusters,  ///< for sheets: what Bullet has for soft bodies that meet themselves
+};
 
-inline constexpr std::array<std::pair<const char*, Method>, 4> method_names = {
-    {{"rays", Method::rays}, {"gjk-epa", Method::gjk_epa}, {"gjk-hull", Method::gjk_hull}, {"gimpact", Method::gimpact}}};
+inline constexpr std::array<std::pair<const char*, Method>, 5> method_names = {
+    {{"rays", Method::rays},
+     {"gjk-epa", Method::gjk_epa},
+     {"gjk-hull", Method::gjk_hull},
+     {"gimpact", Method::gimpact},
+     {"bullet-clusters", Method::bullet_clusters}}};
 
 /// Throws InputError for an unknown name.
 Method method_named(const std::string& name);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pierce/core/bvh/box_tree.hpp"
-#include "pierce/core/stages/sheet_search.hpp"
+#include "pierce/core/stages/sheet_features.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -120,7 +120,8 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     const SceneMesh& mesh = scene.meshes[body.mesh];
     const bool fixed = body.motion == Motion::fixed;
     // With rays the shape only gives Bullet's broad phase its box.
-    const bullet::Baseline kind = method == Method::rays ? bullet::Baseline::gjk_hull : baseline_of(method);
+    const bullet::Baseline kind =
+        method == Method::rays || method == Method::bullet_clusters ? bullet::Baseline::gjk_hull : baseline_of(method);
     shapes.push_back(body.ground ? bullet::BaselineShape::ground(mesh.data)
                                  : bullet::BaselineShape(kind, mesh.name, mesh.data, mesh.convex_pieces));
 
@@ -153,7 +154,10 @@ void Simulation::State::add_sheet(std::uint32_t index) {
     sheets[index] = std::make_unique<SoftSheet>(world->getWorldInfo(), body, scene.meshes[body.mesh].data);
     mass[index] = sheets[index]->mass();
     world->addSoftBody(&sheets[index]->soft());
-    apart->bind(sheets[index]->soft(), rays->bodies[index]);
+    if (apart != nullptr)
+        apart->bind(sheets[index]->soft(), rays->bodies[index]);
+    else
+        sheets[index]->collide_by_bullet();
 }
 
 void Simulation::State::add_given(std::uint32_t index) {
@@ -236,7 +240,10 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         any_free |= body.motion != Motion::fixed && !body.collision.sheet;
     }
     if (any_sheet && any_free) throw InputError("sheets are simulated with fixed and led bodies only");
-    if (any_soft && method != Method::rays) throw InputError("soft bodies are simulated with rays only");
+    const bool by_clusters = method == Method::bullet_clusters;
+    if (any_soft && method != Method::rays && !(by_clusters && any_sheet))
+        throw InputError("soft bodies are simulated with rays only, sheets also with bullet-clusters");
+    if (by_clusters && !any_sheet) throw InputError("bullet-clusters is for sheets");
 
     btCollisionConfiguration* configuration = &s.rigid_configuration;
     if (method == Method::rays) {
@@ -248,6 +255,7 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
             s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.rays->world);
         if (any_sheet) s.apart = std::make_unique<bullet::SheetResponse>(s.rays->world);
     } else {
+        if (by_clusters) configuration = &s.soft_configuration;
         s.dispatcher = std::make_unique<TimedDispatcher>(configuration);
         register_baseline(*s.dispatcher);
     }
@@ -307,6 +315,7 @@ const FrameResult& Simulation::step(double dt) {
         // Bullet keeps its bodies a margin apart, so in its own simulation they touch where their margins do.
         s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes, Margin::counts,
                                  s.world->detection_ms, 0, s.rigid_configuration.take_epa_milliseconds());
+        s.measure_sheets();
     }
     return s.result;
 }

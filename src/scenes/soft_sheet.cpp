@@ -10,6 +10,9 @@
 namespace pierce::scenes {
 namespace {
 
+/// Nodes of one of Bullet's clusters: fewer find more and cost more.
+constexpr int nodes_per_cluster = 4;
+
 struct SheetLinks {
     std::vector<std::pair<int, int>> along;   ///< edges
     std::vector<std::pair<int, int>> across;  ///< the corners opposite an edge
@@ -68,6 +71,25 @@ SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const Mes
     soft_->m_cfg.piterations = material.iterations;
     soft_->m_cfg.kDP = static_cast<btScalar>(material.damping);
     soft_->m_cfg.collisions = 0;
+}
+
+void SoftSheet::collide_by_bullet() {
+    soft_->generateClusters(soft_->m_nodes.size() / nodes_per_cluster);
+    soft_->m_cfg.collisions = btSoftBody::fCollision::SDF_RS | btSoftBody::fCollision::CL_SELF;
+}
+
+std::uint32_t SoftSheet::meet_itself(std::span<const Vec3f> positions) {
+    for (int i = 0; i < soft_->m_nodes.size(); ++i) {
+        btSoftBody::Node& node = soft_->m_nodes[i];
+        node.m_q = node.m_x;
+        node.m_x = bullet::to_bullet(positions[static_cast<std::size_t>(i)]);
+    }
+    soft_->updateClusters();
+    soft_->defaultCollisionHandler(soft_.get());
+    const int found = soft_->m_joints.size();
+    for (int i = 0; i < found; ++i) btAlignedFree(soft_->m_joints[i]);
+    soft_->m_joints.clear();
+    return static_cast<std::uint32_t>(found);
 }
 
 void SoftSheet::lead(double time, double dt) {

@@ -3,6 +3,7 @@
 #include <BulletSoftBody/btSoftBody.h>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pierce/scenes/scene.hpp"
@@ -17,6 +18,11 @@ public:
 
     btSoftBody& soft() const { return *soft_; }
     double mass() const { return mass_; }
+    /// Switches Bullet's own collisions on: convex clusters of nodes against each other, nodes against rigid bodies.
+    void collide_by_bullet();
+    /// Runs Bullet's detection of clusters in contact with each other, the nodes standing at `positions`; returns how many
+    /// contacts it made. Bullet's collisions must be on.
+    std::uint32_t meet_itself(std::span<const Vec3f> positions);
     /// Sends the nodes that are led to where they are to be at `time`, the end of the next step of `dt` [s].
     void lead(double time, double dt);
 
