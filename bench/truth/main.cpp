@@ -77,7 +77,9 @@ void write_sheets(const Options& options) {
         out << (f == 0 ? "\n" : ",\n") << entry;
         progress.show(frame + 1);
     }
-    out << "],\"decided\":" << json{{"apart", counts.apart}, {"bounded", counts.bounded}, {"exact", counts.exact}} << "}\n";
+    out << "],\"decided\":"
+        << json{{"apart", counts.apart}, {"bounded", counts.bounded}, {"ends", counts.ends}, {"exact", counts.exact}}
+        << "}\n";
     if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
 }
 

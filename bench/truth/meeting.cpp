@@ -1,5 +1,8 @@
 #include "truth/meeting.hpp"
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/intersections.h>
+
 #include <optional>
 #include <tuple>
 
@@ -134,6 +137,25 @@ bool are_apart(Features features, const std::array<MovingPoint, 4>& c) {
     return false;
 }
 
+/// True if they share a point at the start or at the end; those that lack an extent are not looked at.
+bool share_point_at_an_end(Features features, const std::array<MovingPoint, 4>& c) {
+    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+    for (const auto when : {&MovingPoint::start, &MovingPoint::end}) {
+        const auto at = [&](std::size_t k) {
+            const Vec3d& p = c[k].*when;
+            return Kernel::Point_3(p.x, p.y, p.z);
+        };
+        if (features == Features::vertex_and_face) {
+            const Kernel::Triangle_3 face(at(1), at(2), at(3));
+            if (!face.is_degenerate() && face.has_on(at(0))) return true;
+        } else {
+            const Kernel::Segment_3 a(at(0), at(1)), b(at(2), at(3));
+            if (!a.is_degenerate() && !b.is_degenerate() && CGAL::do_intersect(a, b)) return true;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
 bool features_meet(Features features, const std::array<MovingPoint, 4>& corners, MeetingCounts* counts) {
@@ -146,6 +168,10 @@ bool features_meet(Features features, const std::array<MovingPoint, 4>& corners,
     if (const std::optional<bool> known = answer(question(features, corners), most_halvings)) {
         ++count.bounded;
         return *known;
+    }
+    if (share_point_at_an_end(features, corners)) {
+        ++count.ends;
+        return true;
     }
     ++count.exact;
     const ExactCorners exactly = exact(corners);

@@ -24,16 +24,23 @@ struct SheetMethod {
     std::string name;
     SelfCollision how = SelfCollision::on;
     double ray_length = 1;  ///< of rays [way of the vertex in the step]
+    scenes::Method method = scenes::Method::rays;
+
+    /// True if its contacts name vertices and triangles, or edges.
+    bool names_features() const { return method == scenes::Method::rays; }
 };
 
 const std::array sheet_methods = {SheetMethod{"continuous", SelfCollision::on}, SheetMethod{"rays", SelfCollision::rays},
-                                  SheetMethod{"published", SelfCollision::published}};
+                                  SheetMethod{"published", SelfCollision::published},
+                                  SheetMethod{"bullet-clusters", SelfCollision::off, 1, scenes::Method::bullet_clusters}};
 
 /// What came of a method on a motion.
 struct SheetComparison {
     SheetMethod method;
     std::vector<double> ms;  ///< per frame, the whole step
     SheetAccuracy self, others;
+    /// Steps in which a sheet meets itself, and those of them in which it has no contact with itself at all.
+    std::uint32_t steps = 0, missed_steps = 0;
 };
 
 scenes::SceneSetup scene_with(const scenes::Recording& recording, SelfCollision how) {
@@ -68,17 +75,23 @@ std::vector<SheetComparison> compare_sheets(const std::string& name, const scene
     std::vector<SheetComparison> results;
     std::vector<std::unique_ptr<scenes::Detector>> detectors;
     for (const SheetMethod& method : methods) {
-        results.push_back({method, {}, {}, {}});
+        results.push_back({method, {}, {}, {}, 0, 0});
         detectors.push_back(
-            scenes::make_detector(scene_with(recording, method.how), scenes::Method::rays, {"embree", threads, {}}));
+            scenes::make_detector(scene_with(recording, method.how), method.method, {"embree", threads, {}}));
     }
     Progress progress("comparing " + name, recording.frame_count);
     for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
         for (std::size_t m = 0; m < results.size(); ++m) {
             put(*detectors[m], recording, f, methods[m].ray_length);
-            const double ms = detectors[m]->detect().total_ms;
+            const scenes::FrameResult result = detectors[m]->detect();
             if (f == 0) continue;
-            results[m].ms.push_back(ms);
+            results[m].ms.push_back(result.total_ms);
+            if (std::ranges::any_of(truth[f].meetings, &scenes::FeatureMeeting::is_self)) {
+                ++results[m].steps;
+                results[m].missed_steps +=
+                    std::ranges::none_of(result.touching, [](const auto& pair) { return pair.first == pair.second; });
+            }
+            if (!methods[m].names_features()) continue;
             const std::span<const Contact> contacts = detectors[m]->world()->contacts();
             results[m].self += judge.judge(truth[f], contacts, SheetPairs::self);
             results[m].others += judge.judge(truth[f], contacts, SheetPairs::others);
@@ -97,15 +110,21 @@ std::uint32_t triangle_count(const scenes::Recording& recording) {
 
 constexpr const char* table_head =
     "| method | ms a frame: median, p95 | missed, of vertices and triangles that meet | missed, of edges that meet | "
-    "recall | vertices without a contact, of those that go through a triangle | reported crossings | of these near | of "
-    "these wrong | "
-    "precision |\n|---|---|---|---|---|---|---|---|---|---|";
+    "recall | vertices without a contact, of those that go through a triangle | steps without a contact, of those with a "
+    "meeting | reported crossings | of these near | of these wrong | precision "
+    "|\n|---|---|---|---|---|---|---|---|---|---|---|";
 
-void row(Page& page, const std::string& name, const SheetComparison& c, const SheetAccuracy& a) {
+void row(Page& page, const std::string& name, const SheetComparison& c, SheetPairs pairs) {
     const Spread ms = spread_of(c.ms);
-    page.line("| {} | {:.2f}, {:.2f} | {} of {} | {} of {} | {:.4f} | {} of {} | {} | {} | {} | {:.4f} |", name, ms.median,
-              ms.p95, a.missed_vertex_meetings, a.vertex_meetings, a.missed_edge_meetings, a.edge_meetings, a.recall(),
-              a.missed_vertices, a.vertices, a.crossings, a.near, a.wrong, a.precision());
+    const SheetAccuracy& a = pairs == SheetPairs::self ? c.self : c.others;
+    const std::string steps = pairs == SheetPairs::self ? fmt::format("{} of {}", c.missed_steps, c.steps) : "-";
+    if (!c.method.names_features()) {
+        page.line("| {} | {:.2f}, {:.2f} | - | - | - | - | {} | - | - | - | - |", name, ms.median, ms.p95, steps);
+        return;
+    }
+    page.line("| {} | {:.2f}, {:.2f} | {} of {} | {} of {} | {:.4f} | {} of {} | {} | {} | {} | {} | {:.4f} |", name,
+              ms.median, ms.p95, a.missed_vertex_meetings, a.vertex_meetings, a.missed_edge_meetings, a.edge_meetings,
+              a.recall(), a.missed_vertices, a.vertices, steps, a.crossings, a.near, a.wrong, a.precision());
 }
 
 /// Recall and precision of rays over their length.
@@ -158,11 +177,12 @@ void cloth_accuracy_figure(const ClothReportOptions& options, Page& page) {
         page.line("{} triangles, {} frames; edges through triangles, all frames: {}; the deepest through itself: {:.4g}.\n",
                   triangle_count(recording), recording.frame_count, pierced, deepest);
         page.line("{}", table_head);
+        const bool meets_itself = results[0].steps > 0;
         for (const SheetComparison& c : results)
-            if (c.self.meetings() > 0) row(page, c.method.name, c, c.self);
-        if (results[0].others.meetings() > 0) row(page, "continuous, with other bodies", results[0], results[0].others);
+            if (meets_itself) row(page, c.method.name, c, SheetPairs::self);
+        if (results[0].others.meetings() > 0) row(page, "continuous, with other bodies", results[0], SheetPairs::others);
         page.line("");
-        if (results[0].self.meetings() > 0) ray_length_figure(name, recording, truth, options.threads, page);
+        if (meets_itself) ray_length_figure(name, recording, truth, options.threads, page);
     }
 }
 
@@ -178,11 +198,11 @@ struct Fall {
     std::vector<double> exact;  ///< per frame, how deep it truly goes through itself
 };
 
-Fall fall(SelfCollision how, const ClothReportOptions& options) {
+Fall fall(const SheetMethod& method, const ClothReportOptions& options) {
     scenes::SceneSetup scene = scenes::make_scene("cloth-capsule", {.seed = options.seed, .nodes = options.nodes});
     for (scenes::SceneBody& body : scene.bodies)
-        if (body.collision.sheet) body.collision.self = how;
-    scenes::Simulation simulation(scene, scenes::Method::rays, {"embree", options.threads, {}});
+        if (body.collision.sheet) body.collision.self = method.how;
+    scenes::Simulation simulation(scene, method.method, {"embree", options.threads, {}});
     Fall result{scenes::start_recording(scene, options.falling.dt), {}, {}};
     Progress progress("falling", options.falling.steps());
     for (std::uint32_t i = 0; i < options.falling.steps(); ++i) {
@@ -190,7 +210,8 @@ Fall fall(SelfCollision how, const ClothReportOptions& options) {
         simulation.record(result.recording);
         progress.show(i + 1);
     }
-    result.recording.frame_count = options.falling.steps();
+    for (scenes::RecordedBody& body : result.recording.bodies)
+        if (body.collision.sheet) body.collision.self = SelfCollision::on;
     for (const scenes::TrueSheetFrame& frame : sheet_truth_of(result.recording))
         result.exact.push_back(frame.self_penetration());
     return result;
@@ -215,7 +236,7 @@ void cloth_penetration_figure(const ClothReportOptions& options, Page& page) {
         "ms a step: median, p95 |\n|---|---|---|---|---|---|---|",
         paper_penetration);
     for (const SheetMethod& method : sheet_methods) {
-        const Fall result = fall(method.how, options);
+        const Fall result = fall(method, options);
         curves.table.names.push_back(method.name);
         for (std::size_t i = 0; i < result.exact.size(); ++i) curves.table.rows[i].push_back(result.exact[i]);
         const double deepest = std::ranges::max(result.exact);

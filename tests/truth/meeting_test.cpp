@@ -41,9 +41,9 @@ Tally compare(int queries, const MakePoint& point) {
 
 TEST(MeetingTest, WildMotions) {
     test::Random random(1);
-    const Tally tally = compare(1500, [&] { return to_double(to_float(random.in_box(1))); });
+    const Tally tally = compare(300, [&] { return to_double(to_float(random.in_box(1))); });
     EXPECT_EQ(tally.wrong, 0);
-    EXPECT_GT(tally.meetings, 100);
+    EXPECT_GT(tally.meetings, 20);
     EXPECT_EQ(tally.decided.exact, 0u) << "nothing here is degenerate";
 }
 
@@ -51,17 +51,18 @@ TEST(MeetingTest, FewPlaces) {
     // Small whole coordinates: most of these touch, lie in one plane, stand still or have lost an extent.
     test::Random random(2);
     const auto whole = [&] { return static_cast<double>(random.integer(-1, 1)); };
-    const Tally tally = compare(1500, [&] { return Vec3d{whole(), whole(), whole()}; });
+    const Tally tally = compare(600, [&] { return Vec3d{whole(), whole(), whole()}; });
     EXPECT_EQ(tally.wrong, 0);
     EXPECT_GT(tally.meetings, 100);
+    EXPECT_GT(tally.decided.ends, 100u);
     EXPECT_GT(tally.decided.exact, 100u);
 }
 
 TEST(MeetingTest, AllInOnePlane) {
     test::Random random(3);
-    const Tally tally = compare(400, [&] { return Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), 0.25}; });
+    const Tally tally = compare(60, [&] { return Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), 0.25}; });
     EXPECT_EQ(tally.wrong, 0);
-    EXPECT_GT(tally.meetings, 50);
+    EXPECT_GT(tally.meetings, 10);
 }
 
 TEST(MeetingTest, AHairDecides) {
