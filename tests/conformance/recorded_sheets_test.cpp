@@ -81,8 +81,8 @@ constexpr Motion motions[] = {{"cloth-capsule", 14, 2.5, true, false},
 
 INSTANTIATE_TEST_SUITE_P(Backends, RecordedSheetsTest,
                          testing::Combine(testing::ValuesIn(test::backends()), testing::ValuesIn(motions)),
-                         [](const auto& info) {
-                             std::string name = std::get<0>(info.param).name + "_" + std::get<1>(info.param).name;
+                         [](const auto& made) {
+                             std::string name = std::get<0>(made.param).name + "_" + std::get<1>(made.param).name;
                              std::ranges::replace(name, '-', '_');
                              return name;
                          });
