@@ -49,6 +49,10 @@ scenes::SceneSetup scene_of(const RunOptions& options) {
     return scenes::make_scene(options.scene, {options.count, options.soft, options.seed, options.nodes});
 }
 
+bool has_own_size(const scenes::SceneSetup& scene) {
+    return std::ranges::any_of(scene.bodies, [](const scenes::SceneBody& b) { return b.collision != Collision{}; });
+}
+
 std::uint32_t step_count(double seconds, double dt) {
     return std::max(1u, static_cast<std::uint32_t>(std::lround(seconds / dt)));
 }
@@ -109,8 +113,11 @@ int run(const RunOptions& options) {
             progress.show(i + 1);
         }
     }
-    fmt::print("{}: {} {}{} bodies, {} steps of {:.5g} s, method {}", options.scene, options.count,
-               options.soft ? "soft" : "rigid", "", steps, options.dt, options.detection.method);
+    const std::string bodies = has_own_size(scene)
+                                   ? fmt::format("{} bodies", scene.bodies.size())
+                                   : fmt::format("{} {} bodies", options.count, options.soft ? "soft" : "rigid");
+    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, options.dt,
+               options.detection.method);
     fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
     log.print();
 

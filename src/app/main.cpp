@@ -79,7 +79,8 @@ void add_rays(CLI::App& command, pierce::scenes::RaySettings& rays) {
 }
 
 void add_detection(CLI::App& command, DetectionOptions& options) {
-    command.add_option("--method", options.method, "rays, gjk-epa, gjk-hull, gimpact or bullet-clusters")->capture_default_str();
+    command.add_option("--method", options.method, "rays, gjk-epa, gjk-hull, gimpact or bullet-clusters")
+        ->capture_default_str();
     add_rays(command, options.rays);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")->type_name("FILE");
 }

@@ -118,7 +118,7 @@ private:
     double refit_ms_ = 0;
 };
 
-/// Bullet's clusters: of every sheet with itself, and nothing else.
+/// Bullet's clusters of nodes: of every sheet with itself, and nothing else.
 class ClusterDetector : public Detector {
 public:
     explicit ClusterDetector(const SceneSetup& scene) : sheets_(scene.bodies.size()), positions_(scene.bodies.size()) {
@@ -142,7 +142,7 @@ public:
         FrameResult result;
         for (std::uint32_t b = 0; b < sheets_.size(); ++b) {
             if (!sheets_[b] || positions_[b].empty()) continue;
-            const std::uint32_t found = sheets_[b]->meet_itself(positions_[b]);
+            const std::uint32_t found = sheets_[b]->meetings_at(positions_[b]);
             result.contacts += found;
             ++result.pairs;
             if (found > 0) result.touching.emplace_back(b, b);

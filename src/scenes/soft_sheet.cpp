@@ -1,5 +1,7 @@
 #include "pierce/scenes/soft_sheet.hpp"
 
+#include <BulletSoftBody/btSoftBodyInternals.h>
+
 #include <algorithm>
 #include <map>
 #include <random>
@@ -12,6 +14,7 @@ namespace {
 
 /// Nodes of one of Bullet's clusters: fewer find more and cost more.
 constexpr int nodes_per_cluster = 4;
+constexpr btScalar steps_per_second = 60;
 
 struct SheetLinks {
     std::vector<std::pair<int, int>> along;   ///< edges
@@ -41,7 +44,8 @@ SheetLinks links_of(const MeshData& mesh) {
 
 }  // namespace
 
-SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh) : guides_(body.guides) {
+SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh)
+    : guides_(body.guides), thickness_(body.collision.thickness) {
     const Frame frame = frame_of(body.pose);
     std::vector<btVector3> nodes;
     for (Vec3f p : mesh.positions) {
@@ -75,17 +79,33 @@ SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const Mes
 
 void SoftSheet::collide_by_bullet() {
     soft_->generateClusters(soft_->m_nodes.size() / nodes_per_cluster);
-    soft_->m_cfg.collisions = btSoftBody::fCollision::SDF_RS | btSoftBody::fCollision::CL_SELF;
+    soft_->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
+    // Bullet's own margin is a quarter of a metre, whatever is in it.
+    soft_->getCollisionShape()->setMargin(static_cast<btScalar>(thickness_));
 }
 
-std::uint32_t SoftSheet::meet_itself(std::span<const Vec3f> positions) {
+// With CL_SS and CL_SELF, Bullet 3.24 comes to no contact: the mask it looks at its flags through holds both bits, and the
+// case it compares with holds one. This is what that case does.
+void SoftSheet::meet_itself() {
+    btSoftColliders::CollideCL_SS clusters;
+    clusters.ProcessSoftSoft(soft_.get(), soft_.get());
+}
+
+std::uint32_t SoftSheet::meetings_at(std::span<const Vec3f> positions) {
+    // What Bullet's step begins with: here there is none.
+    btSoftBody::SolverState& step = soft_->m_sst;
+    step.sdt = btScalar(1) / steps_per_second;
+    step.isdt = steps_per_second;
+    step.radmrg = soft_->getCollisionShape()->getMargin();
+    step.updmrg = step.radmrg * btScalar(0.25);
     for (int i = 0; i < soft_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = soft_->m_nodes[i];
         node.m_q = node.m_x;
         node.m_x = bullet::to_bullet(positions[static_cast<std::size_t>(i)]);
+        node.m_v = step.isdt * (node.m_x - node.m_q);
     }
     soft_->updateClusters();
-    soft_->defaultCollisionHandler(soft_.get());
+    meet_itself();
     const int found = soft_->m_joints.size();
     for (int i = 0; i < found; ++i) btAlignedFree(soft_->m_joints[i]);
     soft_->m_joints.clear();

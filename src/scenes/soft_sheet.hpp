@@ -18,11 +18,12 @@ public:
 
     btSoftBody& soft() const { return *soft_; }
     double mass() const { return mass_; }
-    /// Switches Bullet's own collisions on: convex clusters of nodes against each other, nodes against rigid bodies.
+    /// Switches Bullet's nodes against rigid bodies on, and makes clusters for meet_itself().
     void collide_by_bullet();
-    /// Runs Bullet's detection of clusters in contact with each other, the nodes standing at `positions`; returns how many
-    /// contacts it made. Bullet's collisions must be on.
-    std::uint32_t meet_itself(std::span<const Vec3f> positions);
+    /// Bullet's own self-collision, convex clusters of nodes against each other: contacts for its next step.
+    void meet_itself();
+    /// How many contacts that makes with the nodes standing at `positions`.
+    std::uint32_t meetings_at(std::span<const Vec3f> positions);
     /// Sends the nodes that are led to where they are to be at `time`, the end of the next step of `dt` [s].
     void lead(double time, double dt);
 
@@ -31,7 +32,7 @@ private:
     std::vector<Guide> guides_;
     std::vector<Vec3d> start_;
     std::vector<double> node_mass_;
-    double mass_ = 0;
+    double mass_ = 0, thickness_ = 0;
 };
 
 }  // namespace pierce::scenes
