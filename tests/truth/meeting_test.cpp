@@ -89,6 +89,11 @@ TEST(MeetingTest, BoundsHoldTheTruth) {
         EXPECT_TRUE(holds(Interval(x) + y, mpq_class(x) + mpq_class(y)));
         EXPECT_TRUE(holds(Interval(x) - y, mpq_class(x) - mpq_class(y)));
         EXPECT_TRUE(holds(Interval(x) * y, mpq_class(x) * mpq_class(y)));
+        // Whatever both may be, of any signs.
+        const Interval wide_x(std::min(x, 0.5), std::max(x, 0.5)), wide_y(std::min(y, -0.25), std::max(y, -0.25));
+        for (const double p : {wide_x.low(), wide_x.high()})
+            for (const double q : {wide_y.low(), wide_y.high()})
+                EXPECT_TRUE(holds(wide_x * wide_y, mpq_class(p) * mpq_class(q)));
     }
 }
 
