@@ -102,7 +102,7 @@ double time_of(const std::vector<Candidate>& list) {
         std::size_t meetings = 0;
         for (const auto& [c] : list) {
             Impact impact;
-            meetings += continuous::meet<Features>(c[0], c[1], c[2], c[3], impact);
+            meetings += continuous::Question<Features>(c[0], c[1], c[2], c[3]).meets(impact);
         }
         sink = meetings;
         const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;

@@ -146,14 +146,31 @@ private:
     int depth_ = 0, advances_ = 0;
 };
 
+/// A question, ready to be answered.
 template <class Features>
-PIERCE_HD bool meet(const MovingPoint& p, const MovingPoint& q, const MovingPoint& r, const MovingPoint& s, Impact& impact) {
+struct Question {
     Corners start, end;
-    relative_corners(p, q, r, s, start, end);
-    const double size = max_of(separating::size_of(start), separating::size_of(end));
-    if (separating::axis_separates<Features::firsts>(start, end, size)) return false;
-    return Search<Features>(start, end, size).run(impact);
-}
+    double size;
+
+    PIERCE_HD Question(const MovingPoint& p, const MovingPoint& q, const MovingPoint& r, const MovingPoint& s) {
+        relative_corners(p, q, r, s, start, end);
+        size = max_of(separating::size_of(start), separating::size_of(end));
+    }
+
+    /// True if an axis, or the direction between the features at the start or at the end, proves that they do not meet.
+    PIERCE_HD bool is_settled() const {
+        if (separating::axis_separates<Features::firsts>(start, end, size)) return true;
+        const Vec3d first = Features::difference(start, Features::closest(start));
+        if (separating::separated_until<Features::firsts>(start, end, 0, first, size) > 1) return true;
+        const Vec3d last = Features::difference(end, Features::closest(end));
+        return separating::separated_until<Features::firsts>(end, start, 0, last, size) > 1;
+    }
+
+    PIERCE_HD bool meets(Impact& impact) const {
+        if (separating::axis_separates<Features::firsts>(start, end, size)) return false;
+        return Search<Features>(start, end, size).run(impact);
+    }
+};
 
 }  // namespace continuous
 
@@ -161,14 +178,26 @@ PIERCE_HD bool meet(const MovingPoint& p, const MovingPoint& q, const MovingPoin
 /// counts. A face may lack area. False is certain.
 PIERCE_HD inline bool vertex_meets_face(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b,
                                         const MovingPoint& c, Impact& impact) {
-    return continuous::meet<continuous::VertexAndFace>(p, a, b, c, impact);
+    return continuous::Question<continuous::VertexAndFace>(p, a, b, c).meets(impact);
 }
 
 /// True if the moving edge from `a0` to `a1` meets the one from `b0` to `b1` during the step, or comes as close as the
 /// tolerance (Impact::gap); touching counts. Edges may be parallel, or points. False is certain.
 PIERCE_HD inline bool edges_meet(const MovingPoint& a0, const MovingPoint& a1, const MovingPoint& b0, const MovingPoint& b1,
                                  Impact& impact) {
-    return continuous::meet<continuous::TwoEdges>(a0, a1, b0, b1, impact);
+    return continuous::Question<continuous::TwoEdges>(a0, a1, b0, b1).meets(impact);
+}
+
+/// True if it is cheap to see that a moving vertex and a moving face do not meet. False says nothing.
+PIERCE_HD inline bool vertex_surely_misses_face(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b,
+                                                const MovingPoint& c) {
+    return continuous::Question<continuous::VertexAndFace>(p, a, b, c).is_settled();
+}
+
+/// The same for two moving edges.
+PIERCE_HD inline bool edges_surely_miss(const MovingPoint& a0, const MovingPoint& a1, const MovingPoint& b0,
+                                        const MovingPoint& b1) {
+    return continuous::Question<continuous::TwoEdges>(a0, a1, b0, b1).is_settled();
 }
 
 }  // namespace pierce

@@ -18,6 +18,7 @@ struct Plan {
     bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
     bool meets_itself = false;          ///< some solid is looked for in itself
     bool sheets = false;                ///< some body is a sheet
+    std::uint32_t feature_bits = 0;     ///< as many as the number of a vertex, edge or triangle has at most
     bool velocity_rays = false;         ///< some sheet is looked for in itself by rays along velocities
     bool reprojects = false;            ///< contacts move to the closest point of the target's surface
     Coverage coverage = Coverage::vertices;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <utility>
 
 #include "pierce/core/scene.hpp"
@@ -20,6 +21,7 @@ public:
 
     /// All contacts of sheets, sorted by pair, kind and feature. `links`: which of last step's pairs each pair was.
     void find(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
+        bits_ = scene.plan->feature_bits;
         search(scene, pairs, links);
         meet(scene, pairs, links);
     }
@@ -31,6 +33,7 @@ public:
     /// This step's memory becomes last step's.
     void recall() {
         std::swap(keys_, last_keys_);
+        std::swap(bits_, last_bits_);
         std::swap(records_, last_records_);
         std::swap(deepest_, last_deepest_);
     }
@@ -72,7 +75,7 @@ private:
         counts_.resize(in_blocks);
         executor_.for_each("find_groups", in_blocks,
                            stages::FindGroups{view_of(sheet_pairs_), view_of(blocks_), view_of(group_boxes_),
-                                              view_of(masks_), view_of(counts_)});
+                                              view_of(slabs_), view_of(masks_), view_of(counts_)});
         groups_.resize(tools_.place("group_scan", counts_, offsets_));
         executor_.for_each("list_groups", in_blocks,
                            stages::ListGroups{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(groups_)});
@@ -111,6 +114,8 @@ private:
         block_boxes_.resize(blocks);
         executor_.for_each("box_triangles", triangles,
                            stages::BoxTriangles{scene.bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
+        slabs_.resize(groups);
+        executor_.for_each("fit_slabs", groups, stages::FitSlab{scene.bodies, view_of(block_offsets_), view_of(slabs_)});
         executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
         executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
     }
@@ -127,14 +132,28 @@ private:
         executor_.for_each("list_features", met,
                            stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
                                                 view_of(offsets_), view_of(features_)});
-        const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_)};
+        const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
         const Count count = count_of(features_);
         meetings_.resize(count);
-        keep_.resize(count);
+        verdicts_.resize(count);
         executor_.for_each("meet_features", count,
-                           stages::MeetFeatures{scene.bodies, view_of(pairs), view_of(sheet_pairs_), view_of(features_),
-                                                memory, view_of(meetings_), view_of(keep_)});
-        const Count kept = tools_.list("sheet_contact_list", count, stages::IsInside{view_of(keep_)}, kept_);
+                           stages::MeetFeatures<false>{scene.bodies,
+                                                       view_of(pairs),
+                                                       view_of(sheet_pairs_),
+                                                       view_of(features_),
+                                                       {},
+                                                       memory,
+                                                       view_of(meetings_),
+                                                       view_of(verdicts_)});
+        const Count undecided = tools_.list("undecided_list", count,
+                                            stages::HasVerdict{view_of(verdicts_), stages::Verdict::undecided}, undecided_);
+        executor_.for_each(
+            "search_meetings", undecided,
+            stages::MeetFeatures<true>{scene.bodies, view_of(pairs), view_of(sheet_pairs_), view_of(features_),
+                                       view_of(undecided_), memory, view_of(meetings_), view_of(verdicts_)});
+        const Count kept = tools_.list("sheet_contact_list", count,
+                                       stages::HasVerdict{view_of(verdicts_), stages::Verdict::contact}, kept_);
+        const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
         keys_.resize(kept);
         order_.resize(kept);
         records_.resize(kept);
@@ -143,10 +162,10 @@ private:
         executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(deepest_)});
         executor_.for_each("key_sheet_contacts", kept,
                            stages::KeySheetContacts{view_of(features_), view_of(kept_), view_of(keys_), view_of(order_)});
-        executor_.sort("sheet_sort", kept, 32, view_of(keys_), view_of(order_));
+        executor_.sort("sheet_sort", kept, static_cast<int>(bits_), view_of(keys_), view_of(order_));
         executor_.for_each("key_by_feature", kept,
-                           stages::KeyByFeature{view_of(features_), view_of(order_), view_of(keys_)});
-        executor_.sort("sheet_sort", kept, 64, view_of(keys_), view_of(order_));
+                           stages::KeyByFeature{view_of(features_), view_of(order_), bits_, view_of(keys_)});
+        executor_.sort("sheet_sort", kept, pair_bits + 3 + static_cast<int>(bits_), view_of(keys_), view_of(order_));
         executor_.for_each(
             "fill_sheet_contact", kept,
             stages::FillSheetContact{scene.bodies, scene.ids, view_of(pairs), view_of(features_), view_of(meetings_),
@@ -157,8 +176,9 @@ private:
     E& executor_;
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, flat_;
-    Buffer<std::uint32_t> counts_, offsets_, masks_, keep_, kept_, order_;
+    Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
+    Buffer<stages::Slab> slabs_;
     Buffer<stages::ClosePair> blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;
     Buffer<stages::FeaturePair> features_;
@@ -166,6 +186,7 @@ private:
     Buffer<Contact> contacts_;
 
     // What steps remember, and last step's: per contact in the order of the contacts, and per pair.
+    std::uint32_t bits_ = 0, last_bits_ = 0;  ///< of the keys
     Buffer<std::uint64_t> keys_, last_keys_;
     Buffer<stages::SheetRecord> records_, last_records_;
     Buffer<std::uint32_t> deepest_, last_deepest_;

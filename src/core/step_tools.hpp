@@ -88,7 +88,8 @@ public:
 private:
     void update_all(View<const BodyView> bodies) {
         if (!fits_) {
-            executor.assign(wanted_, bodies.size, 1u);
+            wanted_.resize(bodies.size);
+            executor.for_each("mark_targets", bodies.size, stages::MarkTargets{bodies, view_of(wanted_)});
             tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
         }
         fits_ = true;

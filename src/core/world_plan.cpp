@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 
 #include "pierce/core/patch.hpp"
 #include "pierce/core/stages/classify.hpp"
@@ -104,6 +105,8 @@ void World::State::make_plan() {
         ids[i] = {i, slots[i].generation};
         view.mesh = entry.mesh->view();
         view.mesh_key = entry.key;
+        const std::uint32_t most = std::max({view.mesh.positions.size, view.mesh.edges.size, view.mesh.triangles.size});
+        plan.feature_bits = std::max(plan.feature_bits, static_cast<std::uint32_t>(std::bit_width(most)));
         view.motion = body.motion;
         view.collision = body.collision;
         view.range = settings.open_body_range * view.mesh.mean_edge_length;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "pierce/core/atomics.hpp"
+#include "pierce/core/body.hpp"
 #include "pierce/core/ray.hpp"
 #include "pierce/core/view.hpp"
 
@@ -52,6 +53,18 @@ struct Clear {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const { items[i] = 0; }
+};
+
+/// Per body: marks those that rays may be aimed at.
+struct MarkTargets {
+    View<const BodyView> bodies;
+    View<std::uint32_t> wanted;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        wanted[i] = !bodies[i].collision.sheet || bodies[i].sends_velocity_rays();
+    }
 };
 
 /// Tells rays that are traced from those that hit nothing by definition.

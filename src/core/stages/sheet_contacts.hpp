@@ -25,8 +25,9 @@ struct SheetRecord {
 };
 
 /// The key of a feature: sheets' contacts and records are sorted by it, then by the other feature.
-PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item) {
-    return std::uint64_t{pair} << 33 | static_cast<std::uint64_t>(kind) << 30 | item;
+/// `bits`: as many as a feature's number has at most.
+PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item, std::uint32_t bits) {
+    return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;
 }
 static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
@@ -35,6 +36,7 @@ struct SheetMemory {
     View<const std::uint32_t> links;  ///< per pair, which it was in the last step, or no_pair
     View<const std::uint64_t> keys;
     View<const SheetRecord> records;
+    std::uint32_t bits = 0;  ///< of the keys
 
     /// The side a vertex belongs to, of a triangle; 0 if nothing is remembered.
     PIERCE_HD std::int32_t side(const FeaturePair& f, View<const Triangle> triangles) const {
@@ -73,7 +75,7 @@ private:
     template <class See>
     PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item, const See& see) const {
         if (keys.size == 0 || links[pair] == no_pair) return;
-        const std::uint64_t key = feature_key(links[pair], kind, item);
+        const std::uint64_t key = feature_key(links[pair], kind, item, bits);
         std::uint32_t low = 0, high = keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;
@@ -97,31 +99,41 @@ struct SheetMeeting {
     std::uint8_t padding[5] = {};
 };
 
-/// Per two features: whether they are a contact, and how. Reads the memory of the last step.
+/// What is said of two features.
+enum class Verdict : std::uint32_t { nothing, contact, undecided };
+
+/// Per two features: whether they are a contact, and how. Reads the memory of the last step. First of all features, without
+/// searching for the time of a meeting: nearly all are settled by a direction that separates them; then, searching, of those
+/// that were left undecided. The search needs so much of a GPU's registers that few threads could run with it.
+template <bool searching>
 struct MeetFeatures {
     View<const BodyView> bodies;
     View<const Pair> pairs;
     View<const SheetPair> sheet_pairs;
     View<const FeaturePair> features;
+    View<const std::uint32_t> undecided;  ///< if searching: which
     SheetMemory memory;
     View<SheetMeeting> meetings;
-    View<std::uint32_t> keep;
+    View<std::uint32_t> verdicts;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD void operator()(std::uint32_t item) const {
+        const std::uint32_t i = searching ? undecided[item] : item;
         const FeaturePair& f = features[i];
         SheetMeeting m;
-        bool kept = false;
+        Verdict verdict = Verdict::nothing;
         if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
-            kept = vertex_and_triangle(f, m);
+            verdict = vertex_and_triangle(f, m);
         else if (f.kind == FeatureKind::edges)
-            kept = two_edges(f, m);
+            verdict = two_edges(f, m);
         else
-            kept = piercing(f, m);
-        keep[i] = kept;
-        if (kept) meetings[i] = m;
+            verdict = said(piercing(f, m));
+        verdicts[i] = static_cast<std::uint32_t>(verdict);
+        if (verdict == Verdict::contact) meetings[i] = m;
     }
 
 private:
+    PIERCE_HD static Verdict said(bool contact) { return contact ? Verdict::contact : Verdict::nothing; }
+
     /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to the triangle's first
     /// corner.
     PIERCE_HD const BodyView& holder(const FeaturePair& f) const { return bodies[pairs[f.pair].source(side_of(f.kind))]; }
@@ -132,7 +144,7 @@ private:
 
     PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
 
-    PIERCE_HD bool vertex_and_triangle(const FeaturePair& f, SheetMeeting& m) const {
+    PIERCE_HD Verdict vertex_and_triangle(const FeaturePair& f, SheetMeeting& m) const {
         const BodyView &of_vertex = holder(f), &of_face = target(f);
         const Vec3d origin = moving_vertex(of_face, of_face.mesh.triangles[f.other].vertex[0]).end;
         const MovingTriangle face(of_face, f.other, origin);
@@ -141,19 +153,25 @@ private:
         const double height = dot(normal, p.end - face.corner[0].end);
         const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
 
-        Impact impact;
-        const bool met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
         const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
+        const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) != (height < 0);
+        Impact impact;
+        bool met = false;
+        if constexpr (searching)
+            met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
+        else if (!vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2]) ||
+                 (remembered == 0 && changes))
+            return Verdict::undecided;
         m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
         const bool solid = of_face.mesh.closed && !of_face.collision.sheet;
         // What is inside a solid is pushed out along a ray.
-        if (solid && m.side < 0) return false;
+        if (solid && m.side < 0) return Verdict::nothing;
 
         const double gap = m.side * height;
         const bool through = above && remembered != 0 && gap < 0 && -gap < sheet_pairs[f.pair].margin;
         const double thickness = sheet_pairs[f.pair].thickness;
         const bool near = above && std::fabs(height) < thickness && gap < proximity(f, thickness, of_vertex, of_face, m);
-        if (!met && !near && !through) return false;
+        if (!met && !near && !through) return Verdict::nothing;
         m.out = static_cast<double>(m.side) * normal;
         m.distance = gap;
         if (!above) {
@@ -167,7 +185,7 @@ private:
         }
         m.found = met ? Found::crossing : through ? Found::remembered : Found::near;
         if (met) m.time = impact.time;
-        return true;
+        return Verdict::contact;
     }
 
     /// Weights of the corners at the foot of `p`; true if that lies in the triangle.
@@ -200,7 +218,9 @@ private:
         }
         if ((before < 0) == (height < 0)) return height < 0 ? -1 : 1;
         // It has changed sides without meeting this triangle: through a neighbour, or around the border.
-        return meets_neighbor(f, p) ? (before < 0 ? -1 : 1) : (height < 0 ? -1 : 1);
+        bool through = false;
+        if constexpr (searching) through = meets_neighbor(f, p);
+        return (through ? before : height) < 0 ? -1 : 1;
     }
 
     PIERCE_HD bool meets_neighbor(const FeaturePair& f, const MovingPoint& p) const {
@@ -237,7 +257,7 @@ private:
                                    to_double(b.mesh.positions[eb.vertex[0]]), to_double(b.mesh.positions[eb.vertex[1]])));
     }
 
-    PIERCE_HD bool two_edges(const FeaturePair& f, SheetMeeting& m) const {
+    PIERCE_HD Verdict two_edges(const FeaturePair& f, SheetMeeting& m) const {
         const BodyView &a = bodies[pairs[f.pair].a], &b = bodies[pairs[f.pair].b];
         const Edge &ea = a.mesh.edges[f.item], &eb = b.mesh.edges[f.other];
         const MovingPoint first = moving_vertex(a, ea.vertex[0]);
@@ -251,13 +271,17 @@ private:
         m.distance = length(way);
 
         Impact impact;
-        const bool met = edges_meet(p, q, r, s, impact);
+        bool met = false;
+        if constexpr (searching)
+            met = edges_meet(p, q, r, s, impact);
+        else if (!edges_surely_miss(p, q, r, s))
+            return Verdict::undecided;
         if (!met) {
             if (!between || !(m.distance > 0) || !(m.distance < proximity(f, sheet_pairs[f.pair].thickness, a, ea, b, eb)))
-                return false;
+                return Verdict::nothing;
             m.out = normalized(way);
             set_places(m, at.first, at.second);
-            return true;
+            return Verdict::contact;
         }
         // The side from which they meet; it stays theirs while they turn.
         const auto when = [&](const MovingPoint& x) { return x.start + impact.time * (x.end - x.start); };
@@ -277,7 +301,7 @@ private:
         set_places(m, first_place, second_place);
         m.found = Found::crossing;
         m.time = impact.time;
-        return true;
+        return Verdict::contact;
     }
 
     PIERCE_HD static void set_places(SheetMeeting& m, double first, double second) {
@@ -329,6 +353,14 @@ private:
     }
 };
 
+/// True for features with this verdict.
+struct HasVerdict {
+    View<const std::uint32_t> verdicts;
+    Verdict verdict;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return verdicts[i] == static_cast<std::uint32_t>(verdict); }
+};
+
 /// Per kept contact: what it is sorted by.
 struct KeySheetContacts {
     View<const FeaturePair> features;
@@ -348,13 +380,14 @@ struct KeySheetContacts {
 struct KeyByFeature {
     View<const FeaturePair> features;
     View<const std::uint32_t> order;
+    std::uint32_t bits = 0;  ///< of a feature's number
     View<std::uint64_t> keys;
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const FeaturePair& f = features[order[i]];
-        keys[i] = feature_key(f.pair, f.kind, f.item);
+        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
     }
 };
 

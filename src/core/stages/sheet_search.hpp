@@ -202,6 +202,76 @@ struct BoxTriangles {
     }
 };
 
+/// A group of triangles over the step, between two planes along its mean normal and within a rectangle across it: float32,
+/// not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of many others; slabs
+/// do not.
+struct Slab {
+    Vec3f center;
+    Vec3f axis[3];  ///< the normal, and two at right angles to it; unit
+    float half[3] = {};
+    float rounding = 0;  ///< [length] by how much sums of the above may be wrong
+
+    /// True if along this slab's normal the other one is further away than `margin`.
+    PIERCE_HD bool is_apart(const Slab& other, float margin) const {
+        const Vec3f n = axis[0];
+        float reach = half[0] + margin + rounding + other.rounding;
+        for (int k = 0; k < 3; ++k) reach += other.half[k] * std::fabs(dot(n, other.axis[k]));
+        return std::fabs(dot(n, other.center - center)) > reach;
+    }
+};
+
+/// Per group: its slab.
+struct FitSlab {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> block_offsets;  ///< per body
+    View<Slab> slabs;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const OwnedItem block = owned_item(block_offsets, i / constants::group_size);
+        const BodyView& body = bodies[block.owner];
+        const std::uint32_t begin = (i - block_offsets[block.owner] * constants::group_size) * constants::group_size;
+        const std::uint32_t end = min_of(begin + constants::group_size, body.mesh.triangles.size);
+        Slab slab;
+        if (begin < end && body.active) fit(body, begin, end, slab);
+        slabs[i] = slab;
+    }
+
+private:
+    PIERCE_HD static void fit(const BodyView& body, std::uint32_t begin, std::uint32_t end, Slab& slab) {
+        const Vec3d origin = moving_vertex(body, body.mesh.triangles[body.mesh.group_triangles[begin]].vertex[0]).end;
+        Vec3d normal;
+        for (std::uint32_t k = begin; k < end; ++k)
+            normal += MovingTriangle(body, body.mesh.group_triangles[k], origin).end_normal();
+        Vec3d axis[3] = {normalized(normal)};
+        if (length_squared(axis[0]) == 0) axis[0] = {0, 0, 1};
+        const Vec3d n = axis[0];
+        const int least = std::fabs(n.x) <= std::fabs(n.y) && std::fabs(n.x) <= std::fabs(n.z) ? 0
+                          : std::fabs(n.y) <= std::fabs(n.z)                                   ? 1
+                                                                                               : 2;
+        Vec3d side;
+        side[least] = 1;
+        axis[1] = normalized(cross(n, side));
+        axis[2] = cross(n, axis[1]);
+        Box extent;  // along the axes
+        for (std::uint32_t k = begin; k < end; ++k)
+            for (const MovingPoint& p : MovingTriangle(body, body.mesh.group_triangles[k], origin).corner)
+                for (const Vec3d at : {p.start, p.end})
+                    extent.extend(Vec3d{dot(axis[0], at), dot(axis[1], at), dot(axis[2], at)});
+        const Vec3d middle = extent.center(), half = extent.half_size();
+        slab.center = to_float(origin + middle.x * axis[0] + middle.y * axis[1] + middle.z * axis[2]);
+        double largest = length(half);
+        for (int k = 0; k < 3; ++k) {
+            slab.axis[k] = to_float(axis[k]);
+            slab.half[k] = round_up(half[k]);
+            largest = max_of(std::fabs(static_cast<double>(slab.center[k])), largest);
+        }
+        // u: half a float32 ulp. Two centres are at most 3.5 times the largest coordinate apart; their difference is off by
+        // 4 u of it, the axis by 1 u, the dot product by 3 u more: 28 u in all, and as much again for the sum of the
+        // reaches.
+        slab.rounding = round_up(4 * constants::slab_margin * largest);
+    }
+};
+
 /// Per sixteen boxes: the box around them, one of sixteen itself.
 struct BoxAround {
     View<const Boxes> parts;
@@ -321,6 +391,7 @@ struct FindGroups {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< blocks
     View<const Boxes> boxes;      ///< of groups, per block
+    View<const Slab> slabs;       ///< of groups
     View<std::uint32_t> masks, counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -329,6 +400,13 @@ struct FindGroups {
         std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pairs[c.pair].margin);
         // In a block itself each two once, and each with itself.
         if (c.first == c.second) mask &= ~std::uint32_t{0} << k;
+        const Slab mine = slabs[c.first * constants::group_size + k];
+        const float margin = round_up(pairs[c.pair].margin);
+        for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+            const std::uint32_t bit = lowest_bit(left);
+            const Slab other = slabs[c.second * constants::group_size + bit];
+            if (mine.is_apart(other, margin) || other.is_apart(mine, margin)) mask &= ~(1u << bit);
+        }
         masks[i] = mask;
         counts[i] = bit_count(mask);
     }
