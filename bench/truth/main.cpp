@@ -9,6 +9,7 @@
 #include "pierce/app/progress.hpp"
 #include "pierce/core/error.hpp"
 #include "truth/frame_truth.hpp"
+#include "truth/sheet_truth.hpp"
 
 namespace {
 
@@ -24,6 +25,7 @@ struct Options {
     fs::path out;  ///< empty: in the folder
     std::uint32_t every = 1;
     bool pairs_only = false;
+    bool sheets = false;
 };
 
 json to_json(const truth::FrameTruth& frame, bool pairs_only) {
@@ -51,20 +53,53 @@ void write_truth(const Options& options) {
     if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
 }
 
+json to_json(std::span<const truth::SheetMeeting> meetings, std::span<const truth::Piercing> piercings) {
+    json result{{"meetings", json::array()}, {"piercings", json::array()}};
+    for (const truth::SheetMeeting& m : meetings)
+        result["meetings"].push_back({static_cast<int>(m.features), m.a, m.item, m.b, m.other});
+    for (const truth::Piercing& p : piercings) result["piercings"].push_back({p.a, p.edge, p.b, p.triangle, p.depth});
+    return result;
+}
+
+/// Frames are written one by one: there may be many meetings.
+void write_sheets(const Options& options) {
+    const scenes::Recording recording = scenes::read_recording(options.folder);
+    const truth::SheetTruth truth(recording);
+    const fs::path file = options.out.empty() ? options.folder / "sheets.json" : options.out;
+    std::ofstream out(file);
+    truth::MeetingCounts counts;
+    out << "{\"format\":\"pierce-sheet-truth\",\"version\":1,\"every\":" << options.every << ",\"frames\":[";
+    app::Progress progress("sheets", recording.frame_count);
+    for (std::uint64_t f = 0; f < recording.frame_count; f += options.every) {
+        const auto frame = static_cast<std::uint32_t>(f);
+        json entry = to_json(truth.meetings(frame, &counts), truth.piercings(frame));
+        entry["frame"] = frame;
+        out << (f == 0 ? "\n" : ",\n") << entry;
+        progress.show(frame + 1);
+    }
+    out << "],\"decided\":"
+        << json{{"apart", counts.apart}, {"bounded", counts.bounded}, {"ends", counts.ends}, {"exact", counts.exact}}
+        << "}\n";
+    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app{"Exact overlaps and inside vertices of a recording"};
+    CLI::App app{"Exact overlaps, inside vertices and meetings of sheets of a recording"};
     Options options;
     app.add_option("folder", options.folder, "folder with scene.json")->required();
     app.add_option("--every", options.every, "look at every Nth frame")
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
     app.add_flag("--pairs-only", options.pairs_only, "leave out inside vertices");
-    app.add_option("--out", options.out, "write to FILE instead of truth.json in the folder")->type_name("FILE");
+    app.add_flag("--sheets", options.sheets, "what sheets meet from frame to frame, and edges through triangles")
+        ->excludes("--pairs-only");
+    app.add_option("--out", options.out, "write to FILE instead of truth.json, or sheets.json, in the folder")
+        ->type_name("FILE");
     try {
         app.parse(argc, argv);
-        write_truth(options);
+        options.sheets ? write_sheets(options) : write_truth(options);
         return 0;
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : exit_bad_input;

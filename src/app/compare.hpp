@@ -10,6 +10,7 @@
 #include "pierce/scenes/recording.hpp"
 #include "pierce/scenes/truth_file.hpp"
 #include "plot.hpp"
+#include "truth_program.hpp"
 
 namespace pierce::app {
 
@@ -41,15 +42,6 @@ struct Comparison {
 std::vector<Comparison> compare(const scenes::Recording& recording, std::span<const scenes::TrueFrame> truth,
                                 std::span<const ComparedMethod> methods, int threads, const std::string& what,
                                 std::vector<std::string>* left_out = nullptr);
-
-/// Throws InputError unless the program that makes truths, pierce_truth, was built beside this one.
-void check_truth_program();
-
-/// The truth beside a recording; made by pierce_truth if there is none. Throws InputError if that fails.
-std::vector<scenes::TrueFrame> truth_of(const std::filesystem::path& folder, std::uint32_t every, bool pairs_only = false);
-
-/// The same of a recording that is in no folder.
-std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every, bool pairs_only = false);
 
 /// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and size.
 void add_convex_pieces(scenes::SceneSetup& scene);

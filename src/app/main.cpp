@@ -6,6 +6,7 @@
 
 #include "accuracy_report.hpp"
 #include "check.hpp"
+#include "cloth_report.hpp"
 #include "commands.hpp"
 #include "compare.hpp"
 #include "explain.hpp"
@@ -263,6 +264,27 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1024));
     accuracy_command->add_option("--seed", accuracy_options.seed, "of rotations and poses")->capture_default_str();
     accuracy_command->callback([&] { code = report_accuracy(accuracy_options); });
+
+    ClothReportOptions cloth_options;
+    CLI::App* cloth_command = report_command->add_subcommand(
+        "cloth", "which crossings of cloth each method misses or invents, and how deep cloth goes through itself");
+    cloth_command->add_option("--out", cloth_options.out, "folder for the page, its pictures and CSV files")
+        ->required()
+        ->type_name("DIR");
+    cloth_command->add_option("--seconds", cloth_options.timing.seconds, "simulated time of the motions compared on")
+        ->capture_default_str()
+        ->check(positive_number);
+    cloth_command->add_option("--fall", cloth_options.falling.seconds, "simulated time of figure 16")
+        ->capture_default_str()
+        ->check(positive_number);
+    cloth_command
+        ->add_option("--nodes", cloth_options.nodes, "of a sheet, vertices along a side; the scene's own if not given")
+        ->check(CLI::Range(2u, 10000u));
+    cloth_command->add_option("--threads", cloth_options.threads, "threads for detection")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1024));
+    cloth_command->add_option("--seed", cloth_options.seed, "of the sheet's turn")->capture_default_str();
+    cloth_command->callback([&] { code = report_cloth(cloth_options); });
 
     try {
         app.parse(argc, argv);

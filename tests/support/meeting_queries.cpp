@@ -35,7 +35,7 @@ std::vector<MeetingQuery> read_meeting_queries(const std::filesystem::path& file
         if (row % 8 == 0) queries.push_back({{}, numbers[6] != 0});
         if (queries.back().meets != (numbers[6] != 0))
             throw std::runtime_error(where + "another answer than the line before");
-        ExactMovingPoint& corner = queries.back().corners[row % 4];
+        truth::ExactMovingPoint& corner = queries.back().corners[row % 4];
         for (std::size_t k = 0; k < 3; ++k) {
             if (numbers[2 * k + 1] == 0) throw std::runtime_error(where + "a denominator is zero");
             mpq_class value(numbers[2 * k], numbers[2 * k + 1]);

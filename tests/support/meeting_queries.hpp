@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "support/exact_continuous.hpp"
+#include "truth/exact_continuous.hpp"
 
 namespace pierce::test {
+
+using truth::ExactCorners;
 
 /// A question with a known answer: do four moving corners meet?
 struct MeetingQuery {

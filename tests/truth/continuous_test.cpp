@@ -14,6 +14,10 @@ namespace pierce::test {
 namespace {
 
 using testing::HasSubstr;
+using truth::exact;
+using truth::ExactTime;
+using truth::first_meeting_of_edges;
+using truth::first_meeting_of_vertex_and_face;
 using FourPoints = std::array<MovingPoint, 4>;
 
 enum class Kind { vertex_and_face, edges };

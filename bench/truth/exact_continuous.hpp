@@ -7,7 +7,7 @@
 
 #include "pierce/core/moving_point.hpp"
 
-namespace pierce::test {
+namespace pierce::truth {
 
 /// A point with rational coordinates that moves in a straight line from time 0 to time 1.
 struct ExactMovingPoint {
@@ -31,4 +31,4 @@ std::optional<ExactTime> first_meeting_of_vertex_and_face(const ExactCorners& co
 /// When two moving edges first meet, likewise. They may be parallel, or points.
 std::optional<ExactTime> first_meeting_of_edges(const ExactCorners& corners);
 
-}  // namespace pierce::test
+}  // namespace pierce::truth

@@ -1,11 +1,11 @@
-#include "support/exact_continuous.hpp"
+#include "truth/exact_continuous.hpp"
 
 #include <algorithm>
 #include <functional>
 #include <utility>
 #include <vector>
 
-namespace pierce::test {
+namespace pierce::truth {
 namespace {
 
 /// A polynomial of time; coefficients from the constant up, the last one not zero.
@@ -244,4 +244,4 @@ std::optional<ExactTime> first_meeting_of_edges(const ExactCorners& corners) {
     return first_time(question);
 }
 
-}  // namespace pierce::test
+}  // namespace pierce::truth
