@@ -118,6 +118,8 @@ struct MaskFeatures {
     View<const TrianglePair> triangles;
     View<std::uint32_t> masks, counts;
 
+    static constexpr int blocks_at_once = 10;  // of 64 threads; measured: with 5 two fifths slower
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         const TrianglePair& t = triangles[i / 3];
         masks[i] = mask(t, pairs[t.pair], i % 3);
