@@ -15,7 +15,7 @@ fi
 
 build=${PIERCE_BUILD:-build/gpu}
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPIERCE_CUDA=ON -DCMAKE_CUDA_ARCHITECTURES=native >"$out/log.txt" 2>&1
-cmake --build "$build" --target conformance_tests pierce_app pierce_gpu_steps pierce_gpu_trees >>"$out/log.txt"
+cmake --build "$build" --target conformance_tests pierce_app pierce_gpu_steps pierce_gpu_trees pierce_gpu_sheets >>"$out/log.txt"
 echo "built in $SECONDS s"
 
 {
@@ -26,7 +26,7 @@ echo "built in $SECONDS s"
 } >"$out/machine.txt"
 
 # Every contact list of the hard cases, of random pairs and of whole scenes against the reference, bit for bit.
-"$build"/tests/conformance_tests --gtest_filter='*Contacts*cuda*:*HardBodies*cuda*:*HardRays*cuda*:*Equivalence*tori*:*Tie*' \
+"$build"/tests/conformance_tests --gtest_filter='*Contacts*cuda*:*HardBodies*cuda*:*HardRays*cuda*:*Equivalence*tori*:*Tie*:*Sheets*cuda*:*SelfOverlap*cuda*' \
     --gtest_brief=1 >>"$out/log.txt" 2>&1 && echo "tests passed, $SECONDS s" || { tail -20 "$out/log.txt"; exit 1; }
 
 # The paper's scene: 100 soft tori fall on each other; the frames of the pile are then replayed on the GPU.
@@ -38,6 +38,8 @@ for builder in lbvh hlbvh ploc; do
     "$steps" lattice:100 lattice:1000 lattice:10000 --steps 100 --check 0 --builder "$builder" | tail -n +2 >>"$out/steps.csv"
 done
 "$build"/bench/pierce_gpu_trees 100 1000 10000 mesh:7 >"$out/trees.csv"
+"$build"/bench/pierce_gpu_sheets --steps 60 --check 2 >"$out/sheets.csv"
+"$build"/bench/pierce_gpu_sheets --steps 20 --check 0 --stages | tail -n +2 >>"$out/sheets.csv"
 rm -r "$out/../soft_tori"
 
 for tool in memcheck racecheck; do
@@ -51,4 +53,5 @@ echo "done in $SECONDS s"
 cat "$out/machine.txt"
 cut -d, -f1-4,6-14 "$out/steps.csv"
 cut -d, -f1-5,7-8,11 "$out/trees.csv"
+cat "$out/sheets.csv"
 cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true
