@@ -156,6 +156,9 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     vertex_position(body, vertex);  // checks both
     state_->bodies.get(other, "body");
     if (body == other) throw InputError("a vertex is not explained against its own body");
+    for (BodyId id : {body, other})
+        if (collision_of(id).sheet)
+            throw InputError("body " + std::to_string(id.index) + " is a sheet: its contacts say how they were found");
     if (!state_->planned) throw InputError("explain needs a detect() after bodies were added, removed or changed");
     state_->backend->fetch_bodies(view_of(state_->views));
     Explanation result =

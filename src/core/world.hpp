@@ -98,7 +98,7 @@ public:
     std::vector<BodyBox> body_boxes() const;
 
     /// Why `vertex` of `body` has, or has not, a contact with `other` after the last detect(). Throws InputError for a
-    /// vertex there is not, or if bodies were added, removed or changed since.
+    /// vertex there is not, a sheet, or if bodies were added, removed or changed since.
     Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
     /// The first body along each line of sight from `origin`, bodies standing as in the last detect().

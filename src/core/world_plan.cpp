@@ -28,7 +28,9 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         if (std::ranges::find(plan.notes, line) == plan.notes.end()) plan.notes.push_back(line);
     };
     const MeshTraits& traits = mesh.traits();
-    if (!traits.closed())
+    if (body.collision.sheet)
+        note("sheet: contacts of its surface over the motion of a step, whatever is inside or outside");
+    else if (!traits.closed())
         note("open (" + std::to_string(traits.inconsistent_edges) +
              " edges without a partner of opposite direction): it has no inside, so nothing penetrates it; its own rays "
              "are limited in length and rules R2 and R3 do not apply");
@@ -142,7 +144,9 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     plan.coverage = settings.coverage;
-    plan.reprojects = settings.reproject || plan.sheets;
+    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals say nothing about the way.
+    const bool solids = std::ranges::any_of(views, [](const BodyView& v) { return v.mesh_key != 0 && v.is_solid(); });
+    plan.reprojects = settings.reproject || (plan.sheets && solids);
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
     plan.traces_own_exits = plan.deforming_bodies > 0 || complete;
     const auto add = [&](bool needed, std::initializer_list<const char*> names) {

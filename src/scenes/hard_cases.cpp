@@ -296,7 +296,7 @@ void add_defects(std::vector<HardCase>& cases) {
          {},
          "depth 0.02, upward, if the sheet faces down; if it faces up, complete finds this and vertices nothing",
          "facing up, the sheet's inward rays go down: 0.98 is beyond an open body's range, so vertices report nothing, "
-         "neither 0.98 nor 0.02"});
+         "neither 0.98 nor 0.02; as a sheet (World::set_collision) it is pushed out by 0.02 whichever way it faces"});
     cases.push_back({21,
                      "flipped_triangle",
                      {{cube_with_flipped_triangle(), center, at_defect, Meets::entry, std::sqrt(0.375)},
@@ -335,7 +335,7 @@ void add_motions(std::vector<HardCase>& cases) {
                       {"after it", small_cube_around({0, 0, -1}), plate, -1, {}, {}}},
                      {},
                      "outside before and after the step; a ray along the motion enters at 0.4975 of it",
-                     "not answered by a single pose: no contact is reported, and none at the time of impact"});
+                     "not answered by a single pose; the corners of a sheet that moves so meet the plate at 0.4975 of the step"});
     const MeshData low = sheet({0, 0, 0}, 1, true), high = sheet({0, 0, 0.1f}, 1, true);
     cases.push_back(
         {25,
@@ -345,7 +345,7 @@ void add_motions(std::vector<HardCase>& cases) {
           {"after it", sheet({0, 0, 0.2f}, 1, true), sheet({0, 0, 0.3f}, 1, true), -1, {}, {}}},
          {},
          "no collision",
-         "not answered by a single pose: open bodies are in contact with closed ones only, whatever their motion"});
+         "not answered by a single pose; as one sheet the layers have no contact, and one by the rays as published"});
 }
 
 }  // namespace

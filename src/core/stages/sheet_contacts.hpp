@@ -170,14 +170,13 @@ private:
         if (!met && !close) return Verdict::nothing;
         const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
         m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
-        const bool solid = of_face.mesh.closed && !of_face.collision.sheet;
         // What is inside a solid is pushed out along a ray.
-        if (solid && m.side < 0) return Verdict::nothing;
+        if (of_face.is_solid() && m.side < 0) return Verdict::nothing;
 
         const double gap = m.side * height;
         const bool through = above && remembered != 0 && gap < 0 && -gap < sheet_pairs[f.pair].margin;
         const double thickness = sheet_pairs[f.pair].thickness;
-        const bool near = above && std::fabs(height) < thickness && gap < proximity(f, thickness, of_vertex, of_face, m);
+        const bool near = above && std::fabs(height) < thickness && gap < proximity(f, thickness, of_vertex, of_face);
         if (!met && !near && !through) return Verdict::nothing;
         m.out = static_cast<double>(m.side) * normal;
         m.distance = gap;
@@ -244,8 +243,8 @@ private:
     }
 
     /// How close counts as near: the thickness; of a body to itself, no more than half of how close the two are at rest.
-    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const BodyView& of_vertex, const BodyView& of_face,
-                               const SheetMeeting&) const {
+    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const BodyView& of_vertex,
+                               const BodyView& of_face) const {
         if (!pairs[f.pair].is_self()) return thickness;
         const Triangle& t = of_face.mesh.triangles[f.other];
         const Vec3d p = to_double(of_vertex.mesh.positions[f.item]);
@@ -326,9 +325,7 @@ private:
         const Edge& e = of_edge.mesh.edges[f.item];
         for (std::uint32_t v : e.vertex)
             if (memory.knows(f.pair, vertices, v, f.other, triangles)) return false;
-        const bool solid = of_face.mesh.closed && !of_face.collision.sheet;
-        const bool in_solid = of_edge.mesh.closed && !of_edge.collision.sheet;
-        if (solid || in_solid) return false;
+        if (of_face.is_solid() || of_edge.is_solid()) return false;
 
         const Triangle& t = triangles[f.other];
         const Vec3d a = moving_vertex(of_face, t.vertex[0]).end, b = moving_vertex(of_face, t.vertex[1]).end - a,
