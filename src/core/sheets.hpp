@@ -107,9 +107,12 @@ private:
             "count_sheet_items", bodies,
             stages::CountSheetItems{scene.bodies, view_of(wanted_), view_of(block_counts_), view_of(counts_)});
         const Count vertices = tools_.place("vertex_scan", counts_, vertex_offsets_);
+        vertices_.resize(vertices);
+        executor_.for_each("move_vertices", vertices,
+                           stages::MoveVertices{scene.bodies, view_of(vertex_offsets_), view_of(vertices_)});
+        const stages::SheetBodies sheet_bodies = bodies_of(scene);
         flat_.resize(vertices);
-        executor_.for_each("find_flat_stars", vertices,
-                           stages::FindFlatStars{scene.bodies, view_of(vertex_offsets_), view_of(flat_)});
+        executor_.for_each("find_flat_stars", vertices, stages::FindFlatStars{sheet_bodies, view_of(flat_)});
         const Count blocks = tools_.place("block_scan", block_counts_, block_offsets_);
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
         triangle_boxes_.resize(groups);
@@ -117,13 +120,13 @@ private:
         // Blocks have their boxes in sixteens, too; what is past the last one is never asked for.
         block_boxes_.resize(blocks);
         executor_.for_each("box_triangles", triangles,
-                           stages::BoxTriangles{scene.bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
+                           stages::BoxTriangles{sheet_bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
         slabs_.resize(groups);
         executor_.for_each("fit_slabs", groups,
-                           stages::FitSlab{scene.bodies, view_of(block_offsets_), view_of(slabs_), constants::group_size});
+                           stages::FitSlab{sheet_bodies, view_of(block_offsets_), view_of(slabs_), constants::group_size});
         triangle_slabs_.resize(triangles);
         executor_.for_each("fit_slabs", triangles,
-                           stages::FitSlab{scene.bodies, view_of(block_offsets_), view_of(triangle_slabs_), 1});
+                           stages::FitSlab{sheet_bodies, view_of(block_offsets_), view_of(triangle_slabs_), 1});
         executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
         executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
     }
@@ -135,8 +138,8 @@ private:
         masks_.resize(parts);
         counts_.resize(parts);
         executor_.for_each("mask_features", parts,
-                           stages::MaskFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
-                                                view_of(counts_)});
+                           stages::MaskFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(triangles_),
+                                                view_of(masks_), view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
         executor_.for_each("list_features", parts,
                            stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
@@ -146,7 +149,7 @@ private:
         meetings_.resize(count);
         verdicts_.resize(count);
         executor_.for_each("meet_features", count,
-                           stages::MeetFeatures<false>{scene.bodies,
+                           stages::MeetFeatures<false>{bodies_of(scene),
                                                        view_of(pairs),
                                                        view_of(sheet_pairs_),
                                                        view_of(features_),
@@ -158,7 +161,7 @@ private:
                                             stages::HasVerdict{view_of(verdicts_), stages::Verdict::undecided}, undecided_);
         executor_.for_each(
             "search_meetings", undecided,
-            stages::MeetFeatures<true>{scene.bodies, view_of(pairs), view_of(sheet_pairs_), view_of(features_),
+            stages::MeetFeatures<true>{bodies_of(scene), view_of(pairs), view_of(sheet_pairs_), view_of(features_),
                                        view_of(undecided_), memory, view_of(meetings_), view_of(verdicts_)});
         const Count kept = tools_.list("sheet_contact_list", count,
                                        stages::HasVerdict{view_of(verdicts_), stages::Verdict::contact}, kept_);
@@ -177,12 +180,17 @@ private:
         executor_.sort("sheet_sort", kept, pair_bits + 3 + static_cast<int>(bits_), view_of(keys_), view_of(order_));
         executor_.for_each(
             "fill_sheet_contact", kept,
-            stages::FillSheetContact{scene.bodies, scene.ids, view_of(pairs), view_of(features_), view_of(meetings_),
+            stages::FillSheetContact{bodies_of(scene), scene.ids, view_of(pairs), view_of(features_), view_of(meetings_),
                                      view_of(order_), memory, view_of(records_), view_of(deepest_), view_of(contacts_)});
+    }
+
+    stages::SheetBodies bodies_of(const Scene& scene) {
+        return {scene.bodies, view_of(vertex_offsets_), view_of(vertices_)};
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
+    Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;

@@ -109,7 +109,7 @@ enum class Verdict : std::uint32_t { nothing, contact, undecided };
 /// that were left undecided. The search needs so much of a GPU's registers that few threads could run with it.
 template <bool searching>
 struct MeetFeatures {
-    View<const BodyView> bodies;
+    SheetBodies bodies;
     View<const Pair> pairs;
     View<const SheetPair> sheet_pairs;
     View<const FeaturePair> features;
@@ -140,8 +140,8 @@ private:
 
     /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to the triangle's first
     /// corner.
-    PIERCE_HD const BodyView& holder(const FeaturePair& f) const { return bodies[pairs[f.pair].source(side_of(f.kind))]; }
-    PIERCE_HD const BodyView& target(const FeaturePair& f) const { return bodies[pairs[f.pair].target(side_of(f.kind))]; }
+    PIERCE_HD SheetBody holder(const FeaturePair& f) const { return bodies[pairs[f.pair].source(side_of(f.kind))]; }
+    PIERCE_HD SheetBody target(const FeaturePair& f) const { return bodies[pairs[f.pair].target(side_of(f.kind))]; }
     PIERCE_HD static std::uint32_t side_of(FeatureKind kind) {
         return kind == FeatureKind::vertex_of_b || kind == FeatureKind::piercing_edge_of_b;
     }
@@ -149,10 +149,10 @@ private:
     PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
 
     PIERCE_HD Verdict vertex_and_triangle(const FeaturePair& f, SheetMeeting& m) const {
-        const BodyView &of_vertex = holder(f), &of_face = target(f);
-        const Vec3d origin = moving_vertex(of_face, of_face.mesh.triangles[f.other].vertex[0]).end;
+        const SheetBody of_vertex = holder(f), of_face = target(f);
+        const Vec3d origin = of_face.vertex(of_face.mesh.triangles[f.other].vertex[0]).end;
         const MovingTriangle face(of_face, f.other, origin);
-        const MovingPoint p = relative(moving_vertex(of_vertex, f.item), origin);
+        const MovingPoint p = relative(of_vertex.vertex(f.item), origin);
         const Vec3d normal = normalized(face.end_normal());
         const double height = dot(normal, p.end - face.corner[0].end);
         const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
@@ -171,7 +171,7 @@ private:
         const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
         m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
         // What is inside a solid is pushed out along a ray.
-        if (of_face.is_solid() && m.side < 0) return Verdict::nothing;
+        if (of_face.view.is_solid() && m.side < 0) return Verdict::nothing;
 
         const double gap = m.side * height;
         const bool through = above && remembered != 0 && gap < 0 && -gap < sheet_pairs[f.pair].margin;
@@ -230,8 +230,8 @@ private:
     }
 
     PIERCE_HD bool meets_neighbor(const FeaturePair& f, const MovingPoint& p) const {
-        const BodyView& of_face = target(f);
-        const Vec3d origin = moving_vertex(of_face, of_face.mesh.triangles[f.other].vertex[0]).end;
+        const SheetBody of_face = target(f);
+        const Vec3d origin = of_face.vertex(of_face.mesh.triangles[f.other].vertex[0]).end;
         for (std::uint32_t neighbor : of_face.mesh.neighbors[f.other].across) {
             if (neighbor == no_triangle) continue;
             if (pairs[f.pair].is_self() && has_vertex(of_face.mesh.triangles[neighbor], f.item)) continue;
@@ -243,8 +243,8 @@ private:
     }
 
     /// How close counts as near: the thickness; of a body to itself, no more than half of how close the two are at rest.
-    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const BodyView& of_vertex,
-                               const BodyView& of_face) const {
+    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const SheetBody& of_vertex,
+                               const SheetBody& of_face) const {
         if (!pairs[f.pair].is_self()) return thickness;
         const Triangle& t = of_face.mesh.triangles[f.other];
         const Vec3d p = to_double(of_vertex.mesh.positions[f.item]);
@@ -254,8 +254,8 @@ private:
         return min_of(thickness, 0.5 * length(p - q));
     }
 
-    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const BodyView& a, const Edge& ea, const BodyView& b,
-                               const Edge& eb) const {
+    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const SheetBody& a, const Edge& ea,
+                               const SheetBody& b, const Edge& eb) const {
         if (!pairs[f.pair].is_self()) return thickness;
         return min_of(
             thickness,
@@ -264,13 +264,12 @@ private:
     }
 
     PIERCE_HD Verdict two_edges(const FeaturePair& f, SheetMeeting& m) const {
-        const BodyView &a = bodies[pairs[f.pair].a], &b = bodies[pairs[f.pair].b];
+        const SheetBody a = bodies[pairs[f.pair].a], b = bodies[pairs[f.pair].b];
         const Edge &ea = a.mesh.edges[f.item], &eb = b.mesh.edges[f.other];
-        const MovingPoint first = moving_vertex(a, ea.vertex[0]);
+        const MovingPoint first = a.vertex(ea.vertex[0]);
         const Vec3d origin = first.end;
-        const MovingPoint p = relative(first, origin), q = relative(moving_vertex(a, ea.vertex[1]), origin),
-                          r = relative(moving_vertex(b, eb.vertex[0]), origin),
-                          s = relative(moving_vertex(b, eb.vertex[1]), origin);
+        const MovingPoint p = relative(first, origin), q = relative(a.vertex(ea.vertex[1]), origin),
+                          r = relative(b.vertex(eb.vertex[0]), origin), s = relative(b.vertex(eb.vertex[1]), origin);
         const SegmentPlaces at = closest_points_of_segments(p.end, q.end, r.end, s.end);
         const bool between = at.first > 0 && at.first < 1 && at.second > 0 && at.second < 1;
         Vec3d way = p.end + at.first * (q.end - p.end) - r.end - at.second * (s.end - r.end);
@@ -318,19 +317,19 @@ private:
     /// An edge that has been through a triangle since before the step began: a contact only if nobody knows which way it
     /// came. Moving it along the gradient of the contour's length makes the two part (Volino and Magnenat-Thalmann 2006).
     PIERCE_HD bool piercing(const FeaturePair& f, SheetMeeting& m) const {
-        const BodyView &of_edge = holder(f), &of_face = target(f);
+        const SheetBody of_edge = holder(f), of_face = target(f);
         const View<const Triangle> triangles = of_face.mesh.triangles;
         const FeatureKind vertices =
             side_of(f.kind) == 0 || pairs[f.pair].is_self() ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
         const Edge& e = of_edge.mesh.edges[f.item];
         for (std::uint32_t v : e.vertex)
             if (memory.knows(f.pair, vertices, v, f.other, triangles)) return false;
-        if (of_face.is_solid() || of_edge.is_solid()) return false;
+        if (of_face.view.is_solid() || of_edge.view.is_solid()) return false;
 
         const Triangle& t = triangles[f.other];
-        const Vec3d a = moving_vertex(of_face, t.vertex[0]).end, b = moving_vertex(of_face, t.vertex[1]).end - a,
-                    c = moving_vertex(of_face, t.vertex[2]).end - a;
-        const Vec3d p = moving_vertex(of_edge, e.vertex[0]).end - a, q = moving_vertex(of_edge, e.vertex[1]).end - a;
+        const Vec3d a = of_face.vertex(t.vertex[0]).end, b = of_face.vertex(t.vertex[1]).end - a,
+                    c = of_face.vertex(t.vertex[2]).end - a;
+        const Vec3d p = of_edge.vertex(e.vertex[0]).end - a, q = of_edge.vertex(e.vertex[1]).end - a;
         const Vec3d normal = normalized(cross(b, c));
         const double from = dot(normal, p), to = dot(normal, q);
         m.along = from / (from - to);
@@ -397,7 +396,7 @@ struct KeyByFeature {
 
 /// Per contact of a sheet: everything in it, and what is remembered of it.
 struct FillSheetContact {
-    View<const BodyView> bodies;
+    SheetBodies bodies;
     View<const BodyId> ids;
     View<const Pair> pairs;
     View<const FeaturePair> features;
@@ -413,7 +412,7 @@ struct FillSheetContact {
         const SheetMeeting& m = meetings[order[i]];
         const Pair pair = pairs[f.pair];
         const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
-        const BodyView &source = bodies[pair.source(from_b)], &target = bodies[pair.target(from_b)];
+        const SheetBody source = bodies[pair.source(from_b)], target = bodies[pair.target(from_b)];
         Contact c;
         c.a = ids[pair.a];
         c.b = ids[pair.b];
@@ -428,15 +427,14 @@ struct FillSheetContact {
         Vec3d p;
         if (is_vertex) {
             c.vertex = f.item;
-            p = moving_vertex(source, f.item).end;
+            p = source.vertex(f.item).end;
         } else {
             const Edge& edge = source.mesh.edges[f.item];
             c.edge = f.item;
             c.vertex = edge.vertex[0];
             c.edge_end = edge.vertex[1];
             c.along = m.along;
-            p = (1 - m.along) * moving_vertex(source, edge.vertex[0]).end +
-                m.along * moving_vertex(source, edge.vertex[1]).end;
+            p = (1 - m.along) * source.vertex(edge.vertex[0]).end + m.along * source.vertex(edge.vertex[1]).end;
         }
         if (f.kind == FeatureKind::edges) {
             const Edge& edge = target.mesh.edges[f.other];
@@ -460,7 +458,7 @@ struct FillSheetContact {
         contacts[i] = c;
         records[i] = {f.other, c.age, m.distance < 0 ? m.side : 0};
         if (is_vertex && m.distance < 0)
-            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.range))));
+            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.view.range))));
     }
 };
 

@@ -58,10 +58,10 @@ struct QuickTriangle {
     QuickPoint corner[3];
     float size = 0;  ///< no coordinate is larger
 
-    PIERCE_HD QuickTriangle(const BodyView& body, std::uint32_t triangle, Vec3d origin) {
-        const MovingTriangle t(body, triangle, origin);
+    PIERCE_HD QuickTriangle(const SheetBody& body, const Triangle& t, Vec3f origin) {
         for (int k = 0; k < 3; ++k) {
-            corner[k] = {to_float(t.corner[k].start), to_float(t.corner[k].end)};
+            const MovingVertex v = body.vertices[t.vertex[k]];
+            corner[k] = {v.start - origin, v.end - origin};
             for (int axis = 0; axis < 3; ++axis)
                 size = max_of(max_of(std::fabs(corner[k].start[axis]), std::fabs(corner[k].end[axis])), size);
         }
@@ -113,7 +113,7 @@ struct FeatureBits {
 
 /// Per pair of triangles and corner: which of their own features may meet or come close, and their number.
 struct MaskFeatures {
-    View<const BodyView> bodies;
+    SheetBodies bodies;
     View<const SheetPair> pairs;
     View<const TrianglePair> triangles;
     View<std::uint32_t> masks, counts;
@@ -128,13 +128,13 @@ struct MaskFeatures {
 
 private:
     PIERCE_HD std::uint32_t mask(const TrianglePair& t, const SheetPair& pair, std::uint32_t k) const {
-        const BodyView &a = bodies[pair.first], &b = bodies[pair.second];
+        const SheetBody a = bodies[pair.first], b = bodies[pair.second];
         const std::uint32_t own_a = a.mesh.features[t.first].own, own_b = b.mesh.features[t.second].own;
         if (!((own_a | own_b) >> k & 1) && !((own_a | own_b) >> (3 + k) & 1)) return 0;
         const Triangle &ta = a.mesh.triangles[t.first], &tb = b.mesh.triangles[t.second];
         const std::uint32_t next = k == 2 ? 0 : k + 1;
-        const Vec3d origin = moving_vertex(a, ta.vertex[0]).end;
-        const QuickTriangle qa(a, t.first, origin), qb(b, t.second, origin);
+        const Vec3f origin = a.vertices[ta.vertex[0]].end;
+        const QuickTriangle qa(a, ta, origin), qb(b, tb, origin);
         const float size = max_of(qa.size, qb.size), thickness = round_up(pair.thickness), margin = round_up(pair.margin);
         const bool self = pair.first == pair.second;
         std::uint32_t bits = 0;
@@ -198,11 +198,10 @@ private:
         return !(from > room && to > room) && !(from < -room && to < -room);
     }
 
-    PIERCE_HD static bool stays_pierced(const BodyView& of_edge, std::uint32_t v, std::uint32_t w, const BodyView& of_face,
+    PIERCE_HD static bool stays_pierced(const SheetBody& of_edge, std::uint32_t v, std::uint32_t w, const SheetBody& of_face,
                                         const Triangle& t) {
-        const MovingPoint a = moving_vertex(of_face, t.vertex[0]), b = moving_vertex(of_face, t.vertex[1]),
-                          c = moving_vertex(of_face, t.vertex[2]), p = moving_vertex(of_edge, v),
-                          q = moving_vertex(of_edge, w);
+        const MovingPoint a = of_face.vertex(t.vertex[0]), b = of_face.vertex(t.vertex[1]), c = of_face.vertex(t.vertex[2]),
+                          p = of_edge.vertex(v), q = of_edge.vertex(w);
         return pierces(p.end - a.end, q.end - a.end, {}, b.end - a.end, c.end - a.end) &&
                pierces(p.start - a.start, q.start - a.start, {}, b.start - a.start, c.start - a.start);
     }

@@ -14,21 +14,46 @@
 /// left out.
 namespace pierce::stages {
 
-/// A vertex during the step, in world space.
-PIERCE_HD inline MovingPoint moving_vertex(const BodyView& body, std::uint32_t v) {
-    const Vec3d end = to_double(body.positions[v]);
-    if (body.motion == Motion::deforming) return {to_double(body.start[v]), end};
-    return {body.start_space.to_parent(end), body.space.to_parent(end)};
-}
+/// A vertex during the step, in world space. float32, as the positions of sheets are; a rigid body's are rounded to that,
+/// once for all who look at them.
+struct alignas(16) MovingVertex {
+    Vec3f start;
+    float start_padding = 0;
+    Vec3f end;
+    float end_padding = 0;
+};
+
+/// A body as sheets see it.
+struct SheetBody {
+    const BodyView& view;
+    const MeshView& mesh;
+    const MovingVertex* vertices;
+
+    PIERCE_HD MovingPoint vertex(std::uint32_t v) const {
+        const MovingVertex m = vertices[v];
+        return {to_double(m.start), to_double(m.end)};
+    }
+};
+
+/// The bodies of pairs with a sheet, and their vertices.
+struct SheetBodies {
+    View<const BodyView> views;
+    View<const std::uint32_t> vertex_offsets;  ///< per body
+    View<const MovingVertex> vertices;
+
+    PIERCE_HD SheetBody operator[](std::uint32_t body) const {
+        return {views[body], views[body].mesh, vertices.data + vertex_offsets[body]};
+    }
+};
 
 /// A triangle during the step, in world space, relative to `origin`.
 struct MovingTriangle {
     MovingPoint corner[3];
 
-    PIERCE_HD MovingTriangle(const BodyView& body, std::uint32_t triangle, Vec3d origin) {
+    PIERCE_HD MovingTriangle(const SheetBody& body, std::uint32_t triangle, Vec3d origin) {
         const Triangle& t = body.mesh.triangles[triangle];
         for (int k = 0; k < 3; ++k) {
-            const MovingPoint p = moving_vertex(body, t.vertex[k]);
+            const MovingPoint p = body.vertex(t.vertex[k]);
             corner[k] = {p.start - origin, p.end - origin};
         }
     }
@@ -126,7 +151,7 @@ struct PlanSheetPair {
     }
 };
 
-/// Per body: how many blocks of groups of triangles it has, if it is wanted; and how many vertices, if it is a sheet.
+/// Per body: how many blocks of groups of triangles it has, if it is wanted, and how many vertices.
 struct CountSheetItems {
     View<const BodyView> bodies;
     View<const std::uint32_t> wanted;
@@ -138,7 +163,7 @@ struct CountSheetItems {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const MeshView& mesh = bodies[i].mesh;
         blocks[i] = wanted[i] ? (mesh.triangles.size + per_block - 1) / per_block : 0;
-        vertices[i] = wanted[i] && bodies[i].collision.sheet ? mesh.positions.size : 0;
+        vertices[i] = wanted[i] ? mesh.positions.size : 0;
     }
 };
 
@@ -158,18 +183,40 @@ PIERCE_HD inline OwnedItem owned_item(View<const std::uint32_t> offsets, std::ui
     return {low, place - offsets[low]};
 }
 
+/// Per vertex of a wanted body: where it is.
+struct MoveVertices {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> vertex_offsets;
+    View<MovingVertex> vertices;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const OwnedItem item = owned_item(vertex_offsets, i);
+        const BodyView& body = bodies[item.owner];
+        const Vec3f p = body.positions[item.index];
+        MovingVertex vertex;
+        if (body.motion == Motion::deforming) {
+            vertex.start = body.start[item.index];
+            vertex.end = p;
+        } else {
+            vertex.start = to_float(body.start_space.to_parent(to_double(p)));
+            vertex.end = to_float(body.space.to_parent(to_double(p)));
+        }
+        vertices[i] = vertex;
+    }
+};
+
 /// Per place of a group: the box of its triangle over the step.
 struct BoxTriangles {
-    View<const BodyView> bodies;
+    SheetBodies bodies;
     View<const std::uint32_t> block_offsets;  ///< per body
     View<Boxes> boxes;                        ///< per group
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t group = i / constants::group_size;
         const OwnedItem block = owned_item(block_offsets, group / constants::group_size);
-        const BodyView& body = bodies[block.owner];
+        const SheetBody body = bodies[block.owner];
         const std::uint32_t place = i - block_offsets[block.owner] * CountSheetItems::per_block;
-        boxes[group].set(i % constants::group_size, place < body.mesh.triangles.size && body.active
+        boxes[group].set(i % constants::group_size, place < body.mesh.triangles.size && body.view.active
                                                         ? MovingTriangle(body, body.mesh.group_triangles[place], {}).box()
                                                         : Box{});
     }
@@ -195,7 +242,7 @@ struct Slab {
 
 /// Per group, or per triangle: its slab.
 struct FitSlab {
-    View<const BodyView> bodies;
+    SheetBodies bodies;
     View<const std::uint32_t> block_offsets;  ///< per body
     View<Slab> slabs;
     std::uint32_t held = 1;  ///< triangles a slab holds
@@ -203,17 +250,17 @@ struct FitSlab {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t place = i * held;
         const OwnedItem block = owned_item(block_offsets, place / CountSheetItems::per_block);
-        const BodyView& body = bodies[block.owner];
+        const SheetBody body = bodies[block.owner];
         const std::uint32_t begin = place - block_offsets[block.owner] * CountSheetItems::per_block;
         const std::uint32_t end = min_of(begin + held, body.mesh.triangles.size);
         Slab slab;
-        if (begin < end && body.active) fit(body, begin, end, slab);
+        if (begin < end && body.view.active) fit(body, begin, end, slab);
         slabs[i] = slab;
     }
 
 private:
-    PIERCE_HD static void fit(const BodyView& body, std::uint32_t begin, std::uint32_t end, Slab& slab) {
-        const Vec3d origin = moving_vertex(body, body.mesh.triangles[body.mesh.group_triangles[begin]].vertex[0]).end;
+    PIERCE_HD static void fit(const SheetBody& body, std::uint32_t begin, std::uint32_t end, Slab& slab) {
+        const Vec3d origin = body.vertex(body.mesh.triangles[body.mesh.group_triangles[begin]].vertex[0]).end;
         Vec3d normal;
         for (std::uint32_t k = begin; k < end; ++k)
             normal += MovingTriangle(body, body.mesh.group_triangles[k], origin).end_normal();
@@ -262,14 +309,13 @@ struct BoxAround {
 /// shadows are sectors that share no more than their sides, at any time: a sector has less than half a turn while its
 /// triangle faces that way, and the number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
 struct FindFlatStars {
-    View<const BodyView> bodies;
-    View<const std::uint32_t> vertex_offsets;  ///< per body
+    SheetBodies bodies;
     View<std::uint32_t> flat;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const OwnedItem item = owned_item(vertex_offsets, i);
-        const BodyView& body = bodies[item.owner];
-        flat[i] = body.active && is_flat(body, item.index);
+        const OwnedItem item = owned_item(bodies.vertex_offsets, i);
+        const SheetBody body = bodies[item.owner];
+        flat[i] = body.view.collision.sheet && is_flat(body, item.index);
     }
 
 private:
@@ -281,13 +327,13 @@ private:
         return min_of(start, min_of(middle, end));
     }
 
-    PIERCE_HD static bool is_flat(const BodyView& body, std::uint32_t v) {
+    PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
         const MeshView& mesh = body.mesh;
         const std::uint32_t begin = mesh.corner_offsets[v], end = mesh.corner_offsets[v + 1];
         if (end - begin < 3) return false;
-        const MovingPoint at = moving_vertex(body, v);
+        const MovingPoint at = body.vertex(v);
         const auto way_to = [&](std::uint32_t w) {
-            const MovingPoint p = moving_vertex(body, w);
+            const MovingPoint p = body.vertex(w);
             return MovingPoint{p.start - at.start, p.end - at.end};
         };
         Vec3d n;
