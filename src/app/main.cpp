@@ -117,7 +117,7 @@ int main(int argc, char** argv) {
     run_command->add_option("--seconds", run_options.seconds, "simulated time")
         ->capture_default_str()
         ->check(positive_number);
-    run_command->add_option("--dt", run_options.dt, "time step in seconds")->capture_default_str()->check(positive_number);
+    run_command->add_option("--dt", run_options.dt, "time step in seconds; the scene's own if not given")->check(positive_number);
     run_command->add_option("--record", run_options.record, "write the motion to DIR, for 'pierce replay'")
         ->type_name("DIR");
     run_command->add_option("--png", run_options.png, "write a picture of the last frame to FILE")->type_name("FILE");
