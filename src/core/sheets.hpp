@@ -82,17 +82,20 @@ private:
 
         const Count in_groups = constants::group_size * count_of(groups_);
         masks_.resize(in_groups);
-        counts_.resize(in_groups);
         executor_.for_each(
             "find_triangles", in_groups,
-            stages::FindTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_),
-                                  view_of(triangle_slabs_), view_of(block_offsets_), view_of(vertex_offsets_),
-                                  view_of(flat_), view_of(masks_), view_of(counts_)});
+            stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_), view_of(masks_)});
+        const Count near = tools_.list("near_triangles", in_groups, stages::HasNear{view_of(masks_)}, rows_);
+        counts_.resize(near);
+        executor_.for_each("cull_triangles", near,
+                           stages::CullTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(rows_),
+                                                 view_of(triangle_slabs_), view_of(block_offsets_), view_of(vertex_offsets_),
+                                                 view_of(flat_), view_of(masks_), view_of(counts_)});
         triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
         executor_.for_each(
-            "list_triangles", in_groups,
-            stages::ListTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(block_offsets_),
-                                  view_of(masks_), view_of(offsets_), view_of(triangles_)});
+            "list_triangles", near,
+            stages::ListTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(rows_),
+                                  view_of(block_offsets_), view_of(masks_), view_of(offsets_), view_of(triangles_)});
     }
 
     /// Boxes over the step, of the bodies that matter, and vertices around which nothing folds.
@@ -127,14 +130,15 @@ private:
 
     /// Their features, and which of those are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
-        const Count met = count_of(triangles_);
-        masks_.resize(met);
-        counts_.resize(met);
-        executor_.for_each("mask_features", met,
+        // Three items a pair: one for each corner and each edge.
+        const Count parts = 3 * count_of(triangles_);
+        masks_.resize(parts);
+        counts_.resize(parts);
+        executor_.for_each("mask_features", parts,
                            stages::MaskFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
                                                 view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
-        executor_.for_each("list_features", met,
+        executor_.for_each("list_features", parts,
                            stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
                                                 view_of(offsets_), view_of(features_)});
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
@@ -180,7 +184,7 @@ private:
     StepTools<E, T>& tools_;
     E& executor_;
     Buffer<stages::SheetPair> sheet_pairs_;
-    Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, flat_;
+    Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
     Buffer<stages::Slab> slabs_, triangle_slabs_;  ///< of groups, and of triangles

@@ -83,8 +83,7 @@ TEST_P(SheetsTest, LayersThatMoveTogetherDoNotMeet) {
 
 TEST_P(SheetsTest, AVertexThatPassesThroughAPlateInOneStepIsReported) {
     // Hard case 24: from z = 1 to z = -1 through abs(z) <= 0.005.
-    const BodyId plate =
-        world_.add_fixed_body(world_.add_mesh("plate", scenes::box({-1, -1, -0.005f}, {1, 1, 0.005f})));
+    const BodyId plate = world_.add_fixed_body(world_.add_mesh("plate", scenes::box({-1, -1, -0.005f}, {1, 1, 0.005f})));
     const MeshData mesh = flat(1, 0.1f, {0.03f, 0.02f, 1});
     const BodyId body = add_sheet(world_, mesh, 0);
     std::set<std::uint32_t> met;
@@ -159,6 +158,33 @@ TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
     }
     for (const Contact& c : lower_by(0.001f)) EXPECT_EQ(c.found, Found::near);
     EXPECT_TRUE(lower_by(0.1f).empty());
+}
+
+TEST_P(SheetsTest, AVertexThatPassesOneTriangleAndEndsOverItsNeighborBelongsOnTheSideItCameFrom) {
+    // From above the cell (0, 0) to below the cell (1, 0): through one triangle, and then close to another one.
+    MeshData mesh = both(flat(4, 0.25f, {0, 0, 0}), flat(1, 0.01f, {0.2f, 0.05f, 0.1f}));
+    const BodyId body = add_sheet(world_, mesh, 0.02);
+    std::vector<Vec3f> to = mesh.positions;
+    for (std::size_t v = 25; v < to.size(); ++v) to[v] += Vec3f{0.053f, 0, -0.11f};
+    std::set<std::uint32_t> crossing, near;
+    for (const Contact& c : step(world_, body, mesh.positions, to)) {
+        if (c.is_edge() || c.vertex < 25) continue;
+        EXPECT_NEAR(c.distance, -0.01, 1e-6);
+        EXPECT_NEAR(c.normal.z, -1, 1e-6) << "from the vertex to the triangle: it belongs above";
+        (c.found == Found::crossing ? crossing : near).insert(c.vertex);
+    }
+    EXPECT_GT(near.size(), 0u) << "some end over a triangle that they do not meet";
+    EXPECT_EQ(crossing.size(), 4u);
+    // Around the border it is another matter.
+    for (std::size_t v = 25; v < to.size(); ++v) {
+        mesh.positions[v].y -= 0.3f;
+        to[v].y -= 0.04f;
+    }
+    for (const Contact& c : step(world_, body, mesh.positions, to)) {
+        if (c.is_edge() || c.vertex < 25 || c.found == Found::crossing) continue;
+        EXPECT_NEAR(c.distance, 0.01, 1e-6) << "it came from outside, below";
+        EXPECT_NEAR(c.normal.z, 1, 1e-6);
+    }
 }
 
 TEST_P(SheetsTest, WhatStartsTangledHasADirectionOrSaysSo) {

@@ -65,7 +65,7 @@ struct SheetMemory {
     /// True if it is remembered of a vertex which side of a triangle it belongs to.
     PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex, std::uint32_t triangle,
                          View<const Triangle> triangles) const {
-        return side({pair, kind, vertex, triangle}, triangles) != 0;
+        return side({pair, kind, vertex, triangle, false, {}}, triangles) != 0;
     }
 
 private:
@@ -162,7 +162,8 @@ private:
         bool met = false;
         if constexpr (searching)
             met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
-        else if (!vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2]) || (close && changes))
+        else if ((close && changes) ||
+                 (!f.separate && !vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2])))
             return Verdict::undecided;
         if (!met && !close) return Verdict::nothing;
         const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
@@ -278,7 +279,7 @@ private:
         bool met = false;
         if constexpr (searching)
             met = edges_meet(p, q, r, s, impact);
-        else if (!edges_surely_miss(p, q, r, s))
+        else if (!f.separate && !edges_surely_miss(p, q, r, s))
             return Verdict::undecided;
         if (!met) {
             if (!between || !(m.distance > 0) || !(m.distance < proximity(f, sheet_pairs[f.pair].thickness, a, ea, b, eb)))

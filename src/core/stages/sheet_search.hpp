@@ -410,27 +410,47 @@ PIERCE_HD inline std::uint32_t triangle_at(const BodyView& body, std::uint32_t f
     return body.mesh.group_triangles[(group - first_block * constants::group_size) * constants::group_size + k];
 }
 
-/// Per triangle of a near group: a bit for each triangle of the other group that it may meet or come close to, and their
-/// number.
+/// Per triangle of a near group: a bit for each triangle of the other group whose box is near.
 struct FindTriangles {
+    View<const SheetPair> pairs;
+    View<const ClosePair> close;  ///< groups
+    View<const Boxes> boxes;      ///< of triangles, per group
+    View<std::uint32_t> masks;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const ClosePair c = close[i / constants::group_size];
+        const std::uint32_t k = i % constants::group_size;
+        const std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pairs[c.pair].margin);
+        masks[i] = c.first == c.second ? mask & ~std::uint32_t{1} << k : mask;
+    }
+};
+
+/// True for triangles with another one near.
+struct HasNear {
+    View<const std::uint32_t> masks;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return masks[i] != 0; }
+};
+
+/// Per triangle with another one near: leaves out those that a slab separates, and those that hang together where nothing
+/// folds; and counts the rest.
+struct CullTriangles {
     View<const BodyView> bodies;
     View<const SheetPair> pairs;
-    View<const ClosePair> close;                              ///< groups
-    View<const Boxes> boxes;                                  ///< of triangles, per group
+    View<const ClosePair> close;  ///< groups
+    View<const std::uint32_t> rows;
     View<const Slab> slabs;                                   ///< of triangles
     View<const std::uint32_t> block_offsets, vertex_offsets;  ///< per body
     View<const std::uint32_t> flat;
-    View<std::uint32_t> masks, counts;
+    View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair& c = close[i / constants::group_size];
+        const ClosePair c = close[rows[i] / constants::group_size];
         const SheetPair& pair = pairs[c.pair];
-        const std::uint32_t k = i % constants::group_size;
-        std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pair.margin);
-        if (c.first == c.second) mask &= ~std::uint32_t{1} << k;
-        if (mask != 0) mask = keep_near(c, round_up(pair.margin), k, mask);
+        const std::uint32_t k = rows[i] % constants::group_size;
+        std::uint32_t mask = keep_near(c, round_up(pair.margin), k, masks[rows[i]]);
         if (mask != 0 && pair.first == pair.second) mask = keep_folding(c, pair, k, mask);
-        masks[i] = mask;
+        masks[rows[i]] = mask;
         counts[i] = bit_count(mask);
     }
 
@@ -445,7 +465,6 @@ private:
         return mask;
     }
 
-    /// Leaves out triangles that share a vertex around which nothing folds.
     PIERCE_HD std::uint32_t keep_folding(const ClosePair& c, const SheetPair& pair, std::uint32_t k,
                                          std::uint32_t mask) const {
         const BodyView& body = bodies[pair.first];
@@ -468,23 +487,25 @@ struct TrianglePair {
     std::uint32_t first = 0, second = 0;  ///< triangles of the pair's first and second body
 };
 
-/// Per triangle of a near group: lists the triangles of its mask.
+/// Per triangle with another one near: lists the triangles of its mask.
 struct ListTriangles {
     View<const BodyView> bodies;
     View<const SheetPair> pairs;
     View<const ClosePair> close;
+    View<const std::uint32_t> rows;
     View<const std::uint32_t> block_offsets;
     View<const std::uint32_t> masks, offsets;
     View<TrianglePair> found;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair& c = close[i / constants::group_size];
+        std::uint32_t mask = masks[rows[i]], place = offsets[i];
+        if (mask == 0) return;
+        const ClosePair c = close[rows[i] / constants::group_size];
         const SheetPair& pair = pairs[c.pair];
-        std::uint32_t place = offsets[i];
-        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            found[place++] = {c.pair,
-                              triangle_at(bodies[pair.first], block_offsets[pair.first], c.first, i % constants::group_size),
-                              triangle_at(bodies[pair.second], block_offsets[pair.second], c.second, lowest_bit(mask))};
+        const BodyView &a = bodies[pair.first], &b = bodies[pair.second];
+        const std::uint32_t t = triangle_at(a, block_offsets[pair.first], c.first, rows[i] % constants::group_size);
+        for (; mask != 0; mask &= mask - 1)
+            found[place++] = {c.pair, t, triangle_at(b, block_offsets[pair.second], c.second, lowest_bit(mask))};
     }
 };
 
