@@ -117,8 +117,7 @@ int run(const RunOptions& options) {
     const std::string bodies = has_own_size(scene)
                                    ? fmt::format("{} bodies", scene.bodies.size())
                                    : fmt::format("{} {} bodies", options.count, options.soft ? "soft" : "rigid");
-    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt,
-               options.detection.method);
+    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt, options.detection.method);
     fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
     log.print();
 

@@ -497,7 +497,8 @@ private:
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> patch_bounds_, chunk_bounds_;
     Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, no_links_, ages_, last_ages_;
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, no_links_, ages_,
+        last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
     Buffer<stages::PairIdentity> identities_, last_identities_;
