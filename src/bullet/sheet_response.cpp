@@ -305,7 +305,8 @@ void SheetResponse::State::keep_apart() {
     if (report.tangled > 0) is_crossed = true;
     for (std::uint32_t round = 0; round < settings.rounds; ++round) {
         if (round > 0 && !has_violation()) return;
-        if (!project()) return;
+        // Nothing that contacts could move: what has met is led.
+        if (!project()) break;
         detect();
     }
     for (std::uint32_t attempt = 0; pull_back(attempt); ++attempt) detect();
