@@ -268,6 +268,7 @@ void cloth_size_figure(const ClothReportOptions& options, Page& page) {
     std::vector<std::string> motions;
     page.line(
         "| scene | triangles | steps | method | threads | ms a detection: median, p95 | contacts | steps with truth | "
+        "deepest through itself, exact | "
         "missed "
         "| recall | wrong | precision |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     const auto measure = [&](const Motion& motion) {
