@@ -1,9 +1,11 @@
 #include "cloth_report.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 
 #include "cloth_figures.hpp"
+#include "cloth_size_figure.hpp"
 #include "frame_log.hpp"
 #include "page.hpp"
 #include "truth_program.hpp"
@@ -18,8 +20,10 @@ int report_cloth(const ClothReportOptions& options) {
     page.line("Seed {}. Threads for detection: {}.\n", options.seed, options.threads);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
-    cloth_accuracy_figure(options, page);
-    cloth_penetration_figure(options, page);
+    const auto wanted = [&](const char* part) { return std::ranges::find(options.parts, part) != options.parts.end(); };
+    if (wanted("accuracy")) cloth_accuracy_figure(options, page);
+    if (wanted("penetration")) cloth_penetration_figure(options, page);
+    if (wanted("size")) cloth_size_figure(options, page);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     page.line(
         "\nAll this took {:.0f} s, {:.0f} s of them this process' own; the rest waited for the truth and for other work, "

@@ -97,18 +97,19 @@ int show_plan(const RunOptions& options) {
 
 int run(const RunOptions& options) {
     const scenes::SceneSetup scene = scene_of(options);
+    const double dt = options.dt > 0 ? options.dt : scene.dt;
     scenes::Simulation simulation(scene, scenes::method_named(options.detection.method), options.detection.rays);
     require_rays(simulation.world(), options.png);
     check_writable(options.png);
     check_writable(options.detection.json);
-    scenes::Recording recording = scenes::start_recording(scene, options.dt);
+    scenes::Recording recording = scenes::start_recording(scene, dt);
 
     FrameLog log;
-    const std::uint32_t steps = step_count(options.seconds, options.dt);
+    const std::uint32_t steps = step_count(options.seconds, dt);
     {
         Progress progress("simulating", steps);
         for (std::uint32_t i = 0; i < steps; ++i) {
-            log.add(simulation.step(options.dt));
+            log.add(simulation.step(dt));
             if (!options.record.empty()) simulation.record(recording);
             progress.show(i + 1);
         }
@@ -116,8 +117,7 @@ int run(const RunOptions& options) {
     const std::string bodies = has_own_size(scene)
                                    ? fmt::format("{} bodies", scene.bodies.size())
                                    : fmt::format("{} {} bodies", options.count, options.soft ? "soft" : "rigid");
-    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, options.dt,
-               options.detection.method);
+    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt, options.detection.method);
     fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
     log.print();
 
@@ -130,7 +130,7 @@ int run(const RunOptions& options) {
                          {"count", options.count},
                          {"soft", options.soft},
                          {"seconds", options.seconds},
-                         {"dt", options.dt},
+                         {"dt", dt},
                          {"seed", options.seed},
                          {"nodes", options.nodes}});
         log.write_json(options.detection.json, settings);

@@ -21,7 +21,7 @@ struct RunOptions {
     std::uint32_t count = 100;
     bool soft = false;
     double seconds = 10;
-    double dt = 1.0 / 60;
+    double dt = 0;  ///< [s] 0: the scene's own
     std::uint32_t seed = 1;
     std::uint32_t nodes = 0;
     std::filesystem::path record, png;

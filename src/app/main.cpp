@@ -117,7 +117,8 @@ int main(int argc, char** argv) {
     run_command->add_option("--seconds", run_options.seconds, "simulated time")
         ->capture_default_str()
         ->check(positive_number);
-    run_command->add_option("--dt", run_options.dt, "time step in seconds")->capture_default_str()->check(positive_number);
+    run_command->add_option("--dt", run_options.dt, "time step in seconds; the scene's own if not given")
+        ->check(positive_number);
     run_command->add_option("--record", run_options.record, "write the motion to DIR, for 'pierce replay'")
         ->type_name("DIR");
     run_command->add_option("--png", run_options.png, "write a picture of the last frame to FILE")->type_name("FILE");
@@ -283,6 +284,18 @@ int main(int argc, char** argv) {
     cloth_command->add_option("--threads", cloth_options.threads, "threads for detection")
         ->capture_default_str()
         ->check(CLI::Range(1, 1024));
+    cloth_command->add_option("--parts", cloth_options.parts, "accuracy, penetration, size; all if not given")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"accuracy", "penetration", "size"}));
+    cloth_command->add_option("--sizes", cloth_options.sizes, "of the part size: vertices along a side of its sheets")
+        ->delimiter(',')
+        ->capture_default_str()
+        ->check(CLI::Range(2u, 10000u));
+    cloth_command->add_option("--size-seconds", cloth_options.size_seconds, "simulated time of its sheets")
+        ->capture_default_str()
+        ->check(positive_number);
+    cloth_command->add_option("--layers-nodes", cloth_options.layers_nodes, "of its layers, as in --nodes")
+        ->check(CLI::Range(2u, 10000u));
     cloth_command->add_option("--seed", cloth_options.seed, "of the sheet's turn")->capture_default_str();
     cloth_command->callback([&] { code = report_cloth(cloth_options); });
 

@@ -75,10 +75,10 @@ std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std:
     return truth_of(folder.path(), every, pairs_only);
 }
 
-std::vector<scenes::TrueSheetFrame> sheet_truth_of(const scenes::Recording& recording) {
+std::vector<scenes::TrueSheetFrame> sheet_truth_of(const scenes::Recording& recording, std::uint32_t every) {
     const TemporaryFolder folder;
     scenes::write_recording(recording, folder.path());
-    run_truth_program({folder.path().string(), "--sheets"});
+    run_truth_program({folder.path().string(), "--sheets", "--every", std::to_string(every)});
     return scenes::read_sheet_truth(folder.path() / "sheets.json");
 }
 

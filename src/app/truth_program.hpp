@@ -19,7 +19,8 @@ std::vector<scenes::TrueFrame> truth_of(const std::filesystem::path& folder, std
 /// The same of a recording that is in no folder.
 std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every, bool pairs_only = false);
 
-/// What the sheets of a recording that is in no folder meet, in every frame. Throws InputError if pierce_truth fails.
-std::vector<scenes::TrueSheetFrame> sheet_truth_of(const scenes::Recording& recording);
+/// What the sheets of a recording that is in no folder meet, in every frame or every Nth one. Throws InputError if
+/// pierce_truth fails.
+std::vector<scenes::TrueSheetFrame> sheet_truth_of(const scenes::Recording& recording, std::uint32_t every = 1);
 
 }  // namespace pierce::app

@@ -158,6 +158,8 @@ void SheetResponse::State::detect() {
         world.set_motion(sheet->body, sheet->nodes.start, sheet->end);
     }
     for (const Obstacle& o : obstacles) world.set_motion(o.body, o.start, o.end);
+    // What was through at an end that was tried and given up is not, and to look as far as it was deep takes long.
+    if (!is_crossed) world.forget_sides();
     const StepStats& stats = world.detect();
     for (const StepStats::Stage& stage : stats.stages) {
         const auto same = std::ranges::find_if(
@@ -303,7 +305,8 @@ void SheetResponse::State::keep_apart() {
     if (report.tangled > 0) is_crossed = true;
     for (std::uint32_t round = 0; round < settings.rounds; ++round) {
         if (round > 0 && !has_violation()) return;
-        if (!project()) return;
+        // Nothing that contacts could move: what has met is led.
+        if (!project()) break;
         detect();
     }
     for (std::uint32_t attempt = 0; pull_back(attempt); ++attempt) detect();

@@ -79,7 +79,7 @@ public:
         time("classify", [&] { test_own_exit(scene.bodies); });
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
         if (complete) time("separation", [&] { separation(scene); });
-        if (scene.plan->sheets) time("sheets", [&] { sheets_.find(scene, pairs_, view_of(links_)); });
+        if (scene.plan->sheets) time("sheets", [&] { sheets(scene); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });
@@ -248,6 +248,11 @@ private:
             "link_pair", total,
             stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
                              view_of(pairs_), view_of(identities_), view_of(links_)});
+    }
+
+    void sheets(const Scene& scene) {
+        if (scene.forgets_sides) executor_.assign(no_links_, static_cast<std::uint32_t>(pairs_.size()), stages::no_pair);
+        sheets_.find(scene, pairs_, view_of(scene.forgets_sides ? no_links_ : links_));
     }
 
     // Stage 3. How far pairs have moved.
@@ -492,7 +497,8 @@ private:
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> patch_bounds_, chunk_bounds_;
     Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, ages_, last_ages_;
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, no_links_, ages_,
+        last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
     Buffer<stages::PairIdentity> identities_, last_identities_;

@@ -1,6 +1,7 @@
 #include "pierce/core/world.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "pierce/core/brute_force_tracer.hpp"
 #include "pierce/core/bvh/bvh_tracer.hpp"
@@ -209,6 +210,8 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     state_->planned = false;
 }
 
+void World::forget_sides() { state_->forgets_sides = true; }
+
 const StepStats& World::detect() {
     const auto begin = std::chrono::steady_clock::now();
     State& s = *state_;
@@ -226,7 +229,8 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.patches)),
                       view_of(std::as_const(s.seen)),
                       settings,
-                      &s.plan};
+                      &s.plan,
+                      std::exchange(s.forgets_sides, false)};
     s.backend->step(scene, s.stats);
     s.end_motion();
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

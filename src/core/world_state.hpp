@@ -46,6 +46,7 @@ struct World::State {
     SlotMap<MeshTag, MeshEntry> meshes;
     SlotMap<BodyTag, BodyEntry> bodies;
     std::uint64_t next_key = 1;
+    bool forgets_sides = false;  ///< the next step does
 
     // What a step reads; remade when bodies are added, removed or change kind.
     bool planned = false;

@@ -49,6 +49,7 @@ public:
         const bool is_new = revision_ != host.plan->revision;
         if (is_new) rebuild(host);
         send_changes(host.bodies);
+        scene_.forgets_sides = host.forgets_sides;
         return is_new;
     }
 

@@ -16,13 +16,20 @@ using std::numbers::pi;
 /// Thickness of a sheet [distance of its vertices]: as thick as it can be without its own folds being in its way.
 constexpr double thickness_share = 0.1;
 
-/// Vertices along a side of the sheet whose material the defaults are made for, and how often its links are solved. What
-/// a round over the links passes on is one link further: finer sheets need more.
-constexpr std::uint32_t plain_nodes = 20;
+/// Vertices along a side of the sheets, unless others are asked for.
+constexpr std::uint32_t plain_nodes = 20, plain_rings = 24;
 
-SheetMaterial material_for(std::uint32_t nodes) {
+/// A step in which what falls or is led comes as far, in distances of vertices, as in the scene's own sheet in 1/60 s: about
+/// a third of one. In longer steps many layers would be passed at once. What a round over the links passes on is one link
+/// further: of finer sheets, more steps with as many rounds keep it as stiff.
+double step_for(std::uint32_t nodes, std::uint32_t plain) {
+    return SceneSetup{}.dt * std::min(1.0, (plain - 1.0) / (nodes - 1.0));
+}
+
+/// As much velocity is lost in a second, whatever the step.
+SheetMaterial material_for(double dt) {
     SheetMaterial material;
-    material.iterations = std::max(1, static_cast<int>(std::lround(material.iterations * nodes / double{plain_nodes})));
+    material.damping = 1 - std::pow(1 - material.damping, dt / SceneSetup{}.dt);
     return material;
 }
 
@@ -30,10 +37,10 @@ std::uint32_t nodes_or(const SceneParameters& parameters, std::uint32_t standard
     return parameters.nodes == 0 ? standard : std::max(parameters.nodes, 2u);
 }
 
-SceneBody sheet_body(std::string name, std::uint32_t mesh, std::uint32_t nodes, double spacing) {
+SceneBody sheet_body(std::string name, std::uint32_t mesh, double spacing, double dt) {
     SceneBody body{std::move(name), mesh, Motion::deforming, {}, false};
     body.collision = {SelfCollision::on, true, thickness_share * spacing};
-    body.material = material_for(nodes);
+    body.material = material_for(dt);
     return body;
 }
 
@@ -57,7 +64,8 @@ SceneSetup cloth_capsule(const SceneParameters& parameters) {
                       {"capsule", capsule(capsule_radius, capsule_half_length, 32, 10), {}},
                       {"sheet", grid(width, width, nodes, nodes), {}}},
                      {{"ground", 0, Motion::fixed, {}, true}, {"capsule", 1, Motion::fixed, {{0, 0, height}, {}}, false}}};
-    SceneBody sheet = sheet_body("sheet", 2, nodes, width / (nodes - 1));
+    scene.dt = step_for(nodes, plain_nodes);
+    SceneBody sheet = sheet_body("sheet", 2, width / (nodes - 1), scene.dt);
     std::mt19937 random(parameters.seed);
     const double turn = 0.5 * pi * static_cast<double>(random()) / 4294967296.0;
     sheet.pose = {{0.3, 0.2, height + capsule_radius + drop}, {0, 0, std::sin(0.5 * turn), std::cos(0.5 * turn)}};
@@ -71,7 +79,8 @@ SceneSetup cloth_fold(const SceneParameters& parameters) {
     SceneSetup scene{"cloth-fold",
                      {ground_below(4), {"sheet", grid(width, width, nodes, nodes), {}}},
                      {{"ground", 0, Motion::fixed, {}, true}}};
-    SceneBody sheet = sheet_body("sheet", 1, nodes, width / (nodes - 1));
+    scene.dt = step_for(nodes, plain_nodes);
+    SceneBody sheet = sheet_body("sheet", 1, width / (nodes - 1), scene.dt);
     sheet.pose.position.z = sheet.collision.thickness;
     Guide edge;
     for (std::uint32_t j = 0; j < nodes; ++j) edge.vertices.push_back(j * nodes);
@@ -87,9 +96,10 @@ SceneSetup cloth_fold(const SceneParameters& parameters) {
 
 SceneSetup cloth_twist(const SceneParameters& parameters) {
     constexpr double radius = 0.5, height = 2.5, turns = 3.0, duration = 6.0, nearer = 1.0;
-    const std::uint32_t rings = nodes_or(parameters, 24);
+    const std::uint32_t rings = nodes_or(parameters, plain_rings);
     SceneSetup scene{"cloth-twist", {{"tube", tube(radius, height, rings, rings), {}}}, {}, 0};
-    SceneBody sheet = sheet_body("tube", 0, rings, 2 * pi * radius / rings);
+    scene.dt = step_for(rings, plain_rings);
+    SceneBody sheet = sheet_body("tube", 0, 2 * pi * radius / rings, scene.dt);
     for (int side : {-1, 1}) {
         Guide end;
         for (std::uint32_t i = 0; i < rings; ++i) end.vertices.push_back(side < 0 ? i : (rings - 1) * rings + i);

@@ -58,6 +58,7 @@ struct SceneSetup {
     std::vector<SceneMesh> meshes;
     std::vector<SceneBody> bodies;
     double gravity = 9.81;  ///< [m/s^2] along -z
+    double dt = 1.0 / 60;   ///< [s] the time step it is made for
 };
 
 /// What a named scene can be asked for.

@@ -39,7 +39,8 @@ BoxTree tree_of(std::span<const Triangle> triangles, std::span<const Vec3f> posi
 void add_crossings(std::span<const Triangle> of_edges, std::span<const Vec3f> edge_positions,
                    std::span<const Triangle> triangles, std::span<const Vec3f> positions, const BoxTree& tree,
                    SurfaceCrossings& found) {
-    const bool self = of_edges.data() == triangles.data();
+    // Two surfaces may have the same triangles.
+    const bool self = edge_positions.data() == positions.data();
     for (const Segment& s : edges_of(of_edges)) {
         const Vec3d p = to_double(edge_positions[s.from]), q = to_double(edge_positions[s.to]);
         Box box;

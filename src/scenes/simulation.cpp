@@ -58,6 +58,12 @@ double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>
     return volume;
 }
 
+std::vector<Vec3f> node_positions(const btSoftBody& soft) {
+    std::vector<Vec3f> positions;
+    for (int n = 0; n < soft.m_nodes.size(); ++n) positions.push_back(bullet::from_bullet_float(soft.m_nodes[n].m_x));
+    return positions;
+}
+
 bullet::Baseline baseline_of(Method method) {
     return method == Method::gjk_epa    ? bullet::Baseline::gjk_epa
            : method == Method::gjk_hull ? bullet::Baseline::gjk_hull
@@ -96,6 +102,7 @@ struct Simulation::State {
     std::vector<std::unique_ptr<SoftSheet>> sheets;   ///< by body, null if it is no sheet
     std::vector<std::vector<Vec3f>> given;            ///< by body, empty unless its motion is given
     std::unique_ptr<bullet::SheetResponse> apart;     ///< null if there are no sheets
+    std::vector<std::vector<Vec3f>> tried;            ///< by body: of sheets, where Bullet has put them
     double time = 0;                                  ///< [s] since the start
     std::vector<double> mass;                         ///< by body
     std::unique_ptr<ClockedWorld> world;
@@ -110,6 +117,8 @@ struct Simulation::State {
     void add_given(std::uint32_t index);
     void lead(double dt);
     void measure_sheets();
+    void note_tried();
+    void record(Recording& recording, bool as_tried) const;
     btSoftBody* soft_body(std::size_t index) const {
         return soft[index] ? soft[index].get() : sheets[index] ? &sheets[index]->soft() : nullptr;
     }
@@ -183,14 +192,17 @@ void Simulation::State::lead(double dt) {
     }
 }
 
+void Simulation::State::note_tried() {
+    tried.resize(sheets.size());
+    for (std::size_t i = 0; i < sheets.size(); ++i)
+        if (sheets[i]) tried[i] = node_positions(sheets[i]->soft());
+}
+
 /// How the simulated sheets run through themselves, if they do.
 void Simulation::State::measure_sheets() {
-    std::vector<Vec3f> positions;
     for (std::size_t i = 0; i < sheets.size(); ++i) {
         if (!sheets[i]) continue;
-        positions.clear();
-        const auto& nodes = sheets[i]->soft().m_nodes;
-        for (int n = 0; n < nodes.size(); ++n) positions.push_back(bullet::from_bullet_float(nodes[n].m_x));
+        const std::vector<Vec3f> positions = node_positions(sheets[i]->soft());
         const SurfaceCrossings found = self_crossings(scene.meshes[scene.bodies[i].mesh].data.triangles, positions);
         result.self_crossings += found.count;
         result.self_penetration = std::max(result.self_penetration, found.depth);
@@ -300,6 +312,7 @@ const FrameResult& Simulation::step(double dt) {
     for (const auto& body : s.soft)
         if (body) damp_vibration(*body, vibration_damping);
     if (s.apart != nullptr) {
+        s.note_tried();
         const bullet::SheetReport& report = s.apart->finish_step(dt);
         s.result = sheet_result(s.rays->result(), report);
         s.measure_sheets();
@@ -331,28 +344,31 @@ const FrameResult& Simulation::step(double dt) {
     return s.result;
 }
 
-void Simulation::record(Recording& recording) const {
-    const State& s = *state_;
+void Simulation::State::record(Recording& recording, bool as_tried) const {
     for (std::uint32_t i = 0; i < recording.bodies.size(); ++i) {
         std::vector<float>& values = recording.bodies[i].values;
-        if (const btSoftBody* soft = s.soft_body(i)) {
-            for (int n = 0; n < soft->m_nodes.size(); ++n) {
-                const Vec3f p = bullet::from_bullet_float(soft->m_nodes[n].m_x);
-                values.insert(values.end(), {p.x, p.y, p.z});
-            }
-            continue;
+        const auto add = [&](std::span<const Vec3f> positions) {
+            for (Vec3f p : positions) values.insert(values.end(), {p.x, p.y, p.z});
+        };
+        if (as_tried && sheets[i] && !tried.empty()) {
+            add(tried[i]);
+        } else if (const btSoftBody* made = soft_body(i)) {
+            add(node_positions(*made));
+        } else if (!given[i].empty()) {
+            add(given[i]);
+        } else {
+            const Pose pose = bullet::from_bullet(rigid[i]->getWorldTransform());
+            for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x, pose.rotation.y,
+                             pose.rotation.z, pose.rotation.w})
+                values.push_back(static_cast<float>(v));
         }
-        if (!s.given[i].empty()) {
-            for (Vec3f p : s.given[i]) values.insert(values.end(), {p.x, p.y, p.z});
-            continue;
-        }
-        const Pose pose = bullet::from_bullet(s.rigid[i]->getWorldTransform());
-        for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x, pose.rotation.y,
-                         pose.rotation.z, pose.rotation.w})
-            values.push_back(static_cast<float>(v));
     }
     ++recording.frame_count;
 }
+
+void Simulation::record(Recording& recording) const { state_->record(recording, false); }
+
+void Simulation::record_tried(Recording& recording) const { state_->record(recording, true); }
 
 double Simulation::kinetic_energy_per_mass() const {
     const State& s = *state_;

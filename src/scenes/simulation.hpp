@@ -22,6 +22,8 @@ public:
 
     /// Adds the bodies as they stand to a recording of the same scene.
     void record(Recording& recording) const;
+    /// The same with sheets where Bullet had put them in the last step, before contacts moved them; with rays only.
+    void record_tried(Recording& recording) const;
 
     /// Kinetic energy of the centres and nodes over the mass of all moving bodies [m^2/s^2].
     double kinetic_energy_per_mass() const;

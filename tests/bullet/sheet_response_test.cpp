@@ -1,6 +1,7 @@
 // Sheets moved by anything at all stay on their sides: the promise of SheetResponse, without a simulation around it.
 #include "pierce/bullet/sheet_response.hpp"
 
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <gtest/gtest.h>
 
 #include "pierce/bullet/bullet_convert.hpp"
@@ -122,6 +123,84 @@ TEST_F(SheetResponseTest, SheetsThatMeetKeepTheirMomentumAndAGap) {
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
         lowest = std::min(lowest, static_cast<double>(positions(1)[i].z - positions(0)[i].z));
     EXPECT_GT(lowest, 0.75 * thickness);
+}
+
+/// A plate that is told where to go and moves through where a sheet is.
+TEST_F(SheetResponseTest, APlateThatIsLedIntoASheetPushesItAndIsNotPassed) {
+    make(1, {});
+    const MeshData plate = scenes::box({-1, -1, -0.05}, {1, 1, 0.05});
+    const Vec3d above{0, 0, 0.6};
+    const BodyId id = world.add_fixed_body(world.add_mesh("plate", plate), {above, {}});
+    btBoxShape shape({1, 1, btScalar(0.05)});
+    btRigidBody rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape, {}));
+    const auto place = [&](double down) {
+        rigid.setWorldTransform(to_bullet(Pose{above - Vec3d{0, 0, down}, {}}));
+        std::vector<Vec3f> at;
+        for (Vec3f p : plate.positions) at.push_back(to_float(to_double(p) + above - Vec3d{0, 0, down}));
+        return at;
+    };
+    place(0);
+    response->bind(rigid, id);
+    // Over the ball, the sheet has 0.05 to give way; then it hangs down beside it.
+    std::uint32_t met = 0;
+    double lowest = height;
+    for (int i = 1; i <= 24; ++i) {
+        const std::vector<Vec3f> at = place(0.01 * i);
+        met += step([](std::uint32_t, std::uint32_t) { return Vec3d{}; }).contacts;
+        ASSERT_EQ(response->report().crossings_left, 0u) << "step " << i;
+        ASSERT_EQ(scenes::crossings(mesh.triangles, positions(0), plate.triangles, at).count, 0u) << "step " << i;
+        ASSERT_EQ(crossing_count(), 0u) << "step " << i;
+        for (Vec3f p : positions(0)) {
+            ASSERT_LT(p.z, at[0].z) << "a vertex is above the plate's lower side, step " << i;
+            lowest = std::min(lowest, static_cast<double>(p.z));
+        }
+    }
+    EXPECT_GT(met, 0u);
+    EXPECT_LT(lowest, height - 0.01) << "it was pushed";
+}
+
+/// Leaves it no room: that is counted, and the step ends.
+TEST_F(SheetResponseTest, AnObstacleThatLeavesNoRoomIsReported) {
+    make(1, {});
+    for (int i = 0; i < soft[0]->soft().m_nodes.size(); ++i) soft[0]->soft().setMass(i, 0);
+    const MeshData plate = scenes::box({-1, -1, -0.05}, {1, 1, 0.05});
+    btBoxShape shape({1, 1, btScalar(0.05)});
+    btRigidBody rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape, {}));
+    const Pose start{{0, 0, 0.6}, {}};
+    const BodyId id = world.add_fixed_body(world.add_mesh("plate", plate), start);
+    rigid.setWorldTransform(to_bullet(start));
+    response->bind(rigid, id);
+    std::uint32_t left = 0;
+    for (int i = 1; i <= 5; ++i) {
+        rigid.setWorldTransform(to_bullet(Pose{{0, 0, 0.6 - 0.1 * i}, {}}));
+        left += step([](std::uint32_t, std::uint32_t) { return Vec3d{}; }).crossings_left;
+    }
+    EXPECT_GT(left, 0u);
+}
+
+TEST_F(SheetResponseTest, SheetsThatStartTangledEndEveryStepAndAreReported) {
+    make(2, {});
+    // The upper sheet's middle column hangs through the lower one.
+    auto& upper = soft[1]->soft().m_nodes;
+    for (int i = 0; i < upper.size(); ++i) upper[i].m_x += btVector3(btScalar(0.03), btScalar(0.04), 0);
+    for (std::uint32_t j = 0; j < nodes; ++j)
+        upper[static_cast<int>(j * nodes + nodes / 2)].m_x.setZ(static_cast<btScalar>(height - gap));
+    response = std::make_unique<SheetResponse>(world, SheetSettings{});
+    for (std::uint32_t s = 0; s < 2; ++s) response->bind(soft[s]->soft(), bodies[s]);
+    ASSERT_GT(crossing_count(), 0u);
+    test::Random random(11);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::uint32_t tangled = 0;
+    for (int i = 0; i < 10; ++i) {
+        const SheetReport& report = step([&](std::uint32_t s, std::uint32_t) {
+            return Vec3d{0, 0, s == 0 ? 0.02 : -0.02} + 0.02 * random.unit_vector();
+        });
+        tangled += report.tangled;
+        EXPECT_LT(report.detections, 64u) << "step " << i;
+        for (std::uint32_t s = 0; s < 2; ++s)
+            for (Vec3f p : positions(s)) ASSERT_TRUE(is_finite(p)) << "step " << i;
+    }
+    EXPECT_GT(tangled, 0u);
 }
 
 }  // namespace
