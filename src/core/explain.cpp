@@ -181,6 +181,32 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     return result;
 }
 
+namespace {
+
+/// How a contact of two solids was found.
+const char* how_found(Found found) {
+    switch (found) {
+        case Found::full:
+            return ", found by a full ray";
+        case Found::walk:
+            return ", found by a walk from the last step's triangle";
+        case Found::prediction:
+            return ", found by a walk to a predicted triangle";
+        case Found::separation:
+            return ", measured along the direction in which the two separate soonest, as the pair has no contact along an "
+                   "inward ray";
+        case Found::self:
+        case Found::near:
+        case Found::crossing:
+        case Found::remembered:
+        case Found::tangled:
+            break;
+    }
+    return "";  // explain() answers for two solids
+}
+
+}  // namespace
+
 std::string Explanation::text() const {
     std::string s;
     switch (reason) {
@@ -188,12 +214,7 @@ std::string Explanation::text() const {
             s = "In contact: the vertex is inside and " + number(contact ? contact->penetration_depth() : t) + " deep";
             if (contact) {
                 s += " at triangle " + std::to_string(contact->triangle);
-                constexpr const char* how[] = {
-                    ", found by a full ray", ", found by a walk from the last step's triangle",
-                    ", found by a walk to a predicted triangle",
-                    ", measured along the direction in which the two separate soonest, as the pair "
-                    "has no contact along an inward ray"};
-                s += how[static_cast<int>(contact->found)];
+                s += how_found(contact->found);
                 if (contact->reprojected) s += ", then moved to the closest point";
             }
             s += ".";

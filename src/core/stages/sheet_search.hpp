@@ -113,12 +113,16 @@ struct alignas(16) Boxes {
             low[axis] = round_down(static_cast<double>(others.lower[axis][k]) - margin);
             high[axis] = round_up(static_cast<double>(others.upper[axis][k]) + margin);
         }
+        // Bits are looked up, not shifted: then all of it becomes vector instructions.
+        constexpr std::uint32_t bit[constants::group_size] = {1u << 0,  1u << 1,  1u << 2,  1u << 3, 1u << 4,  1u << 5,
+                                                              1u << 6,  1u << 7,  1u << 8,  1u << 9, 1u << 10, 1u << 11,
+                                                              1u << 12, 1u << 13, 1u << 14, 1u << 15};
         std::uint32_t mask = 0;
         PIERCE_VECTOR_LOOP
         for (std::uint32_t i = 0; i < constants::group_size; ++i) {
             const bool hit = (lower[0][i] <= high[0]) & (low[0] <= upper[0][i]) & (lower[1][i] <= high[1]) &
                              (low[1] <= upper[1][i]) & (lower[2][i] <= high[2]) & (low[2] <= upper[2][i]);
-            mask |= static_cast<std::uint32_t>(hit) << i;
+            mask |= hit ? bit[i] : 0u;
         }
         return mask;
     }
