@@ -117,8 +117,9 @@ private:
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
         triangle_boxes_.resize(groups);
         group_boxes_.resize(blocks);
-        // Blocks have their boxes in sixteens, too; what is past the last one is never asked for.
+        // Blocks have their boxes in sixteens, too, the last of which may not be full.
         block_boxes_.resize(blocks);
+        executor_.for_each("empty_boxes", blocks, stages::EmptyBoxes{view_of(block_boxes_)});
         executor_.for_each("box_triangles", triangles,
                            stages::BoxTriangles{sheet_bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
         slabs_.resize(groups);

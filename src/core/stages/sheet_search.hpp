@@ -298,6 +298,15 @@ private:
     }
 };
 
+/// Per sixteen boxes: none.
+struct EmptyBoxes {
+    View<Boxes> boxes;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) boxes[i].set(k, {});
+    }
+};
+
 /// Per sixteen boxes: the box around them, one of sixteen itself.
 struct BoxAround {
     View<const Boxes> parts;
