@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pierce/core/scene.hpp"
+#include "pierce/core/stages/flat_stars.hpp"
 #include "pierce/core/stages/sheet_contacts.hpp"
 #include "pierce/core/step_tools.hpp"
 

@@ -81,6 +81,7 @@ public:
     /// The next detect() takes it that no sheet is through anything when its step begins, whatever the last one has found:
     /// nothing is remembered of sheets, also not the age of their contacts. For solvers that try several ends of one step.
     void forget_sides();
+
     /// One step: finds all contacts of the bodies as they stand.
     const StepStats& detect();
     /// The last step's contacts, sorted by (a, b, source, vertex): first those of solids, then those of sheets. Valid until

@@ -19,14 +19,6 @@ MeshData placed(MeshData mesh, float scale, Vec3f by) {
     return mesh;
 }
 
-MeshData joined(MeshData first, const MeshData& second) {
-    const auto count = static_cast<std::uint32_t>(first.positions.size());
-    first.positions.insert(first.positions.end(), second.positions.begin(), second.positions.end());
-    for (const Triangle& t : second.triangles)
-        first.triangles.push_back({{t.vertex[0] + count, t.vertex[1] + count, t.vertex[2] + count}});
-    return first;
-}
-
 MeshData octahedron() {
     return {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
             {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}}};
@@ -328,14 +320,15 @@ void add_defects(std::vector<HardCase>& cases) {
 /// 24 and 25: motions.
 void add_motions(std::vector<HardCase>& cases) {
     const MeshData plate = box({-1, -1, -0.005}, {1, 1, 0.005});
-    cases.push_back({24,
-                     "bullet_through_plate",
-                     {{plate, {0, 0, 1}, {0, 0, -1}, Meets::entry, 1 - static_cast<double>(0.005f)}},
-                     {{"before the step", small_cube_around({0, 0, 1}), plate, -1, {}, {}},
-                      {"after it", small_cube_around({0, 0, -1}), plate, -1, {}, {}}},
-                     {},
-                     "outside before and after the step; a ray along the motion enters at 0.4975 of it",
-                     "not answered by a single pose; the corners of a sheet that moves so meet the plate at 0.4975 of the step"});
+    cases.push_back(
+        {24,
+         "bullet_through_plate",
+         {{plate, {0, 0, 1}, {0, 0, -1}, Meets::entry, 1 - static_cast<double>(0.005f)}},
+         {{"before the step", small_cube_around({0, 0, 1}), plate, -1, {}, {}},
+          {"after it", small_cube_around({0, 0, -1}), plate, -1, {}, {}}},
+         {},
+         "outside before and after the step; a ray along the motion enters at 0.4975 of it",
+         "not answered by a single pose; the corners of a sheet that moves so meet the plate at 0.4975 of the step"});
     const MeshData low = sheet({0, 0, 0}, 1, true), high = sheet({0, 0, 0.1f}, 1, true);
     cases.push_back(
         {25,

@@ -133,4 +133,17 @@ MeshData capsule(double radius, double half_length, std::uint32_t around, std::u
     return mesh;
 }
 
+MeshData joined(MeshData first, const MeshData& second) {
+    const auto count = static_cast<std::uint32_t>(first.positions.size());
+    first.positions.insert(first.positions.end(), second.positions.begin(), second.positions.end());
+    for (const Triangle& t : second.triangles)
+        first.triangles.push_back({{t.vertex[0] + count, t.vertex[1] + count, t.vertex[2] + count}});
+    return first;
+}
+
+std::vector<Vec3f> moved(std::vector<Vec3f> positions, Vec3f by) {
+    for (Vec3f& p : positions) p += by;
+    return positions;
+}
+
 }  // namespace pierce::scenes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pierce/core/mesh.hpp"
 
@@ -24,5 +25,11 @@ MeshData tube(double radius, double height, std::uint32_t around, std::uint32_t 
 
 /// A closed capsule along the x axis: a cylinder of half the length `half_length` and half spheres at its ends.
 MeshData capsule(double radius, double half_length, std::uint32_t around, std::uint32_t rings);
+
+/// Two meshes as one: the second's vertices and triangles after the first's.
+MeshData joined(MeshData first, const MeshData& second);
+
+/// All positions shifted by `by`.
+std::vector<Vec3f> moved(std::vector<Vec3f> positions, Vec3f by);
 
 }  // namespace pierce::scenes

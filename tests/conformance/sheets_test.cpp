@@ -19,6 +19,9 @@
 namespace pierce {
 namespace {
 
+using scenes::joined;
+using scenes::moved;
+
 class SheetsTest : public testing::TestWithParam<test::NamedBackend> {
 protected:
     World world_{GetParam().make()};
@@ -39,22 +42,6 @@ MeshData flat(std::uint32_t cells, float cell, Vec3f corner) {
     return mesh;
 }
 
-/// Two meshes as one.
-MeshData both(MeshData a, const MeshData& b) {
-    const auto first = static_cast<std::uint32_t>(a.positions.size());
-    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-    for (Triangle t : b.triangles) {
-        for (std::uint32_t& v : t.vertex) v += first;
-        a.triangles.push_back(t);
-    }
-    return a;
-}
-
-std::vector<Vec3f> moved(std::vector<Vec3f> positions, Vec3f by) {
-    for (Vec3f& p : positions) p += by;
-    return positions;
-}
-
 BodyId add_sheet(World& world, const MeshData& mesh, double thickness, SelfCollision self = SelfCollision::on) {
     const BodyId body = world.add_deforming_body(world.add_mesh("sheet", mesh));
     world.set_collision(body, {self, true, thickness});
@@ -68,7 +55,7 @@ std::span<const Contact> step(World& world, BodyId body, std::span<const Vec3f> 
 }
 
 TEST_P(SheetsTest, LayersThatMoveTogetherDoNotMeet) {
-    const MeshData mesh = both(flat(4, 0.25f, {0, 0, 0}), flat(4, 0.25f, {0.03f, 0.02f, 0.1f}));
+    const MeshData mesh = joined(flat(4, 0.25f, {0, 0, 0}), flat(4, 0.25f, {0.03f, 0.02f, 0.1f}));
     const auto to = moved(mesh.positions, {0, 0, 0.2f});
     for (const SelfCollision how : {SelfCollision::on, SelfCollision::rays, SelfCollision::published}) {
         World world(GetParam().make());
@@ -119,7 +106,7 @@ TEST_P(SheetsTest, ASheetInsideASolidIsPushedOutTheShortWayWhicheverWayItFaces) 
 }
 
 TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
-    const MeshData mesh = both(flat(4, 0.25f, {-0.5f, -0.5f, 0}), flat(1, 0.05f, {0.02f, 0.15f, 0.2f}));
+    const MeshData mesh = joined(flat(4, 0.25f, {-0.5f, -0.5f, 0}), flat(1, 0.05f, {0.02f, 0.15f, 0.2f}));
     const BodyId body = add_sheet(world_, mesh, 0.02);
     std::vector<Vec3f> now = mesh.positions;
     const auto lower_by = [&](float dz) {
@@ -162,7 +149,7 @@ TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
 
 TEST_P(SheetsTest, AVertexThatPassesOneTriangleAndEndsOverItsNeighborBelongsOnTheSideItCameFrom) {
     // From above the cell (0, 0) to below the cell (1, 0): through one triangle, and then close to another one.
-    MeshData mesh = both(flat(4, 0.25f, {0, 0, 0}), flat(1, 0.01f, {0.2f, 0.05f, 0.1f}));
+    MeshData mesh = joined(flat(4, 0.25f, {0, 0, 0}), flat(1, 0.01f, {0.2f, 0.05f, 0.1f}));
     const BodyId body = add_sheet(world_, mesh, 0.02);
     std::vector<Vec3f> to = mesh.positions;
     for (std::size_t v = 25; v < to.size(); ++v) to[v] += Vec3f{0.053f, 0, -0.11f};
@@ -193,7 +180,7 @@ TEST_P(SheetsTest, WhatStartsTangledHasADirectionOrSaysSo) {
     // A vertical sheet half through a flat one, since nobody knows when.
     MeshData upright = flat(2, 0.1f, {0, 0, 0});
     for (Vec3f& p : upright.positions) p = {p.x + 0.31f, 0.13f, p.y - 0.07f};
-    const MeshData mesh = both(flat(4, 0.25f, {0, 0, 0}), upright);
+    const MeshData mesh = joined(flat(4, 0.25f, {0, 0, 0}), upright);
     add_sheet(world_, mesh, 0.001);
     world_.detect();
     ASSERT_GT(world_.stats().tangled, 0u);
@@ -264,7 +251,7 @@ TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
         test::Random random(seed);
         World world(GetParam().make());
         // Two crumpled sheets, one of two layers, that move wildly.
-        const MeshData first = both(flat(3, 0.3f, {0, 0, 0}), flat(2, 0.4f, {0.1f, 0.05f, 0.12f})),
+        const MeshData first = joined(flat(3, 0.3f, {0, 0, 0}), flat(2, 0.4f, {0.1f, 0.05f, 0.12f})),
                        second = flat(3, 0.3f, {0.05f, -0.04f, 0.2f});
         std::vector<Moving> bodies;
         std::vector<BodyId> ids;

@@ -23,6 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using scenes::box;
 using scenes::grid;
+using scenes::joined;
+using scenes::moved;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -47,22 +49,6 @@ protected:
     std::vector<SheetMeeting> meetings() const { return SheetTruth(recording).meetings(1); }
 };
 
-std::vector<Vec3f> moved(std::vector<Vec3f> positions, Vec3f by) {
-    for (Vec3f& p : positions) p += by;
-    return positions;
-}
-
-/// Two meshes as one.
-MeshData both(MeshData a, const MeshData& b) {
-    const auto first = static_cast<std::uint32_t>(a.positions.size());
-    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-    for (Triangle t : b.triangles) {
-        for (std::uint32_t& v : t.vertex) v += first;
-        a.triangles.push_back(t);
-    }
-    return a;
-}
-
 /// One triangle in the plane x = `x`, its lowest corner at z = `z`.
 MeshData upright(float x, float z) { return {{{x, -0.5f, z + 1}, {x, 0.5f, z + 1}, {x, 0, z}}, {{{0, 1, 2}}}}; }
 
@@ -83,7 +69,7 @@ TEST_F(SheetTruthTest, AVertexThroughAPlateInOneStepMeetsBothSides) {
 TEST_F(SheetTruthTest, LayersThatMoveTogetherMeetNothing) {
     // Hard case 25: 0.1 apart, both by 0.2.
     const MeshData lower = grid(1, 1, 4, 4);
-    const MeshData mesh = both(lower, {moved(lower.positions, {0.03f, 0.02f, 0.1f}), lower.triangles});
+    const MeshData mesh = joined(lower, {moved(lower.positions, {0.03f, 0.02f, 0.1f}), lower.triangles});
     add_sheet(mesh, {mesh.positions, moved(mesh.positions, {0, 0, 0.2f})});
     EXPECT_THAT(meetings(), IsEmpty());
     EXPECT_THAT(SheetTruth(recording).piercings(1), IsEmpty());
@@ -138,7 +124,7 @@ TEST_F(SheetTruthTest, AFoldThatClosesMeetsItself) {
 }
 
 TEST_F(SheetTruthTest, OnlySheetsAreLookedAtAndOnlyIfAsked) {
-    const MeshData mesh = both(level(), upright(0, 1));
+    const MeshData mesh = joined(level(), upright(0, 1));
     std::vector<Vec3f> end = mesh.positions;
     for (std::size_t v = 3; v < 6; ++v) end[v].z -= 1.5f;
     add_sheet(mesh, {mesh.positions, end});
@@ -152,7 +138,7 @@ TEST_F(SheetTruthTest, OnlySheetsAreLookedAtAndOnlyIfAsked) {
 }
 
 TEST_F(SheetTruthTest, ABodyThatIsNotFiniteIsLeftOut) {
-    const MeshData mesh = both(level(), upright(0, 1));
+    const MeshData mesh = joined(level(), upright(0, 1));
     std::vector<Vec3f> end = moved(mesh.positions, {0, 0, 0});
     for (std::size_t v = 3; v < 6; ++v) end[v].z -= 1.5f;
     add_sheet(mesh, {mesh.positions, end});
@@ -164,8 +150,8 @@ TEST_F(SheetTruthTest, ABodyThatIsNotFiniteIsLeftOut) {
 
 TEST_F(SheetTruthTest, AgreesWithAllPairsByDefinition) {
     test::Random random(7);
-    const MeshData first = both(grid(1, 1, 3, 3),
-                                {moved(grid(0.8, 0.8, 3, 3).positions, {0.1f, 0, 0.1f}), grid(0.8, 0.8, 3, 3).triangles}),
+    const MeshData first = joined(grid(1, 1, 3, 3),
+                                  {moved(grid(0.8, 0.8, 3, 3).positions, {0.1f, 0, 0.1f}), grid(0.8, 0.8, 3, 3).triangles}),
                    second = grid(1, 1, 4, 4), solid = box({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f});
     const auto shaken = [&](std::vector<Vec3f> positions, double by) {
         for (Vec3f& p : positions) p += to_float(random.in_box(by));

@@ -6,7 +6,7 @@
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/contact.hpp"
 #include "pierce/core/continuous.hpp"
-#include "pierce/core/stages/sheet_features.hpp"
+#include "pierce/core/stages/sheet_memory.hpp"
 
 /// Sheets, third part: which of the features found are contacts, and on which side.
 ///
@@ -15,78 +15,6 @@
 /// relative to the triangle: layers that move together do not meet. A contact pushes to that side, also when the vertex is
 /// through. A solid keeps its side for good: out.
 namespace pierce::stages {
-
-/// What is remembered of a contact of a sheet: the same features again are the same contact; and of a vertex that has ended
-/// a step on the wrong side, where it belongs, also when it is over a triangle that shares a corner with this one by now. Of
-/// any other vertex the begin of the next step says it, and better: at a sharp fold, triangles that share a corner have
-/// different sides.
-struct SheetRecord {
-    std::uint32_t other = 0;  ///< the triangle, or the edge of b
-    std::uint32_t age = 0;
-    std::int32_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of the triangle's normal
-};
-
-/// The key of a feature: sheets' contacts and records are sorted by it, then by the other feature.
-/// `bits`: as many as a feature's number has at most.
-PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item, std::uint32_t bits) {
-    return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;
-}
-static_assert(constants::max_elements <= std::uint32_t{1} << 30);
-
-/// Last step's records, by pair of this step.
-struct SheetMemory {
-    View<const std::uint32_t> links;  ///< per pair, which it was in the last step, or no_pair
-    View<const std::uint64_t> keys;
-    View<const SheetRecord> records;
-    std::uint32_t bits = 0;  ///< of the keys
-
-    /// The side a vertex belongs to, of a triangle; 0 if nothing is remembered.
-    PIERCE_HD std::int32_t side(const FeaturePair& f, View<const Triangle> triangles) const {
-        std::int32_t side = 0;
-        each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
-            const bool same = record.other == f.other;
-            if (record.side == 0 || (!same && !share_corner(triangles[record.other], triangles[f.other]))) return false;
-            if (same || side == 0) side = record.side;
-            return same;
-        });
-        return side;
-    }
-
-    /// How many steps in a row the contact has been one.
-    PIERCE_HD std::uint32_t age(const FeaturePair& f) const {
-        std::uint32_t age = 0;
-        each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
-            if (record.other == f.other) age = record.age + 1;
-            return age != 0;
-        });
-        return age;
-    }
-
-    /// True if it is remembered of a vertex which side of a triangle it belongs to.
-    PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex, std::uint32_t triangle,
-                         View<const Triangle> triangles) const {
-        return side({pair, kind, vertex, triangle, false, {}}, triangles) != 0;
-    }
-
-private:
-    PIERCE_HD static bool share_corner(const Triangle& a, const Triangle& b) {
-        return has_vertex(a, b.vertex[0]) || has_vertex(a, b.vertex[1]) || has_vertex(a, b.vertex[2]);
-    }
-
-    /// Calls see(record) for the feature's records until that is true.
-    template <class See>
-    PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item, const See& see) const {
-        if (keys.size == 0 || links[pair] == no_pair) return;
-        const std::uint64_t key = feature_key(links[pair], kind, item, bits);
-        std::uint32_t low = 0, high = keys.size;
-        while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            (keys[middle] < key ? low : high) = keys[middle] < key ? middle + 1 : middle;
-        }
-        for (; low < keys.size && keys[low] == key; ++low)
-            if (see(records[low])) return;
-    }
-};
 
 /// How two features stand at the end of the step.
 struct SheetMeeting {

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "pierce/core/separating_direction.hpp"
+#include "pierce/core/stages/sheet_bounds.hpp"
+
+/// Where a sheet cannot fold onto itself.
+namespace pierce::stages {
+
+/// Per vertex of a sheet: 1 if the triangles around it are proved not to meet during the step, except where they hang
+/// together: they go around the vertex once, and seen along one direction each of them keeps facing it. Then their
+/// shadows are sectors that share no more than their sides, at any time: a sector has less than half a turn while its
+/// triangle faces that way, and the number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
+struct FindFlatStars {
+    SheetBodies bodies;
+    View<std::uint32_t> flat;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const OwnedItem item = owned_item(bodies.vertex_offsets, i);
+        const SheetBody body = bodies[item.owner];
+        flat[i] = body.view.collision.sheet && is_flat(body, item.index);
+    }
+
+private:
+    /// How a triangle at the vertex, given by the ways to its two other corners, faces `n` over the step: the least of the
+    /// Bernstein coefficients of a quadratic, which is not above its least value.
+    PIERCE_HD static double facing(const MovingPoint& u, const MovingPoint& w, Vec3d n) {
+        const double start = dot(n, cross(u.start, w.start)), end = dot(n, cross(u.end, w.end));
+        const double middle = 0.5 * (dot(n, cross(u.start, w.end)) + dot(n, cross(u.end, w.start)));
+        return min_of(start, min_of(middle, end));
+    }
+
+    PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
+        const MeshView& mesh = body.mesh;
+        const std::uint32_t begin = mesh.corner_offsets[v], end = mesh.corner_offsets[v + 1];
+        if (end - begin < 3) return false;
+        const MovingPoint at = body.vertex(v);
+        const auto way_to = [&](std::uint32_t w) {
+            const MovingPoint p = body.vertex(w);
+            return MovingPoint{p.start - at.start, p.end - at.end};
+        };
+        Vec3d n;
+        double size = 0;
+        for (std::uint32_t c = begin; c < end; ++c) {
+            const MovingPoint u = way_to(mesh.corners[c].next), w = way_to(mesh.corners[c].previous);
+            n += cross(u.start, w.start) + cross(u.end, w.end);
+            size = max_of(size, max_of(length_squared(u.start), length_squared(u.end)));
+        }
+        const double least = constants::motion_rounding * length(n) * size;
+        const Vec3d first = way_to(mesh.corners[begin].next).start;
+        std::uint32_t turns = 0;
+        for (std::uint32_t c = begin; c < end; ++c) {
+            const MovingPoint u = way_to(mesh.corners[c].next), w = way_to(mesh.corners[c].previous);
+            if (!(facing(u, w, n) > least)) return false;
+            turns += dot(n, cross(u.start, first)) >= 0 && dot(n, cross(first, w.start)) > 0;
+            std::uint32_t before = 0;
+            for (std::uint32_t d = begin; d < end; ++d) before += mesh.corners[d].previous == mesh.corners[c].next;
+            if (before != 1) return false;  // a border, or more than a fan
+        }
+        return turns == 1;
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,263 @@
+#pragma once
+
+#include "pierce/core/body.hpp"
+#include "pierce/core/moving_point.hpp"
+
+/// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs around triangles, groups of sixteen
+/// triangles and blocks of sixteen groups.
+namespace pierce::stages {
+
+inline constexpr std::uint32_t triangles_per_block = constants::group_size * constants::group_size;
+
+/// A vertex during the step, in world space. float32, as the positions of sheets are; a rigid body's are rounded to that,
+/// once for all who look at them.
+struct alignas(16) MovingVertex {
+    Vec3f start;
+    float start_padding = 0;
+    Vec3f end;
+    float end_padding = 0;
+};
+
+/// A body as sheets see it.
+struct SheetBody {
+    const BodyView& view;
+    const MeshView& mesh;
+    const MovingVertex* vertices;
+
+    PIERCE_HD MovingPoint vertex(std::uint32_t v) const {
+        const MovingVertex m = vertices[v];
+        return {to_double(m.start), to_double(m.end)};
+    }
+};
+
+/// The bodies of pairs with a sheet, and their vertices.
+struct SheetBodies {
+    View<const BodyView> views;
+    View<const std::uint32_t> vertex_offsets;  ///< per body
+    View<const MovingVertex> vertices;
+
+    PIERCE_HD SheetBody operator[](std::uint32_t body) const {
+        return {views[body], views[body].mesh, vertices.data + vertex_offsets[body]};
+    }
+};
+
+/// A triangle during the step, in world space, relative to `origin`.
+struct MovingTriangle {
+    MovingPoint corner[3];
+
+    PIERCE_HD MovingTriangle(const SheetBody& body, std::uint32_t triangle, Vec3d origin) {
+        const Triangle& t = body.mesh.triangles[triangle];
+        for (int k = 0; k < 3; ++k) {
+            const MovingPoint p = body.vertex(t.vertex[k]);
+            corner[k] = {p.start - origin, p.end - origin};
+        }
+    }
+
+    PIERCE_HD Box box() const {
+        Box all;
+        for (const MovingPoint& p : corner) {
+            all.extend(p.start);
+            all.extend(p.end);
+        }
+        return all;
+    }
+    PIERCE_HD Vec3d start_normal() const {
+        return cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
+    }
+    PIERCE_HD Vec3d end_normal() const { return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+};
+
+/// One of the things that lists of several owners hold one after the other.
+struct OwnedItem {
+    std::uint32_t owner = 0;
+    std::uint32_t index = 0;
+};
+
+/// Whose the item at `place` is; `offsets`: where each owner's begin, ones after the last owner's.
+PIERCE_HD inline OwnedItem owned_item(View<const std::uint32_t> offsets, std::uint32_t place) {
+    std::uint32_t low = 0, high = offsets.size;
+    while (high - low > 1) {
+        const std::uint32_t middle = low + (high - low) / 2;
+        (offsets[middle] <= place ? low : high) = middle;
+    }
+    return {low, place - offsets[low]};
+}
+
+/// Sixteen boxes side by side, float32, not smaller than what they hold.
+struct alignas(16) Boxes {
+    float lower[3][constants::group_size], upper[3][constants::group_size];
+
+    PIERCE_HD void set(std::uint32_t k, const Box& box) {
+        for (int axis = 0; axis < 3; ++axis) {
+            lower[axis][k] = round_down(box.lower[axis]);
+            upper[axis][k] = round_up(box.upper[axis]);
+        }
+    }
+    /// An infinite empty one if there is none.
+    PIERCE_HD Box at(std::uint32_t k) const {
+        Box box;
+        for (int axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = static_cast<double>(lower[axis][k]);
+            box.upper[axis] = static_cast<double>(upper[axis][k]);
+        }
+        return box;
+    }
+    PIERCE_HD Box all() const {
+        Box box;
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) box.extend(at(k));
+        return box;
+    }
+
+    /// A bit for each that the k-th of `others`, grown by `margin`, overlaps.
+    PIERCE_HD std::uint32_t near(const Boxes& others, std::uint32_t k, double margin) const {
+        float low[3], high[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = round_down(static_cast<double>(others.lower[axis][k]) - margin);
+            high[axis] = round_up(static_cast<double>(others.upper[axis][k]) + margin);
+        }
+        // Bits are looked up, not shifted: then all of it becomes vector instructions.
+        constexpr std::uint32_t bit[constants::group_size] = {1u << 0,  1u << 1,  1u << 2,  1u << 3, 1u << 4,  1u << 5,
+                                                              1u << 6,  1u << 7,  1u << 8,  1u << 9, 1u << 10, 1u << 11,
+                                                              1u << 12, 1u << 13, 1u << 14, 1u << 15};
+        std::uint32_t mask = 0;
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t i = 0; i < constants::group_size; ++i) {
+            const bool hit = (lower[0][i] <= high[0]) & (low[0] <= upper[0][i]) & (lower[1][i] <= high[1]) &
+                             (low[1] <= upper[1][i]) & (lower[2][i] <= high[2]) & (low[2] <= upper[2][i]);
+            mask |= hit ? bit[i] : 0u;
+        }
+        return mask;
+    }
+};
+
+/// Per vertex of a wanted body: where it is.
+struct MoveVertices {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> vertex_offsets;
+    View<MovingVertex> vertices;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const OwnedItem item = owned_item(vertex_offsets, i);
+        const BodyView& body = bodies[item.owner];
+        const Vec3f p = body.positions[item.index];
+        MovingVertex vertex;
+        if (body.motion == Motion::deforming) {
+            vertex.start = body.start[item.index];
+            vertex.end = p;
+        } else {
+            vertex.start = to_float(body.start_space.to_parent(to_double(p)));
+            vertex.end = to_float(body.space.to_parent(to_double(p)));
+        }
+        vertices[i] = vertex;
+    }
+};
+
+/// Per place of a group: the box of its triangle over the step.
+struct BoxTriangles {
+    SheetBodies bodies;
+    View<const std::uint32_t> block_offsets;  ///< per body
+    View<Boxes> boxes;                        ///< per group
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t group = i / constants::group_size;
+        const OwnedItem block = owned_item(block_offsets, group / constants::group_size);
+        const SheetBody body = bodies[block.owner];
+        const std::uint32_t place = i - block_offsets[block.owner] * triangles_per_block;
+        boxes[group].set(i % constants::group_size, place < body.mesh.triangles.size && body.view.active
+                                                        ? MovingTriangle(body, body.mesh.group_triangles[place], {}).box()
+                                                        : Box{});
+    }
+};
+
+/// A triangle or a group of them over the step, between two planes along its mean normal and within a rectangle across it:
+/// float32, not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of many
+/// others; slabs do not.
+struct Slab {
+    Vec3f center;
+    Vec3f axis[3];  ///< the normal, and two at right angles to it; unit
+    float half[3] = {};
+    float rounding = 0;  ///< [length] by how much sums of the above may be wrong
+
+    /// True if along this slab's normal the other one is further away than `margin`.
+    PIERCE_HD bool is_apart(const Slab& other, float margin) const {
+        const Vec3f n = axis[0];
+        float reach = half[0] + margin + rounding + other.rounding;
+        for (int k = 0; k < 3; ++k) reach += other.half[k] * std::fabs(dot(n, other.axis[k]));
+        return std::fabs(dot(n, other.center - center)) > reach;
+    }
+};
+
+/// Per group, or per triangle: its slab.
+struct FitSlab {
+    SheetBodies bodies;
+    View<const std::uint32_t> block_offsets;  ///< per body
+    View<Slab> slabs;
+    std::uint32_t held = 1;  ///< triangles a slab holds
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t place = i * held;
+        const OwnedItem block = owned_item(block_offsets, place / triangles_per_block);
+        const SheetBody body = bodies[block.owner];
+        const std::uint32_t begin = place - block_offsets[block.owner] * triangles_per_block;
+        const std::uint32_t end = min_of(begin + held, body.mesh.triangles.size);
+        Slab slab;
+        if (begin < end && body.view.active) fit(body, begin, end, slab);
+        slabs[i] = slab;
+    }
+
+private:
+    PIERCE_HD static void fit(const SheetBody& body, std::uint32_t begin, std::uint32_t end, Slab& slab) {
+        const Vec3d origin = body.vertex(body.mesh.triangles[body.mesh.group_triangles[begin]].vertex[0]).end;
+        Vec3d normal;
+        for (std::uint32_t k = begin; k < end; ++k)
+            normal += MovingTriangle(body, body.mesh.group_triangles[k], origin).end_normal();
+        Vec3d axis[3] = {normalized(normal)};
+        if (length_squared(axis[0]) == 0) axis[0] = {0, 0, 1};
+        const Vec3d n = axis[0];
+        const int least = std::fabs(n.x) <= std::fabs(n.y) && std::fabs(n.x) <= std::fabs(n.z) ? 0
+                          : std::fabs(n.y) <= std::fabs(n.z)                                   ? 1
+                                                                                               : 2;
+        Vec3d side;
+        side[least] = 1;
+        axis[1] = normalized(cross(n, side));
+        axis[2] = cross(n, axis[1]);
+        Box extent;  // along the axes
+        for (std::uint32_t k = begin; k < end; ++k)
+            for (const MovingPoint& p : MovingTriangle(body, body.mesh.group_triangles[k], origin).corner)
+                for (const Vec3d at : {p.start, p.end})
+                    extent.extend(Vec3d{dot(axis[0], at), dot(axis[1], at), dot(axis[2], at)});
+        const Vec3d middle = extent.center(), half = extent.half_size();
+        slab.center = to_float(origin + middle.x * axis[0] + middle.y * axis[1] + middle.z * axis[2]);
+        double largest = length(half);
+        for (int k = 0; k < 3; ++k) {
+            slab.axis[k] = to_float(axis[k]);
+            slab.half[k] = round_up(half[k]);
+            largest = max_of(std::fabs(static_cast<double>(slab.center[k])), largest);
+        }
+        // u: half a float32 ulp. Two centres are at most 3.5 times the largest coordinate apart; their difference is off by
+        // 4 u of it, the axis by 1 u, the dot product by 3 u more: 28 u in all, and as much again for the sum of the
+        // reaches.
+        slab.rounding = round_up(4 * constants::slab_margin * largest);
+    }
+};
+
+/// Per sixteen boxes: none.
+struct EmptyBoxes {
+    View<Boxes> boxes;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) boxes[i].set(k, {});
+    }
+};
+
+/// Per sixteen boxes: the box around them, one of sixteen itself.
+struct BoxAround {
+    View<const Boxes> parts;
+    View<Boxes> boxes;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        boxes[i / constants::group_size].set(i % constants::group_size, parts[i].all());
+    }
+};
+
+}  // namespace pierce::stages
