@@ -127,6 +127,13 @@ inline constexpr double motion_rounding = 0x1p-46;
 /// The same in float32, which has 29 bits less.
 inline constexpr float quick_rounding = 0x1p-17f;
 
+/// What a product of four lengths in float32 may lose [largest coordinate to the fourth]. The sum of the roundings is
+/// written out where it is used (sheet_features.hpp), with half as much to spare.
+inline constexpr float quick_product_rounding = 0x1p-12f;
+
+/// Below this, what such products lose comes near the smallest float32 [length]: nothing is concluded from them.
+inline constexpr float quick_smallest = 0x1p-24f;
+
 /// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: half a
 /// float32 ulp. Closer than 2^-26, the direction between closest points is rounding, and a search takes twice as long.
 inline constexpr double meeting_tolerance = 0.5 * float_ulp;

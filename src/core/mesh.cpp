@@ -4,12 +4,12 @@
 #include <tuple>
 #include <utility>
 
-#include "pierce/core/bvh/morton.hpp"
 #include "pierce/core/constants.hpp"
 #include "pierce/core/edges.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/core/mesh_edges.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/spatial_order.hpp"
 #include "pierce/core/star_clearance.hpp"
 #include "pierce/core/triangle.hpp"
 #include "pierce/core/triangle_rings.hpp"
@@ -65,23 +65,6 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<
     return {std::move(offsets), std::move(corners)};
 }
 
-namespace {
-
-/// The numbers of points along a Morton curve, so that consecutive ones are neighbours; ties keep the caller's order.
-template <class At>
-std::vector<std::uint32_t> spatial_order(std::size_t count, const Box& box, At at) {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-    keys.reserve(count);
-    for (std::uint32_t i = 0; i < count; ++i) keys.emplace_back(morton_code(at(i), box), i);
-    std::ranges::sort(keys);
-    std::vector<std::uint32_t> order;
-    order.reserve(keys.size());
-    for (const auto& [code, i] : keys) order.push_back(i);
-    return order;
-}
-
-}  // namespace
-
 void check_finite(const std::string& name, std::span<const Vec3f> positions) {
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!is_finite(positions[v])) throw InputError("'" + name + "': vertex " + std::to_string(v) + " is not finite");
@@ -103,13 +86,13 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     centroid_ = sum * (1.0 / static_cast<double>(data_.positions.size()));
     traits_ = traits_of(data_, centroid_);
     std::tie(corner_offsets_, corners_) = corners_of(data_.triangles, data_.positions.size());
-    patch_vertices_ =
-        spatial_order(data_.positions.size(), box_, [&](std::uint32_t v) { return to_double(data_.positions[v]); });
-    group_triangles_ = spatial_order(data_.triangles.size(), box_, [&](std::uint32_t t) {
-        Vec3d middle;
-        for (std::uint32_t v : data_.triangles[t].vertex) middle += (1.0 / 3) * to_double(data_.positions[v]);
-        return middle;
-    });
+    std::vector<Vec3d> points;
+    for (Vec3f p : data_.positions) points.push_back(to_double(p));
+    patch_vertices_ = spatial_order(points);
+    std::vector<Vec3d> middles;
+    for (const Triangle& t : data_.triangles)
+        middles.push_back((1.0 / 3) * (points[t.vertex[0]] + points[t.vertex[1]] + points[t.vertex[2]]));
+    group_triangles_ = spatial_order(middles);
     MeshEdges edges = edges_of(view());
     edges_ = std::move(edges.edges);
     edge_offsets_ = std::move(edges.offsets);

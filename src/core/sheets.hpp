@@ -62,6 +62,7 @@ private:
                                        view_of(block_offsets_),
                                        view_of(block_counts_),
                                        view_of(block_boxes_),
+                                       view_of(block_slabs_),
                                        view_of(counts_),
                                        {},
                                        {}};
@@ -76,7 +77,7 @@ private:
         counts_.resize(in_blocks);
         executor_.for_each("find_groups", in_blocks,
                            stages::FindGroups{view_of(sheet_pairs_), view_of(blocks_), view_of(group_boxes_),
-                                              view_of(slabs_), view_of(masks_), view_of(counts_)});
+                                              view_of(group_slabs_), view_of(masks_), view_of(counts_)});
         groups_.resize(tools_.place("group_scan", counts_, offsets_));
         executor_.for_each("list_groups", in_blocks,
                            stages::ListGroups{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(groups_)});
@@ -123,27 +124,31 @@ private:
         executor_.for_each("empty_boxes", blocks, stages::EmptyBoxes{view_of(block_boxes_)});
         executor_.for_each("box_triangles", triangles,
                            stages::BoxTriangles{sheet_bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
-        slabs_.resize(groups);
-        executor_.for_each("fit_slabs", groups,
-                           stages::FitSlab{sheet_bodies, view_of(block_offsets_), view_of(slabs_), constants::group_size});
         triangle_slabs_.resize(triangles);
+        group_slabs_.resize(groups);
+        block_slabs_.resize(blocks);
         executor_.for_each("fit_slabs", triangles,
-                           stages::FitSlab{sheet_bodies, view_of(block_offsets_), view_of(triangle_slabs_), 1});
+                           stages::FitSlab{sheet_bodies, view_of(block_offsets_), view_of(triangle_slabs_)});
+        executor_.for_each("slabs_around", groups, stages::SlabAround{view_of(triangle_slabs_), view_of(group_slabs_)});
+        executor_.for_each("slabs_around", blocks, stages::SlabAround{view_of(group_slabs_), view_of(block_slabs_)});
         executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
         executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
     }
 
     /// Their features, and which of those are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
-        // Three items a pair: one for each corner and each edge.
-        const Count parts = 3 * count_of(triangles_);
-        masks_.resize(parts);
-        counts_.resize(parts);
-        executor_.for_each("mask_features", parts,
+        const Count pair_count = count_of(triangles_);
+        masks_.resize(pair_count);
+        counts_.resize(pair_count);
+        executor_.for_each("mask_features", pair_count,
                            stages::MaskFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(triangles_),
                                                 view_of(masks_), view_of(counts_)});
+        const Count open = tools_.list("open_list", pair_count, stages::IsOpen{view_of(masks_)}, rows_);
+        executor_.for_each("mask_open_features", open,
+                           stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(triangles_),
+                                                    view_of(rows_), view_of(masks_), view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
-        executor_.for_each("list_features", parts,
+        executor_.for_each("list_features", pair_count,
                            stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
                                                 view_of(offsets_), view_of(features_)});
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
@@ -197,7 +202,7 @@ private:
     Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
-    Buffer<stages::Slab> slabs_, triangle_slabs_;  ///< of groups, and of triangles
+    Buffer<stages::Slab> triangle_slabs_, group_slabs_, block_slabs_;
     Buffer<stages::ClosePair> blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;
     Buffer<stages::FeaturePair> features_;

@@ -4,6 +4,7 @@
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/temporal.hpp"
+#include "pierce/core/whole.hpp"
 
 /// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries ages over.
 namespace pierce::stages {
@@ -111,7 +112,7 @@ struct FillContact {
         c.distance = -m.t;
         if (target.collision.sheet) of_velocity_ray(c, from, p_world, q_world, direction, m.t);
         c.age = ages[i] = age(from);
-        contacts[i] = c;
+        write_whole(contacts[i], c);
     }
 
 private:

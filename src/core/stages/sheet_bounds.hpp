@@ -2,6 +2,7 @@
 
 #include "pierce/core/body.hpp"
 #include "pierce/core/moving_point.hpp"
+#include "pierce/core/whole.hpp"
 
 /// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs around triangles, groups of sixteen
 /// triangles and blocks of sixteen groups.
@@ -25,7 +26,7 @@ struct SheetBody {
     const MovingVertex* vertices;
 
     PIERCE_HD MovingPoint vertex(std::uint32_t v) const {
-        const MovingVertex m = vertices[v];
+        const MovingVertex m = read_whole(vertices[v]);
         return {to_double(m.start), to_double(m.end)};
     }
 };
@@ -84,21 +85,27 @@ PIERCE_HD inline OwnedItem owned_item(View<const std::uint32_t> offsets, std::ui
 }
 
 /// Sixteen boxes side by side, float32, not smaller than what they hold.
-struct alignas(16) Boxes {
-    float lower[3][constants::group_size], upper[3][constants::group_size];
+struct Boxes {
+    /// Of four boxes: a vector register, and what a GPU reads at once.
+    struct alignas(16) Four {
+        float of[4];
+    };
+    static constexpr std::uint32_t fours = constants::group_size / 4;
+
+    Four lower[3][fours], upper[3][fours];
 
     PIERCE_HD void set(std::uint32_t k, const Box& box) {
         for (int axis = 0; axis < 3; ++axis) {
-            lower[axis][k] = round_down(box.lower[axis]);
-            upper[axis][k] = round_up(box.upper[axis]);
+            lower[axis][k / 4].of[k % 4] = round_down(box.lower[axis]);
+            upper[axis][k / 4].of[k % 4] = round_up(box.upper[axis]);
         }
     }
     /// An infinite empty one if there is none.
     PIERCE_HD Box at(std::uint32_t k) const {
         Box box;
         for (int axis = 0; axis < 3; ++axis) {
-            box.lower[axis] = static_cast<double>(lower[axis][k]);
-            box.upper[axis] = static_cast<double>(upper[axis][k]);
+            box.lower[axis] = static_cast<double>(lower[axis][k / 4].of[k % 4]);
+            box.upper[axis] = static_cast<double>(upper[axis][k / 4].of[k % 4]);
         }
         return box;
     }
@@ -110,21 +117,29 @@ struct alignas(16) Boxes {
 
     /// A bit for each that the k-th of `others`, grown by `margin`, overlaps.
     PIERCE_HD std::uint32_t near(const Boxes& others, std::uint32_t k, double margin) const {
+        const Box other = others.at(k);
         float low[3], high[3];
         for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = round_down(static_cast<double>(others.lower[axis][k]) - margin);
-            high[axis] = round_up(static_cast<double>(others.upper[axis][k]) + margin);
+            low[axis] = round_down(other.lower[axis] - margin);
+            high[axis] = round_up(other.upper[axis] + margin);
         }
-        // Bits are looked up, not shifted: then all of it becomes vector instructions.
-        constexpr std::uint32_t bit[constants::group_size] = {1u << 0,  1u << 1,  1u << 2,  1u << 3, 1u << 4,  1u << 5,
-                                                              1u << 6,  1u << 7,  1u << 8,  1u << 9, 1u << 10, 1u << 11,
-                                                              1u << 12, 1u << 13, 1u << 14, 1u << 15};
         std::uint32_t mask = 0;
-        PIERCE_VECTOR_LOOP
-        for (std::uint32_t i = 0; i < constants::group_size; ++i) {
-            const bool hit = (lower[0][i] <= high[0]) & (low[0] <= upper[0][i]) & (lower[1][i] <= high[1]) &
-                             (low[1] <= upper[1][i]) & (lower[2][i] <= high[2]) & (low[2] <= upper[2][i]);
-            mask |= hit ? bit[i] : 0u;
+        for (std::uint32_t four = 0; four < fours; ++four) {
+            Four least[3], most[3];
+            for (int axis = 0; axis < 3; ++axis) {
+                least[axis] = read_whole(lower[axis][four]);
+                most[axis] = read_whole(upper[axis][four]);
+            }
+            // Bits are looked up, not shifted: then all of it becomes vector instructions.
+            constexpr std::uint32_t bit[4] = {1, 2, 4, 8};
+            std::uint32_t hits = 0;
+            PIERCE_VECTOR_LOOP
+            for (std::uint32_t i = 0; i < 4; ++i) {
+                const bool hit = (least[0].of[i] <= high[0]) & (low[0] <= most[0].of[i]) & (least[1].of[i] <= high[1]) &
+                                 (low[1] <= most[1].of[i]) & (least[2].of[i] <= high[2]) & (low[2] <= most[2].of[i]);
+                hits |= hit ? bit[i] : 0u;
+            }
+            mask |= hits << (4 * four);
         }
         return mask;
     }
@@ -148,7 +163,7 @@ struct MoveVertices {
             vertex.start = to_float(body.start_space.to_parent(to_double(p)));
             vertex.end = to_float(body.space.to_parent(to_double(p)));
         }
-        vertices[i] = vertex;
+        write_whole(vertices[i], vertex);
     }
 };
 
@@ -169,49 +184,47 @@ struct BoxTriangles {
     }
 };
 
-/// A triangle or a group of them over the step, between two planes along its mean normal and within a rectangle across it:
-/// float32, not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of many
-/// others; slabs do not.
-struct Slab {
+/// A triangle, or a group or a block of them, over the step, between two planes along its mean normal and within a rectangle
+/// across it: float32, not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of
+/// many others; slabs do not.
+struct alignas(16) Slab {
     Vec3f center;
     Vec3f axis[3];  ///< the normal, and two at right angles to it; unit
     float half[3] = {};
     float rounding = 0;  ///< [length] by how much sums of the above may be wrong
 
-    /// True if along this slab's normal the other one is further away than `margin`.
+    /// False for one that stands for nothing. Where it is one of several, those after it do so, too.
+    PIERCE_HD bool holds_something() const { return dot(axis[0], axis[0]) > 0; }
+
+    /// True if nothing of the two comes closer than `margin`. False says nothing.
     PIERCE_HD bool is_apart(const Slab& other, float margin) const {
+        return is_beside(other, margin) || is_above_or_below(other, margin) || other.is_above_or_below(*this, margin);
+    }
+
+    /// True if along this slab's normal the other one is further away than `margin`.
+    PIERCE_HD bool is_above_or_below(const Slab& other, float margin) const {
         const Vec3f n = axis[0];
         float reach = half[0] + margin + rounding + other.rounding;
         for (int k = 0; k < 3; ++k) reach += other.half[k] * std::fabs(dot(n, other.axis[k]));
         return std::fabs(dot(n, other.center - center)) > reach;
     }
+
+    /// True if along the line between the centres the other one is further away than `margin`.
+    PIERCE_HD bool is_beside(const Slab& other, float margin) const {
+        const Vec3f d = other.center - center;
+        float reach = (margin + rounding + other.rounding) * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
+        for (int k = 0; k < 3; ++k)
+            reach += half[k] * std::fabs(dot(d, axis[k])) + other.half[k] * std::fabs(dot(d, other.axis[k]));
+        return dot(d, d) > reach;
+    }
 };
 
-/// Per group, or per triangle: its slab.
-struct FitSlab {
-    SheetBodies bodies;
-    View<const std::uint32_t> block_offsets;  ///< per body
-    View<Slab> slabs;
-    std::uint32_t held = 1;  ///< triangles a slab holds
+/// Axes and extents of a slab to be, in double.
+struct SlabFrame {
+    Vec3d axis[3];
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t place = i * held;
-        const OwnedItem block = owned_item(block_offsets, place / triangles_per_block);
-        const SheetBody body = bodies[block.owner];
-        const std::uint32_t begin = place - block_offsets[block.owner] * triangles_per_block;
-        const std::uint32_t end = min_of(begin + held, body.mesh.triangles.size);
-        Slab slab;
-        if (begin < end && body.view.active) fit(body, begin, end, slab);
-        slabs[i] = slab;
-    }
-
-private:
-    PIERCE_HD static void fit(const SheetBody& body, std::uint32_t begin, std::uint32_t end, Slab& slab) {
-        const Vec3d origin = body.vertex(body.mesh.triangles[body.mesh.group_triangles[begin]].vertex[0]).end;
-        Vec3d normal;
-        for (std::uint32_t k = begin; k < end; ++k)
-            normal += MovingTriangle(body, body.mesh.group_triangles[k], origin).end_normal();
-        Vec3d axis[3] = {normalized(normal)};
+    PIERCE_HD explicit SlabFrame(Vec3d normal) {
+        axis[0] = normalized(normal);
         if (length_squared(axis[0]) == 0) axis[0] = {0, 0, 1};
         const Vec3d n = axis[0];
         const int least = std::fabs(n.x) <= std::fabs(n.y) && std::fabs(n.x) <= std::fabs(n.z) ? 0
@@ -221,12 +234,14 @@ private:
         side[least] = 1;
         axis[1] = normalized(cross(n, side));
         axis[2] = cross(n, axis[1]);
-        Box extent;  // along the axes
-        for (std::uint32_t k = begin; k < end; ++k)
-            for (const MovingPoint& p : MovingTriangle(body, body.mesh.group_triangles[k], origin).corner)
-                for (const Vec3d at : {p.start, p.end})
-                    extent.extend(Vec3d{dot(axis[0], at), dot(axis[1], at), dot(axis[2], at)});
+    }
+
+    PIERCE_HD Vec3d along(Vec3d p) const { return {dot(axis[0], p), dot(axis[1], p), dot(axis[2], p)}; }
+
+    /// The slab of what lies within `extent` along the axes, relative to `origin`.
+    PIERCE_HD Slab slab(const Box& extent, Vec3d origin) const {
         const Vec3d middle = extent.center(), half = extent.half_size();
+        Slab slab;
         slab.center = to_float(origin + middle.x * axis[0] + middle.y * axis[1] + middle.z * axis[2]);
         double largest = length(half);
         for (int k = 0; k < 3; ++k) {
@@ -238,6 +253,64 @@ private:
         // 4 u of it, the axis by 1 u, the dot product by 3 u more: 28 u in all, and as much again for the sum of the
         // reaches.
         slab.rounding = round_up(4 * constants::slab_margin * largest);
+        return slab;
+    }
+};
+
+/// Per triangle, by its place: its slab.
+struct FitSlab {
+    SheetBodies bodies;
+    View<const std::uint32_t> block_offsets;  ///< per body
+    View<Slab> slabs;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const OwnedItem block = owned_item(block_offsets, i / triangles_per_block);
+        const SheetBody body = bodies[block.owner];
+        const std::uint32_t place = i - block_offsets[block.owner] * triangles_per_block;
+        Slab slab;
+        if (place < body.mesh.triangles.size && body.view.active) {
+            const std::uint32_t t = body.mesh.group_triangles[place];
+            const Vec3d origin = body.vertex(body.mesh.triangles[t].vertex[0]).end;
+            const MovingTriangle triangle(body, t, origin);
+            const SlabFrame frame(triangle.end_normal());
+            Box extent;
+            for (const MovingPoint& p : triangle.corner) {
+                extent.extend(frame.along(p.start));
+                extent.extend(frame.along(p.end));
+            }
+            slab = frame.slab(extent, origin);
+        }
+        write_whole(slabs[i], slab);
+    }
+};
+
+/// Per sixteen slabs: the one around them.
+struct SlabAround {
+    View<const Slab> parts;
+    View<Slab> slabs;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Slab* const part = parts.data + i * constants::group_size;
+        Vec3d normal;
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) normal += to_double(part[k].axis[0]);
+        const Vec3d origin = to_double(part[0].center);
+        const SlabFrame frame(normal);
+        Box extent;
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
+            const Slab held = read_whole(part[k]);
+            if (!held.holds_something()) continue;
+            const Vec3d middle = frame.along(to_double(held.center) - origin);
+            Vec3d reach;
+            for (int axis = 0; axis < 3; ++axis) {
+                reach[axis] = static_cast<double>(held.rounding);
+                for (int j = 0; j < 3; ++j)
+                    reach[axis] +=
+                        static_cast<double>(held.half[j]) * std::fabs(dot(frame.axis[axis], to_double(held.axis[j])));
+            }
+            extent.extend(middle - reach);
+            extent.extend(middle + reach);
+        }
+        write_whole(slabs[i], part[0].holds_something() ? frame.slab(extent, origin) : Slab{});
     }
 };
 

@@ -17,7 +17,7 @@
 namespace pierce::stages {
 
 /// How two features stand at the end of the step.
-struct SheetMeeting {
+struct alignas(16) SheetMeeting {
     double weight[3] = {};  ///< of the triangle's corners; of edges: the place along the second one comes first
     double along = 0;       ///< of edges: the place along the first
     Vec3d out;              ///< unit, world: where the first feature belongs, as seen from the second
@@ -26,7 +26,7 @@ struct SheetMeeting {
     Found found = Found::near;
     std::int8_t side = 0;
     bool unknown = false;
-    std::uint8_t padding[5] = {};
+    std::uint8_t padding[13] = {};
 };
 
 /// What is said of two features.
@@ -50,7 +50,7 @@ struct MeetFeatures {
 
     PIERCE_HD void operator()(std::uint32_t item) const {
         const std::uint32_t i = searching ? undecided[item] : item;
-        const FeaturePair& f = features[i];
+        const FeaturePair f = read_whole(features[i]);
         SheetMeeting m;
         Verdict verdict = Verdict::nothing;
         if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
@@ -60,7 +60,7 @@ struct MeetFeatures {
         else
             verdict = said(piercing(f, m));
         verdicts[i] = static_cast<std::uint32_t>(verdict);
-        if (verdict == Verdict::contact) meetings[i] = m;
+        if (verdict == Verdict::contact) write_whole(meetings[i], m);
     }
 
 private:
@@ -317,7 +317,7 @@ struct KeyByFeature {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const FeaturePair& f = features[order[i]];
+        const FeaturePair f = read_whole(features[order[i]]);
         keys[i] = feature_key(f.pair, f.kind, f.item, bits);
     }
 };
@@ -336,8 +336,8 @@ struct FillSheetContact {
     View<Contact> contacts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const FeaturePair& f = features[order[i]];
-        const SheetMeeting& m = meetings[order[i]];
+        const FeaturePair f = read_whole(features[order[i]]);
+        const SheetMeeting m = read_whole(meetings[order[i]]);
         const Pair pair = pairs[f.pair];
         const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
         const SheetBody source = bodies[pair.source(from_b)], target = bodies[pair.target(from_b)];
@@ -383,7 +383,7 @@ struct FillSheetContact {
         c.point_b = from_b ? p : q;
         c.normal = from_b ? m.out : -m.out;
         c.face_normal = normalized(face.end_normal());
-        contacts[i] = c;
+        write_whole(contacts[i], c);
         records[i] = {f.other, c.age, m.distance < 0 ? m.side : 0};
         if (is_vertex && m.distance < 0)
             atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.view.range))));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "pierce/core/stages/sheet_search.hpp"
 
 /// Sheets, second part: which vertices and triangles, and which edges, of two triangles may meet or come close.
@@ -10,70 +12,133 @@ struct QuickPoint {
     Vec3f start, end;
 };
 
-/// How two features get along during the step.
-enum class Company : std::uint32_t {
-    open,      ///< nothing is known
-    separate,  ///< they do not meet
-    distant,   ///< nor do they come near
+/// What is known of how two features, or two triangles, get along.
+struct Company {
+    bool separate = false;  ///< they do not meet during the step
+    bool distant = false;   ///< at its end they are no contact, unless they have met: too far apart, or not over each other
+
+    PIERCE_HD bool is_settled() const { return separate && distant; }
+    PIERCE_HD void learn(const Company& more) {
+        separate |= more.separate;
+        distant |= more.distant;
+    }
 };
 
-/// How far apart along `n`, of any length, two convex features stay, one always ahead: differences of corners are linear in
-/// time, so they do if they do at the start and at the end. In float32, with constants::quick_rounding to be sure. `size`:
-/// no coordinate is larger.
+/// How far some points reach along a direction, at the start of the step and at its end.
+struct Reach {
+    float low[2], high[2];
+
+    template <int count>
+    PIERCE_HD Reach(Vec3f n, const QuickPoint (&points)[count]) {
+        for (int k = 0; k < count; ++k) {
+            const float at[2] = {dot(n, points[k].start), dot(n, points[k].end)};
+            for (int when = 0; when < 2; ++when) {
+                low[when] = k == 0 ? at[when] : min_of(at[when], low[when]);
+                high[when] = k == 0 ? at[when] : max_of(at[when], high[when]);
+            }
+        }
+    }
+};
+
+/// How much of what is said along `n` float32 may have made up. `size`: no coordinate is larger.
+PIERCE_HD inline float made_up_along(Vec3f n, float size) {
+    return constants::quick_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
+}
+
+/// True if something `ahead` along `n`, of any length, is further away than `margin`. Roots take long.
+PIERCE_HD inline bool is_beyond(float margin, float ahead, Vec3f n) {
+    return ahead > 0 && ahead * ahead > margin * margin * dot(n, n);
+}
+
+/// What `n`, of any length, says about two convex things: differences of corners are linear in time, so that one stays ahead
+/// if it is ahead at the start and at the end.
 template <int mine, int others>
 PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin,
                                 float size) {
-    float low_a[2], high_a[2], low_b[2], high_b[2];  // at the start and at the end
-    for (int k = 0; k < mine; ++k) {
-        const float at[2] = {dot(n, a[k].start), dot(n, a[k].end)};
-        for (int when = 0; when < 2; ++when) {
-            low_a[when] = k == 0 ? at[when] : min_of(at[when], low_a[when]);
-            high_a[when] = k == 0 ? at[when] : max_of(at[when], high_a[when]);
-        }
-    }
-    for (int k = 0; k < others; ++k) {
-        const float at[2] = {dot(n, b[k].start), dot(n, b[k].end)};
-        for (int when = 0; when < 2; ++when) {
-            low_b[when] = k == 0 ? at[when] : min_of(at[when], low_b[when]);
-            high_b[when] = k == 0 ? at[when] : max_of(at[when], high_b[when]);
-        }
-    }
-    const float gap =
-        max_of(min_of(low_a[0] - high_b[0], low_a[1] - high_b[1]), min_of(low_b[0] - high_a[0], low_b[1] - high_a[1])) -
-        constants::quick_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
-    return gap > margin * length(n) ? Company::distant : gap > 0 ? Company::separate : Company::open;
-}
-
-/// The same along the coordinate axes: the best of them.
-template <int mine, int others>
-PIERCE_HD Company company_along_axes(const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin, float size) {
-    Company best = company_along(Vec3f{1, 0, 0}, a, b, margin, size);
-    if (best != Company::distant) best = max_of(company_along(Vec3f{0, 1, 0}, a, b, margin, size), best);
-    if (best != Company::distant) best = max_of(company_along(Vec3f{0, 0, 1}, a, b, margin, size), best);
-    return best;
+    const Reach of_a(n, a), of_b(n, b);
+    const float made_up = made_up_along(n, size);
+    const float ahead = of_a.low[1] - of_b.high[1], behind = of_b.low[1] - of_a.high[1];
+    return {max_of(min_of(of_a.low[0] - of_b.high[0], ahead), min_of(of_b.low[0] - of_a.high[0], behind)) > made_up,
+            is_beyond(margin, max_of(ahead, behind) - made_up, n)};
 }
 
 /// A triangle during the step, float32, relative to `origin`.
 struct QuickTriangle {
     QuickPoint corner[3];
-    float size = 0;  ///< no coordinate is larger
 
+    QuickTriangle() = default;
     PIERCE_HD QuickTriangle(const SheetBody& body, const Triangle& t, Vec3f origin) {
         for (int k = 0; k < 3; ++k) {
-            const MovingVertex v = body.vertices[t.vertex[k]];
+            const MovingVertex v = read_whole(body.vertices[t.vertex[k]]);
             corner[k] = {v.start - origin, v.end - origin};
-            for (int axis = 0; axis < 3; ++axis)
-                size = max_of(max_of(std::fabs(corner[k].start[axis]), std::fabs(corner[k].end[axis])), size);
         }
     }
     PIERCE_HD Vec3f start_normal() const {
         return cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
     }
     PIERCE_HD Vec3f end_normal() const { return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+    /// No coordinate is larger at the start of the step, or at its end.
+    PIERCE_HD float start_size() const {
+        float size = 0;
+        for (const QuickPoint& p : corner)
+            for (int axis = 0; axis < 3; ++axis) size = max_of(std::fabs(p.start[axis]), size);
+        return size;
+    }
+    PIERCE_HD float end_size() const {
+        float size = 0;
+        for (const QuickPoint& p : corner)
+            for (int axis = 0; axis < 3; ++axis) size = max_of(std::fabs(p.end[axis]), size);
+        return size;
+    }
+    /// A corner without an index that only the running thread knows: such arrays do not stay in registers.
+    PIERCE_HD QuickPoint pick(std::uint32_t k) const { return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2]; }
 };
 
+/// How much of a product of four lengths float32 may have made up. Let u be half an ulp and no coordinate be above `size`.
+/// Differences of coordinates are below 2 size and off by 4 u size; their cross product is below 8 size^2 and off by 48 u
+/// size^2; that with another difference is below 32 size^3 and off by 320 u size^3; and the dot product with one more is
+/// off by 2600 u size^4. Infinite where such products would come near the smallest float32.
+PIERCE_HD inline float made_up_of_four(float size) {
+    return size > constants::quick_smallest ? constants::quick_product_rounding * (size * size) * (size * size)
+                                            : std::numeric_limits<float>::infinity();
+}
+
+/// The space over and under a triangle at the end of the step, as far as `margin` [length].
+struct QuickPrism {
+    Vec3f at[3], normal, inward[3];
+    float margin = 0, made_up = 0, made_up_along_normal = 0;
+
+    PIERCE_HD QuickPrism(const QuickTriangle& t, float reach, float size) : normal(t.end_normal()), margin(reach) {
+        for (int k = 0; k < 3; ++k) {
+            at[k] = t.corner[k].end;
+            inward[k] = cross(normal, t.corner[k == 2 ? 0 : k + 1].end - at[k]);
+        }
+        made_up = made_up_of_four(size);
+        made_up_along_normal = made_up_along(normal, size);
+    }
+
+    /// False if a point is outside for certain.
+    PIERCE_HD bool may_hold(Vec3f p) const {
+        return !(dot(inward[0], p - at[0]) < -made_up) && !(dot(inward[1], p - at[1]) < -made_up) &&
+               !(dot(inward[2], p - at[2]) < -made_up) &&
+               !is_beyond(margin, std::fabs(dot(normal, p - at[0])) - made_up_along_normal, normal);
+    }
+};
+
+/// False if the points of two segments where their lines are closest are not within both for certain, or for certain
+/// further apart than `margin` [length].
+PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float margin, float size) {
+    const Vec3f d = q - p, e = s - r, n = cross(d, e), way = r - p;
+    const float made_up = made_up_of_four(size);
+    // The place along the first, times |n|^2, is way . (e x n); one less if `way` comes from the second end. The place along
+    // the second is way . (d x n).
+    const Vec3f beside_e = cross(e, n), beside_d = cross(d, n);
+    return !(dot(way, beside_e) < -made_up) && !(dot(r - q, beside_e) > made_up) && !(dot(way, beside_d) < -made_up) &&
+           !(dot(s - p, beside_d) > made_up) && !is_beyond(margin, std::fabs(dot(n, way)) - made_up_along(n, size), n);
+}
+
 /// What two features are.
-enum class FeatureKind : std::uint32_t {
+enum class FeatureKind : std::uint8_t {
     vertex_of_a,         ///< a vertex of the pair's a, and a triangle of its b
     vertex_of_b,         ///< the other way round
     edges,               ///< an edge of a and an edge of b
@@ -82,13 +147,13 @@ enum class FeatureKind : std::uint32_t {
 };
 
 /// Two features that may meet or come close during the step.
-struct FeaturePair {
+struct alignas(16) FeaturePair {
     std::uint32_t pair = 0;
-    FeatureKind kind = FeatureKind::vertex_of_a;
     std::uint32_t item = 0;   ///< the vertex, or the edge of a, or the one that pierces
     std::uint32_t other = 0;  ///< the triangle, or the edge of b
-    bool separate = false;    ///< it is known that they do not meet
-    std::uint8_t padding[3] = {};
+    FeatureKind kind = FeatureKind::vertex_of_a;
+    bool separate = false;  ///< it is known that they do not meet
+    std::uint8_t padding[2] = {};
 };
 
 /// True if a segment runs through a triangle, from one side to the other. Strictly: touching is not piercing.
@@ -101,99 +166,162 @@ PIERCE_HD inline bool pierces(Vec3d p, Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
     return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
 }
 
-/// What an item of two triangles looks at: corner k, and edge k, of each of them, and how they get along with the other
-/// triangle's features. A bit each for a test that is not settled by distance, in the order of FeatureBits; sixteen places
-/// further up, one if it is known that the two do not meet.
+/// The features of two triangles that may meet or come close, a bit each. Of corners and edges that two triangles share,
+/// only those their own (TriangleFeatures::own).
 struct FeatureBits {
-    static constexpr std::uint32_t vertex_of_first = 0, vertex_of_second = 1;
-    static constexpr std::uint32_t edges = 2;  ///< three: edge k of the first with each of the second's
-    static constexpr std::uint32_t piercing_first = 5, piercing_second = 6;
-    static constexpr std::uint32_t all = 0x7f, separate_shift = 16;
+    static constexpr std::uint32_t vertex_of_first = 0, vertex_of_second = 3;  ///< three each
+    static constexpr std::uint32_t edges = 6;  ///< nine: three for each edge of the first, one for each of the second's
+    static constexpr std::uint32_t piercing_first = 15, piercing_second = 18;  ///< three each
+    static constexpr std::uint32_t all = (1u << 21) - 1;
+    static constexpr std::uint32_t open = 1u << 30;      ///< nothing is known yet
+    static constexpr std::uint32_t separate = 1u << 31;  ///< the triangles do not meet
 };
 
-/// Per pair of triangles and corner: which of their own features may meet or come close, and their number.
+/// Two triangles, ready to have their features looked at.
+struct QuickPair {
+    SheetBody a, b;
+    const Triangle &ta, &tb;
+    std::uint32_t own_a, own_b;
+    QuickTriangle qa, qb;
+    float thickness, margin, end_size, size;
+
+    PIERCE_HD QuickPair(const SheetBodies& bodies, const SheetPair& pair, const TrianglePair& t)
+        : a(bodies[pair.first]),
+          b(bodies[pair.second]),
+          ta(a.mesh.triangles[t.first]),
+          tb(b.mesh.triangles[t.second]),
+          own_a(a.mesh.features[t.first].own),
+          own_b(b.mesh.features[t.second].own),
+          qa(a, ta, a.vertices[ta.vertex[0]].end),
+          qb(b, tb, a.vertices[ta.vertex[0]].end),
+          thickness(round_up(pair.thickness)),
+          margin(round_up(pair.margin)),
+          end_size(max_of(qa.end_size(), qb.end_size())),
+          size(max_of(end_size, max_of(qa.start_size(), qb.start_size()))) {}
+};
+
+/// Per pair of triangles: which of their features may be contacts, and their number, if a direction separates the triangles
+/// as wholes, as it does nearly always; otherwise that it is open.
 struct MaskFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
     View<const TrianglePair> triangles;
     View<std::uint32_t> masks, counts;
 
-    static constexpr int blocks_at_once = 10;  // of 64 threads; measured: with 5 two fifths slower
-
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const TrianglePair& t = triangles[i / 3];
-        masks[i] = mask(t, pairs[t.pair], i % 3);
+        const TrianglePair t = read_whole(triangles[i]);
+        masks[i] = mask(QuickPair(bodies, pairs[t.pair], t));
         counts[i] = bit_count(masks[i] & FeatureBits::all);
     }
 
 private:
-    PIERCE_HD std::uint32_t mask(const TrianglePair& t, const SheetPair& pair, std::uint32_t k) const {
-        const SheetBody a = bodies[pair.first], b = bodies[pair.second];
-        const std::uint32_t own_a = a.mesh.features[t.first].own, own_b = b.mesh.features[t.second].own;
-        if (!((own_a | own_b) >> k & 1) && !((own_a | own_b) >> (3 + k) & 1)) return 0;
-        const Triangle &ta = a.mesh.triangles[t.first], &tb = b.mesh.triangles[t.second];
-        const std::uint32_t next = k == 2 ? 0 : k + 1;
-        const Vec3f origin = a.vertices[ta.vertex[0]].end;
-        const QuickTriangle qa(a, ta, origin), qb(b, tb, origin);
-        const float size = max_of(qa.size, qb.size), thickness = round_up(pair.thickness), margin = round_up(pair.margin);
-        const bool self = pair.first == pair.second;
+    PIERCE_HD static std::uint32_t mask(const QuickPair& p) {
+        Company company = company_along(p.qb.end_normal(), p.qa.corner, p.qb.corner, p.margin, p.size);
+        if (!company.is_settled())
+            company.learn(company_along(p.qa.end_normal(), p.qa.corner, p.qb.corner, p.margin, p.size));
+        if (company.is_settled()) return 0;
+        if (!company.separate) return FeatureBits::open;
+
+        const QuickPrism over_a(p.qa, p.margin, p.end_size), over_b(p.qb, p.margin, p.end_size);
         std::uint32_t bits = 0;
-        const auto note = [&](std::uint32_t bit, Company company) {
-            if (company == Company::distant) return;
-            bits |= 1u << bit;
-            if (company == Company::separate) bits |= 1u << (bit + FeatureBits::separate_shift);
-        };
-        const QuickPoint corner_a = pick(qa, k), corner_b = pick(qb, k), after_a = pick(qa, next), after_b = pick(qb, next);
-        if (own_a >> k & 1 && !(self && has_vertex(tb, ta.vertex[k])))
-            note(FeatureBits::vertex_of_first, company(corner_a, qb, margin, size));
-        if (own_b >> k & 1 && !(self && has_vertex(ta, tb.vertex[k])))
-            note(FeatureBits::vertex_of_second, company(corner_b, qa, margin, size));
-        if (own_a >> (3 + k) & 1) {
-            const std::uint32_t p = ta.vertex[k], q = ta.vertex[next];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (p.own_a >> k & 1 && over_b.may_hold(p.qa.corner[k].end)) bits |= 1u << (FeatureBits::vertex_of_first + k);
+            if (p.own_b >> k & 1 && over_a.may_hold(p.qb.corner[k].end)) bits |= 1u << (FeatureBits::vertex_of_second + k);
+        }
+        for (std::uint32_t k = 0; k < 3; ++k)
+            for (std::uint32_t l = 0; l < 3; ++l)
+                if (p.own_a >> (3 + k) & 1 && p.own_b >> (3 + l) & 1 &&
+                    may_cross_over(p.qa.corner[k].end, p.qa.corner[k == 2 ? 0 : k + 1].end, p.qb.corner[l].end,
+                                   p.qb.corner[l == 2 ? 0 : l + 1].end, p.thickness, p.end_size))
+                    bits |= 1u << (FeatureBits::edges + 3 * k + l);
+        return bits == 0 ? 0 : bits | FeatureBits::separate;
+    }
+};
+
+/// True for pairs of triangles that are still open.
+struct IsOpen {
+    View<const std::uint32_t> masks;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return masks[i] == FeatureBits::open; }
+};
+
+/// Per pair of triangles that is open: which of their features may meet or come close, and their number.
+struct MaskOpenFeatures {
+    SheetBodies bodies;
+    View<const SheetPair> pairs;
+    View<const TrianglePair> triangles;
+    View<const std::uint32_t> open;
+    View<std::uint32_t> masks, counts;  ///< of all pairs of triangles
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const TrianglePair t = read_whole(triangles[open[i]]);
+        const SheetPair& pair = pairs[t.pair];
+        const QuickPair p(bodies, pair, t);
+        std::uint32_t bits = 0;
+        for (std::uint32_t k = 0; k < 3; ++k) bits |= mask(p, k, pair.first == pair.second);
+        masks[open[i]] = bits;
+        counts[open[i]] = bit_count(bits);
+    }
+
+private:
+    /// Of corner k, and edge k, of each of them, and the other triangle's features.
+    PIERCE_HD static std::uint32_t mask(const QuickPair& p, std::uint32_t k, bool self) {
+        const std::uint32_t next = k == 2 ? 0 : k + 1;
+        const QuickPoint corner_a = p.qa.pick(k), corner_b = p.qb.pick(k), after_a = p.qa.pick(next),
+                         after_b = p.qb.pick(next);
+        std::uint32_t bits = 0;
+        if (p.own_a >> k & 1 && !(self && has_vertex(p.tb, p.ta.vertex[k])) && may_touch(corner_a, p.qb, p))
+            bits |= 1u << (FeatureBits::vertex_of_first + k);
+        if (p.own_b >> k & 1 && !(self && has_vertex(p.ta, p.tb.vertex[k])) && may_touch(corner_b, p.qa, p))
+            bits |= 1u << (FeatureBits::vertex_of_second + k);
+        if (p.own_a >> (3 + k) & 1) {
+            const std::uint32_t v = p.ta.vertex[k], w = p.ta.vertex[next];
             const QuickPoint mine[2] = {corner_a, after_a};
             for (std::uint32_t l = 0; l < 3; ++l) {
-                if (!(own_b >> (3 + l) & 1)) continue;
-                const std::uint32_t r = tb.vertex[l], s = tb.vertex[l == 2 ? 0 : l + 1];
-                if (self && (p == r || p == s || q == r || q == s)) continue;
-                const QuickPoint others[2] = {pick(qb, l), pick(qb, l == 2 ? 0 : l + 1)};
-                note(FeatureBits::edges + l, company(mine, others, thickness, size));
+                if (!(p.own_b >> (3 + l) & 1)) continue;
+                const std::uint32_t after = l == 2 ? 0 : l + 1, x = p.tb.vertex[l], y = p.tb.vertex[after];
+                if (self && (v == x || v == y || w == x || w == y)) continue;
+                const QuickPoint others[2] = {p.qb.pick(l), p.qb.pick(after)};
+                if (may_touch(mine, others, p)) bits |= 1u << (FeatureBits::edges + 3 * k + l);
             }
-            if (!(self && (has_vertex(tb, p) || has_vertex(tb, q))) && may_pierce(corner_a.end, after_a.end, qb, size) &&
-                stays_pierced(a, p, q, b, tb))
-                bits |= 1u << FeatureBits::piercing_first;
+            if (!(self && (has_vertex(p.tb, v) || has_vertex(p.tb, w))) &&
+                may_pierce(corner_a.end, after_a.end, p.qb, p.end_size) && stays_pierced(p.a, v, w, p.b, p.tb))
+                bits |= 1u << (FeatureBits::piercing_first + k);
         }
-        if (own_b >> (3 + k) & 1 && !(self && (has_vertex(ta, tb.vertex[k]) || has_vertex(ta, tb.vertex[next]))) &&
-            may_pierce(corner_b.end, after_b.end, qa, size) && stays_pierced(b, tb.vertex[k], tb.vertex[next], a, ta))
-            bits |= 1u << FeatureBits::piercing_second;
+        if (p.own_b >> (3 + k) & 1 && !(self && (has_vertex(p.ta, p.tb.vertex[k]) || has_vertex(p.ta, p.tb.vertex[next]))) &&
+            may_pierce(corner_b.end, after_b.end, p.qa, p.end_size) &&
+            stays_pierced(p.b, p.tb.vertex[k], p.tb.vertex[next], p.a, p.ta))
+            bits |= 1u << (FeatureBits::piercing_second + k);
         return bits;
     }
 
-    /// A corner without an index that only the running thread knows: such arrays do not stay in registers.
-    PIERCE_HD static QuickPoint pick(const QuickTriangle& t, std::uint32_t k) {
-        return k == 0 ? t.corner[0] : k == 1 ? t.corner[1] : t.corner[2];
+    PIERCE_HD static bool may_touch(const QuickPoint& corner, const QuickTriangle& face, const QuickPair& p) {
+        const QuickPoint point[1] = {corner};
+        const Vec3f directions[5] = {face.end_normal(), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, face.start_normal()};
+        Company company;
+        company.distant = !QuickPrism(face, p.margin, p.end_size).may_hold(corner.end);
+        for (int k = 0; k < 5 && !company.is_settled(); ++k)
+            company.learn(company_along(directions[k], point, face.corner, p.margin, p.size));
+        return !company.is_settled();
     }
 
-    PIERCE_HD static Company company(const QuickPoint& p, const QuickTriangle& face, float margin, float size) {
-        const QuickPoint point[1] = {p};
-        Company best = company_along(face.end_normal(), point, face.corner, margin, size);
-        if (best != Company::distant) best = max_of(company_along_axes(point, face.corner, margin, size), best);
-        if (best != Company::distant)
-            best = max_of(company_along(face.start_normal(), point, face.corner, margin, size), best);
-        return best;
-    }
-
-    PIERCE_HD static Company company(const QuickPoint (&a)[2], const QuickPoint (&b)[2], float margin, float size) {
-        Company best = company_along(cross(a[1].end - a[0].end, b[1].end - b[0].end), a, b, margin, size);
-        if (best != Company::distant) best = max_of(company_along_axes(a, b, margin, size), best);
-        if (best != Company::distant)
-            best = max_of(company_along(cross(a[1].start - a[0].start, b[1].start - b[0].start), a, b, margin, size), best);
-        return best;
+    PIERCE_HD static bool may_touch(const QuickPoint (&a)[2], const QuickPoint (&b)[2], const QuickPair& p) {
+        const Vec3f directions[5] = {cross(a[1].end - a[0].end, b[1].end - b[0].end),
+                                     {1, 0, 0},
+                                     {0, 1, 0},
+                                     {0, 0, 1},
+                                     cross(a[1].start - a[0].start, b[1].start - b[0].start)};
+        Company company;
+        company.distant = !may_cross_over(a[0].end, a[1].end, b[0].end, b[1].end, p.thickness, p.end_size);
+        for (int k = 0; k < 5 && !company.is_settled(); ++k)
+            company.learn(company_along(directions[k], a, b, p.thickness, p.size));
+        return !company.is_settled();
     }
 
     /// False if both ends are on one side of the triangle's plane for certain.
     PIERCE_HD static bool may_pierce(Vec3f p, Vec3f q, const QuickTriangle& face, float size) {
         const Vec3f n = face.end_normal();
-        const float room = constants::quick_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
+        const float room = made_up_along(n, size);
         const float from = dot(n, p - face.corner[0].end), to = dot(n, q - face.corner[0].end);
         return !(from > room && to > room) && !(from < -room && to < -room);
     }
@@ -207,7 +335,7 @@ private:
     }
 };
 
-/// Per pair of triangles and corner: lists the features of its mask.
+/// Per pair of triangles: lists the features of its mask.
 struct ListFeatures {
     View<const BodyView> bodies;
     View<const SheetPair> pairs;
@@ -218,34 +346,34 @@ struct ListFeatures {
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t place = offsets[i];
         for (std::uint32_t mask = masks[i] & FeatureBits::all; mask != 0; mask &= mask - 1) {
-            const TrianglePair& t = triangles[i / 3];
-            const std::uint32_t bit = lowest_bit(mask);
-            FeaturePair f = feature(t, pairs[t.pair], i % 3, bit);
-            f.separate = masks[i] >> (bit + FeatureBits::separate_shift) & 1;
-            features[place++] = f;
+            const TrianglePair t = read_whole(triangles[i]);
+            FeaturePair f = feature(t, pairs[t.pair], lowest_bit(mask));
+            f.separate = (masks[i] & FeatureBits::separate) != 0;
+            write_whole(features[place++], f);
         }
     }
 
 private:
-    PIERCE_HD FeaturePair feature(const TrianglePair& t, const SheetPair& pair, std::uint32_t k, std::uint32_t bit) const {
+    PIERCE_HD FeaturePair feature(const TrianglePair& t, const SheetPair& pair, std::uint32_t bit) const {
         const MeshView &first = bodies[pair.first].mesh, &second = bodies[pair.second].mesh;
-        const bool self = pair.first == pair.second;
         // In a body itself, which of the two it is matters to nobody.
-        if (bit == FeatureBits::vertex_of_first)
-            return {t.pair, FeatureKind::vertex_of_a, first.triangles[t.first].vertex[k], t.second};
-        if (bit == FeatureBits::vertex_of_second)
-            return {t.pair, self ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b, second.triangles[t.second].vertex[k],
-                    t.first};
-        if (bit == FeatureBits::piercing_first)
-            return {t.pair, FeatureKind::piercing_edge_of_a, first.features[t.first].edge[k], t.second};
-        if (bit == FeatureBits::piercing_second)
-            return {t.pair, self ? FeatureKind::piercing_edge_of_a : FeatureKind::piercing_edge_of_b,
-                    second.features[t.second].edge[k], t.first};
-        const std::uint32_t e = first.features[t.first].edge[k],
-                            f = second.features[t.second].edge[bit - FeatureBits::edges];
+        const bool self = pair.first == pair.second;
+        if (bit < FeatureBits::vertex_of_second)
+            return {t.pair, first.triangles[t.first].vertex[bit], t.second, FeatureKind::vertex_of_a};
+        if (bit < FeatureBits::edges)
+            return {t.pair, second.triangles[t.second].vertex[bit - FeatureBits::vertex_of_second], t.first,
+                    self ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b};
+        if (bit >= FeatureBits::piercing_second)
+            return {t.pair, second.features[t.second].edge[bit - FeatureBits::piercing_second], t.first,
+                    self ? FeatureKind::piercing_edge_of_a : FeatureKind::piercing_edge_of_b};
+        if (bit >= FeatureBits::piercing_first)
+            return {t.pair, first.features[t.first].edge[bit - FeatureBits::piercing_first], t.second,
+                    FeatureKind::piercing_edge_of_a};
+        const std::uint32_t e = first.features[t.first].edge[(bit - FeatureBits::edges) / 3],
+                            f = second.features[t.second].edge[(bit - FeatureBits::edges) % 3];
         // The smaller one first where both are of one body: the same two are always the same.
         const bool turn = self && f < e;
-        return {t.pair, FeatureKind::edges, turn ? f : e, turn ? e : f};
+        return {t.pair, turn ? f : e, turn ? e : f, FeatureKind::edges};
     }
 };
 

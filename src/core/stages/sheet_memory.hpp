@@ -54,7 +54,7 @@ struct SheetMemory {
     /// True if it is remembered of a vertex which side of a triangle it belongs to.
     PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex, std::uint32_t triangle,
                          View<const Triangle> triangles) const {
-        return side({pair, kind, vertex, triangle, false, {}}, triangles) != 0;
+        return side({pair, vertex, triangle, kind}, triangles) != 0;
     }
 
 private:

@@ -6,6 +6,7 @@
 #include "pierce/core/bits.hpp"
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/stages/sheet_bounds.hpp"
+#include "pierce/core/whole.hpp"
 
 /// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet during the step or come
 /// closer than the thickness. Boxes around triangles, groups of them and blocks of groups, over the whole step, are compared
@@ -76,9 +77,10 @@ struct CountRows {
 };
 
 /// Two things of a pair's bodies that are close: blocks or groups, by their places among all.
-struct ClosePair {
+struct alignas(16) ClosePair {
     std::uint32_t pair = 0;
     std::uint32_t first = 0, second = 0;
+    std::uint32_t padding = 0;
 };
 
 /// Per block of a pair's first body: the second's blocks that are near, counted or written. In a body itself, each two once.
@@ -87,6 +89,7 @@ struct FindBlocks {
     View<const std::uint32_t> row_offsets;            ///< per pair; ones past the last
     View<const std::uint32_t> block_offsets, blocks;  ///< per body
     View<const Boxes> boxes;                          ///< of blocks
+    View<const Slab> slabs;                           ///< of blocks
     View<std::uint32_t> counts;                       ///< written if `found` is empty
     View<const std::uint32_t> offsets;
     View<ClosePair> found;
@@ -97,6 +100,7 @@ struct FindBlocks {
         const std::uint32_t mine = block_offsets[pair.first] + row.index;
         const std::uint32_t begin = pair.first == pair.second ? mine : block_offsets[pair.second];
         const std::uint32_t end = block_offsets[pair.second] + blocks[pair.second];
+        const Slab slab = read_whole(slabs[mine]);
         std::uint32_t count = 0;
         for (std::uint32_t from = begin / constants::group_size * constants::group_size; from < end;
              from += constants::group_size) {
@@ -104,8 +108,9 @@ struct FindBlocks {
                                                                           mine % constants::group_size, pair.margin);
             for (; mask != 0; mask &= mask - 1) {
                 const std::uint32_t other = from + lowest_bit(mask);
-                if (other < begin || other >= end) continue;
-                if (found.data != nullptr) found[offsets[i] + count] = {row.owner, mine, other};
+                if (other < begin || other >= end || slab.is_apart(read_whole(slabs[other]), round_up(pair.margin)))
+                    continue;
+                if (found.data != nullptr) write_whole(found[offsets[i] + count], {row.owner, mine, other});
                 ++count;
             }
         }
@@ -124,17 +129,17 @@ struct FindGroups {
     static constexpr int blocks_at_once = 12;  // of 64 threads; measured: with 8 a fifth slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair& c = close[i / constants::group_size];
+        const ClosePair c = read_whole(close[i / constants::group_size]);
         const std::uint32_t k = i % constants::group_size;
         std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pairs[c.pair].margin);
         // In a block itself each two once, and each with itself.
         if (c.first == c.second) mask &= ~std::uint32_t{0} << k;
-        const Slab mine = slabs[c.first * constants::group_size + k];
+        const Slab mine = read_whole(slabs[c.first * constants::group_size + k]);
         const float margin = round_up(pairs[c.pair].margin);
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {
             const std::uint32_t bit = lowest_bit(left);
-            const Slab other = slabs[c.second * constants::group_size + bit];
-            if (mine.is_apart(other, margin) || other.is_apart(mine, margin)) mask &= ~(1u << bit);
+            const Slab other = read_whole(slabs[c.second * constants::group_size + bit]);
+            if (mine.is_apart(other, margin)) mask &= ~(1u << bit);
         }
         masks[i] = mask;
         counts[i] = bit_count(mask);
@@ -150,11 +155,11 @@ struct ListGroups {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair& c = close[i / constants::group_size];
+        const ClosePair c = read_whole(close[i / constants::group_size]);
         std::uint32_t place = offsets[i];
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            found[place++] = {c.pair, c.first * constants::group_size + i % constants::group_size,
-                              c.second * constants::group_size + lowest_bit(mask)};
+            write_whole(found[place++], {c.pair, c.first * constants::group_size + i % constants::group_size,
+                                         c.second * constants::group_size + lowest_bit(mask)});
     }
 };
 
@@ -174,7 +179,7 @@ struct FindTriangles {
     static constexpr int blocks_at_once = 24;  // of 64 threads; measured: with 7 a quarter slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair c = close[i / constants::group_size];
+        const ClosePair c = read_whole(close[i / constants::group_size]);
         const std::uint32_t k = i % constants::group_size;
         const std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pairs[c.pair].margin);
         masks[i] = c.first == c.second ? mask & ~std::uint32_t{1} << k : mask;
@@ -201,7 +206,7 @@ struct CullTriangles {
     View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair c = close[rows[i] / constants::group_size];
+        const ClosePair c = read_whole(close[rows[i] / constants::group_size]);
         const SheetPair& pair = pairs[c.pair];
         const std::uint32_t k = rows[i] % constants::group_size;
         std::uint32_t mask = keep_near(c, round_up(pair.margin), k, masks[rows[i]]);
@@ -212,11 +217,11 @@ struct CullTriangles {
 
 private:
     PIERCE_HD std::uint32_t keep_near(const ClosePair& c, float margin, std::uint32_t k, std::uint32_t mask) const {
-        const Slab mine = slabs[c.first * constants::group_size + k];
+        const Slab mine = read_whole(slabs[c.first * constants::group_size + k]);
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {
             const std::uint32_t bit = lowest_bit(left);
-            const Slab& other = slabs[c.second * constants::group_size + bit];
-            if (mine.is_apart(other, margin) || other.is_apart(mine, margin)) mask &= ~(1u << bit);
+            const Slab other = read_whole(slabs[c.second * constants::group_size + bit]);
+            if (mine.is_above_or_below(other, margin) || other.is_above_or_below(mine, margin)) mask &= ~(1u << bit);
         }
         return mask;
     }
@@ -238,9 +243,10 @@ private:
 };
 
 /// Two triangles whose features are to be tested.
-struct TrianglePair {
+struct alignas(16) TrianglePair {
     std::uint32_t pair = 0;
     std::uint32_t first = 0, second = 0;  ///< triangles of the pair's first and second body
+    std::uint32_t padding = 0;
 };
 
 /// Per triangle with another one near: lists the triangles of its mask.
@@ -256,12 +262,12 @@ struct ListTriangles {
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t mask = masks[rows[i]], place = offsets[i];
         if (mask == 0) return;
-        const ClosePair c = close[rows[i] / constants::group_size];
+        const ClosePair c = read_whole(close[rows[i] / constants::group_size]);
         const SheetPair& pair = pairs[c.pair];
         const BodyView &a = bodies[pair.first], &b = bodies[pair.second];
         const std::uint32_t t = triangle_at(a, block_offsets[pair.first], c.first, rows[i] % constants::group_size);
         for (; mask != 0; mask &= mask - 1)
-            found[place++] = {c.pair, t, triangle_at(b, block_offsets[pair.second], c.second, lowest_bit(mask))};
+            write_whole(found[place++], {c.pair, t, triangle_at(b, block_offsets[pair.second], c.second, lowest_bit(mask))});
     }
 };
 

@@ -1,0 +1,156 @@
+// What float32 says about the features of sheets, against double: it may only say less.
+#include "pierce/core/stages/sheet_features.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pierce/core/closest_points_of_segments.hpp"
+#include "support/random.hpp"
+
+namespace pierce::stages {
+namespace {
+
+using test::Random;
+
+/// Points of a scale of their own, at times nearly in a line or a plane.
+class Points {
+public:
+    explicit Points(Random& random)
+        : random_(random),
+          scale_(std::exp2(random.integer(-20, 20))),
+          flat_(random.integer(0, 2) == 0 ? std::exp2(-random.integer(1, 24)) : 1),
+          thin_(random.integer(0, 3) == 0 ? std::exp2(-random.integer(1, 24)) : 1) {}
+
+    Vec3f next() {
+        const Vec3d p = random_.in_box(1);
+        return to_float(scale_ * Vec3d{p.x, thin_ * p.y, flat_ * p.z});
+    }
+    float scale() const { return static_cast<float>(scale_); }
+
+private:
+    Random& random_;
+    double scale_, flat_, thin_;
+};
+
+/// From 0 to 1, and half of the time hardly within that.
+double place(Random& random) {
+    if (random.integer(0, 1) == 0) return random.uniform(0, 1);
+    const double little = std::exp2(-random.uniform(10, 29));
+    return random.integer(0, 1) == 0 ? little : 1 - little;
+}
+
+/// A length, or hardly less.
+double hardly_below(Random& random, double length) {
+    return random.integer(0, 1) == 0 ? random.uniform(0, length) : length * (1 - std::exp2(-random.uniform(10, 29)));
+}
+
+float largest(std::initializer_list<Vec3f> points) {
+    float size = 0;
+    for (Vec3f p : points)
+        for (int axis = 0; axis < 3; ++axis) size = std::max(size, std::fabs(p[axis]));
+    return size;
+}
+
+TEST(SheetFeaturesTest, EdgesThatCrossOverEachOtherAreNeverLeftOut) {
+    Random random(1);
+    int crossing = 0, left_out = 0;
+    for (int i = 0; i < 200000; ++i) {
+        Points points(random);
+        const Vec3f p = points.next(), q = points.next();
+        Vec3f r = points.next(), s = points.next();
+        const float margin = points.scale() * static_cast<float>(random.uniform(0, 1));
+        if (random.integer(0, 1) == 0) {
+            const Vec3d along = to_double(q) - to_double(p), other = to_double(s) - to_double(r);
+            const Vec3d at = to_double(p) + place(random) * along +
+                             hardly_below(random, static_cast<double>(margin)) * normalized(cross(along, other));
+            const double share = place(random);
+            r = to_float(at - share * other);
+            s = to_float(at + (1 - share) * other);
+        }
+        const bool may = may_cross_over(p, q, r, s, margin, largest({p, q, r, s}));
+        const Vec3d a = to_double(p), b = to_double(q), c = to_double(r), d = to_double(s);
+        const SegmentPlaces at = closest_points_of_segments(a, b, c, d);
+        constexpr double inside = 1e-9;
+        const bool within = at.first > inside && at.first < 1 - inside && at.second > inside && at.second < 1 - inside;
+        const bool near = within && length(a + at.first * (b - a) - c - at.second * (d - c)) < static_cast<double>(margin);
+        ASSERT_TRUE(may || !near) << "seed " << random.seed() << ", case " << i;
+        crossing += near;
+        left_out += !may;
+    }
+    EXPECT_GT(crossing, 10000);
+    EXPECT_GT(left_out, 60000);
+}
+
+TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
+    Random random(2);
+    int over = 0, left_out = 0;
+    for (int i = 0; i < 200000; ++i) {
+        Points points(random);
+        const Vec3f a = points.next(), b = points.next(), c = points.next();
+        Vec3f p = points.next();
+        QuickTriangle face;
+        face.corner[0].end = a;
+        face.corner[1].end = b;
+        face.corner[2].end = c;
+        const float margin = points.scale() * static_cast<float>(random.uniform(0, 1));
+        const Vec3d at[3] = {to_double(a), to_double(b), to_double(c)};
+        const Vec3d n = cross(at[1] - at[0], at[2] - at[0]);
+        if (random.integer(0, 1) == 0) {
+            const double v = place(random), w = place(random) * (1 - v);
+            p = to_float(at[0] + v * (at[1] - at[0]) + w * (at[2] - at[0]) +
+                         hardly_below(random, static_cast<double>(margin)) * normalized(n));
+        }
+        const bool may = QuickPrism(face, margin, largest({a, b, c, p})).may_hold(p);
+        const Vec3d x = to_double(p);
+        bool within = length_squared(n) > 0 && std::fabs(dot(normalized(n), x - at[0])) < static_cast<double>(margin);
+        for (int k = 0; k < 3; ++k) within &= dot(n, cross(at[(k + 1) % 3] - at[k], x - at[k])) >= 0;
+        ASSERT_TRUE(may || !within) << "seed " << random.seed() << ", case " << i;
+        over += within;
+        left_out += !may;
+    }
+    EXPECT_GT(over, 10000);
+    EXPECT_GT(left_out, 60000);
+}
+
+TEST(SheetFeaturesTest, ADirectionThatSeparatesDoesSoAllTheTime) {
+    Random random(3);
+    int separate = 0, distant = 0;
+    for (int i = 0; i < 100000; ++i) {
+        Points points(random);
+        QuickPoint a[3], b[3];
+        float size = 0;
+        const Vec3f n = to_float(random.unit_vector()), away = static_cast<float>(random.uniform(0, 2)) * points.scale() * n;
+        for (int k = 0; k < 3; ++k) {
+            a[k] = {points.next(), points.next()};
+            b[k] = {points.next() + away, points.next() + away};
+            size = std::max(size, largest({a[k].start, a[k].end, b[k].start, b[k].end}));
+        }
+        const float margin = points.scale() * 0.1f;
+        const Company company = company_along(n, a, b, margin, size);
+        separate += company.separate;
+        distant += company.distant;
+        bool ahead = true, behind = true, far_ahead = true, far_behind = true;
+        const Vec3d direction = to_double(n);
+        for (double time : {0.0, random.uniform(0, 1), 1.0})
+            for (const QuickPoint& x : a)
+                for (const QuickPoint& y : b) {
+                    const auto when = [&](const QuickPoint& z) {
+                        return (1 - time) * to_double(z.start) + time * to_double(z.end);
+                    };
+                    const double d = dot(direction, when(x) - when(y));
+                    ahead &= d > 0;
+                    behind &= d < 0;
+                    const double far = static_cast<double>(margin) * length(direction);
+                    far_ahead &= time < 1 || d > far;
+                    far_behind &= time < 1 || d < -far;
+                }
+        ASSERT_TRUE(!company.separate || ahead || behind) << "seed " << random.seed() << ", case " << i;
+        ASSERT_TRUE(!company.distant || far_ahead || far_behind) << "seed " << random.seed() << ", case " << i;
+    }
+    EXPECT_GT(separate, 1000);
+    EXPECT_GT(distant, 1000);
+}
+
+}  // namespace
+}  // namespace pierce::stages
