@@ -2,10 +2,20 @@
 
 #include <BulletSoftBody/btSoftBody.h>
 
+#include <vector>
+
 namespace pierce::bullet {
 
-/// After a step: a body that has been calm for Bullet's `gDeactivationTime` asks Bullet to let its island sleep. It is calm
-/// while its nodes' root mean square speed is below a tenth of what gravity gives in a step.
-void note_calm(btSoftBody& soft, btScalar dt);
+/// How long a soft body has stayed where it is, vibration aside.
+class CalmWatch {
+public:
+    /// After a step of `dt` [s]: a body that has stayed for Bullet's `gDeactivationTime` asks Bullet to let its island sleep.
+    void note(btSoftBody& soft, btScalar dt);
+
+private:
+    bool stays(const btSoftBody& soft, btScalar within) const;
+
+    std::vector<btVector3> places_;  ///< of the nodes, when the watch was started
+};
 
 }  // namespace pierce::bullet

@@ -66,6 +66,7 @@ void put_back(btSoftBody& soft) {
 
 struct SoftSolver::State {
     std::map<Touch, Grip> grips;  ///< of the last step
+    std::map<const btSoftBody*, CalmWatch> watches;
 
     const Grip* grip_of(const Touch& touch) const {
         const auto found = grips.find(touch);
@@ -123,7 +124,7 @@ void SoftSolver::solveConstraints(btScalar dt) {
     }
     for (const Part& part : parts) {
         finish(*part.body);
-        note_calm(*part.body, dt);
+        state_->watches[part.body].note(*part.body, dt);
     }
 
     state_->grips.clear();
