@@ -12,8 +12,13 @@ btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights, btVec
 }  // namespace
 
 SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RContact& contact, const Grip* grip)
-    : rigid_(&contact), node_(contact.m_node), normal_(contact.m_cti.m_normal), margin_(-contact.m_cti.m_offset),
-      friction_(source.m_cfg.kDF * contact.m_cti.m_colObj->getFriction()), dt_(source.m_sst.sdt), stays_(grip != nullptr) {
+    : rigid_(&contact),
+      node_(contact.m_node),
+      normal_(contact.m_cti.m_normal),
+      margin_(-contact.m_cti.m_offset),
+      friction_(source.m_cfg.kDF * contact.m_cti.m_colObj->getFriction()),
+      dt_(source.m_sst.sdt),
+      stays_(grip != nullptr) {
     held_ = node_->m_q;
     if (grip == nullptr) return;
     grip_ = *grip;
@@ -22,8 +27,13 @@ SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RCont
 }
 
 SoftContactRow::SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& target, const Grip* grip)
-    : soft_(&contact), target_(&target), node_(contact.m_node), normal_(contact.m_normal), margin_(contact.m_margin),
-      friction_(contact.m_friction), stays_(grip != nullptr && grip->face < target.m_faces.size()) {
+    : soft_(&contact),
+      target_(&target),
+      node_(contact.m_node),
+      normal_(contact.m_normal),
+      margin_(contact.m_margin),
+      friction_(contact.m_friction),
+      stays_(grip != nullptr && grip->face < target.m_faces.size()) {
     if (stays_)
         grip_ = *grip;
     else

@@ -15,8 +15,7 @@ constexpr btScalar calm_ways = 10;
 bool CalmWatch::stays(const btSoftBody& soft, btScalar within) const {
     if (static_cast<int>(places_.size()) != soft.m_nodes.size()) return false;
     btScalar sum = 0;
-    for (int i = 0; i < soft.m_nodes.size(); ++i)
-        sum += soft.m_nodes[i].m_x.distance2(places_[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < soft.m_nodes.size(); ++i) sum += soft.m_nodes[i].m_x.distance2(places_[static_cast<std::size_t>(i)]);
     return sum <= within * within * static_cast<btScalar>(soft.m_nodes.size());
 }
 
