@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "pierce/bullet/calm_watch.hpp"
 #include "pierce/bullet/soft_contact_row.hpp"
-#include "pierce/bullet/soft_sleep.hpp"
 
 namespace pierce::bullet {
 namespace {
@@ -53,6 +53,15 @@ void finish(btSoftBody& soft) {
     }
 }
 
+// Islands are made of what moves by itself; what is led wakes what it touches, as it does rigid bodies.
+bool touches_led_body(const btSoftBody& soft) {
+    for (int i = 0; i < soft.m_rcontacts.size(); ++i) {
+        const btCollisionObject& object = *soft.m_rcontacts[i].m_cti.m_colObj;
+        if (object.isKinematicObject() && object.isActive()) return true;
+    }
+    return false;
+}
+
 void put_back(btSoftBody& soft) {
     for (int i = 0; i < soft.m_nodes.size(); ++i) {
         btSoftBody::Node& node = soft.m_nodes[i];
@@ -65,8 +74,8 @@ void put_back(btSoftBody& soft) {
 }  // namespace
 
 struct SoftSolver::State {
-    std::map<Touch, Grip> grips;  ///< of the last step
-    std::map<const btSoftBody*, CalmWatch> watches;
+    std::map<Touch, Grip> grips;                     ///< of the last step
+    std::map<const btSoftBody*, CalmWatch> watches;  ///< of those that are awake
 
     const Grip* grip_of(const Touch& touch) const {
         const auto found = grips.find(touch);
@@ -95,6 +104,7 @@ void SoftSolver::solveConstraints(btScalar dt) {
     int iterations = 0;
     for (int i = 0; i < m_softBodySet.size(); ++i) {
         btSoftBody& body = *m_softBodySet[i];
+        if (body.getActivationState() == ISLAND_SLEEPING && touches_led_body(body)) body.activate();
         if (body.getActivationState() == ISLAND_SLEEPING) put_back(body);
         if (!body.isActive()) continue;
         prepare_anchors(body);
@@ -122,10 +132,13 @@ void SoftSolver::solveConstraints(btScalar dt) {
             btSoftBody::PSolve_Links(part.body, 1, 0);
         }
     }
+    std::map<const btSoftBody*, CalmWatch> watches;
     for (const Part& part : parts) {
         finish(*part.body);
-        state_->watches[part.body].note(*part.body, dt);
+        CalmWatch& watch = watches[part.body] = std::move(state_->watches[part.body]);
+        watch.note(*part.body, dt);
     }
+    state_->watches = std::move(watches);
 
     state_->grips.clear();
     for (std::size_t r = 0; r < rows.size(); ++r)

@@ -163,6 +163,24 @@ TEST(SoftSolverTest, ASleepingBodyWakesWhenARigidOneLandsOnIt) {
     EXPECT_TRUE(scene.step_until(2, [&] { return !sleeps(soft); }));
 }
 
+TEST(SoftSolverTest, ASleepingBodyWakesWhenWhatItLiesOnIsLedAway) {
+    SoftScene scene(down);
+    btRigidBody& plate = scene.add_box({-4, -4, -0.5f}, {4, 4, 0.5f}, 0, {0, 0, 3});
+    plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    btSoftBody& soft = scene.add(ring, {0, 0, 4.2f}, {0, 0, 0});
+    ASSERT_TRUE(scene.step_until(8, [&] { return sleeps(soft); }));
+    const btScalar before = center(soft).z();
+    plate.forceActivationState(DISABLE_DEACTIVATION);
+    for (int i = 0; i < steps_per_second; ++i) {
+        btTransform place = plate.getWorldTransform();
+        place.getOrigin() += btVector3(0, 0, dt);
+        plate.setWorldTransform(place);
+        scene.step();
+        EXPECT_FALSE(sleeps(soft));
+    }
+    EXPECT_NEAR(center(soft).z() - before, 1, 0.1);
+}
+
 TEST(SoftSolverTest, NothingSleepsInMidAir) {
     SoftScene scene(down);
     btSoftBody& soft = scene.add(ring, {0, 0, 2}, {0, 0, 15});

@@ -1,4 +1,4 @@
-#include "pierce/bullet/soft_sleep.hpp"
+#include "pierce/bullet/calm_watch.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
