@@ -12,6 +12,7 @@
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/bullet/bullet_dispatcher.hpp"
 #include "pierce/bullet/sheet_response.hpp"
+#include "pierce/bullet/soft_solver.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/scenes/bullet_result.hpp"
 #include "pierce/scenes/detector.hpp"
@@ -105,6 +106,7 @@ struct Simulation::State {
     std::vector<std::vector<Vec3f>> tried;            ///< by body: of sheets, where Bullet has put them
     double time = 0;                                  ///< [s] since the start
     std::vector<double> mass;                         ///< by body
+    bullet::SoftSolver soft_solver;
     std::unique_ptr<ClockedWorld> world;
     FrameResult result;
 
@@ -271,7 +273,8 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         s.dispatcher = std::make_unique<TimedDispatcher>(configuration);
         register_baseline(*s.dispatcher);
     }
-    s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver, configuration);
+    s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver, configuration,
+                                             any_sheet ? nullptr : &s.soft_solver);
     const btVector3 down(0, 0, static_cast<btScalar>(-scene.gravity));
     s.world->setGravity(down);
     s.world->getWorldInfo().m_gravity = down;

@@ -1,0 +1,96 @@
+#include "pierce/bullet/soft_contact_row.hpp"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace pierce::bullet {
+namespace {
+
+btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights, btVector3 btSoftBody::Node::*position) {
+    return btSoftBody::BaryEval(face.m_n[0]->*position, face.m_n[1]->*position, face.m_n[2]->*position, weights);
+}
+
+}  // namespace
+
+SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RContact& contact, const Grip* grip)
+    : rigid_(&contact),
+      node_(contact.m_node),
+      normal_(contact.m_cti.m_normal),
+      margin_(-contact.m_cti.m_offset),
+      friction_(source.m_cfg.kDF * contact.m_cti.m_colObj->getFriction()),
+      dt_(source.m_sst.sdt),
+      stays_(grip != nullptr) {
+    held_ = node_->m_q;
+    if (grip == nullptr) return;
+    grip_ = *grip;
+    // Bullet has moved its rigid bodies by now.
+    held_ = contact.m_cti.m_colObj->getWorldTransform() * grip_.place - carried();
+}
+
+SoftContactRow::SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& target, const Grip* grip)
+    : soft_(&contact),
+      target_(&target),
+      node_(contact.m_node),
+      normal_(contact.m_normal),
+      margin_(contact.m_margin),
+      friction_(contact.m_friction),
+      stays_(grip != nullptr && grip->face < target.m_faces.size()) {
+    if (stays_)
+        grip_ = *grip;
+    else
+        grip_ = {static_cast<int>(contact.m_face - &target.m_faces[0]), contact.m_weights,
+                 node_->m_q - point_of(*contact.m_face, contact.m_weights, &btSoftBody::Node::m_q)};
+}
+
+/// How a rigid target moves the contact in this step.
+btVector3 SoftContactRow::carried() const {
+    const btRigidBody* body = btRigidBody::upcast(rigid_->m_cti.m_colObj);
+    return body != nullptr ? body->getVelocityInLocalPoint(rigid_->m_c1) * dt_ : btVector3(0, 0, 0);
+}
+
+btVector3 SoftContactRow::from_target() const {
+    if (rigid_ != nullptr) return node_->m_x - carried();
+    return node_->m_x - point_of(*soft_->m_face, soft_->m_weights, &btSoftBody::Node::m_x);
+}
+
+btVector3 SoftContactRow::from_grip() const {
+    if (rigid_ != nullptr) return node_->m_x - carried() - held_;
+    return node_->m_x - point_of(target_->m_faces[grip_.face], grip_.place, &btSoftBody::Node::m_x) - grip_.gap;
+}
+
+void SoftContactRow::move(const btVector3& way) {
+    if (rigid_ != nullptr) {
+        const btVector3 impulse = rigid_->m_c0 * way;
+        node_->m_x += impulse * rigid_->m_c2;
+        // The solver's own objects are const in its contacts only.
+        if (auto* body = const_cast<btRigidBody*>(btRigidBody::upcast(rigid_->m_cti.m_colObj)))
+            body->applyImpulse(-impulse, rigid_->m_c1);
+        return;
+    }
+    node_->m_x += way * soft_->m_cfm[0];
+    for (int k = 0; k < 3; ++k) soft_->m_face->m_n[k]->m_x -= way * (soft_->m_cfm[1] * soft_->m_weights[k]);
+}
+
+void SoftContactRow::solve() {
+    const btScalar hardness = rigid_ != nullptr ? rigid_->m_c4 : btScalar(1);  // a soft contact's shares have it in them
+    const btScalar depth = margin_ - normal_.dot(from_target());
+    const btScalar push = btMax(btScalar(0), push_ + hardness * depth);
+    move(normal_ * (push - push_));
+    push_ = push;
+
+    const btVector3 off = from_grip();
+    btVector3 hold = hold_ - (off - normal_ * normal_.dot(off));
+    const btScalar size = hold.length(), reach = friction_ * push_;
+    const bool slides = size > reach;
+    if (slides) hold *= reach / size;
+    stays_ = stays_ && !slides;
+    move(hold - hold_);
+    hold_ = hold;
+}
+
+Grip SoftContactRow::grip() const {
+    if (stays_) return grip_;
+    if (rigid_ != nullptr) return {0, rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x), {0, 0, 0}};
+    return {static_cast<int>(soft_->m_face - &target_->m_faces[0]), soft_->m_weights, from_target()};
+}
+
+}  // namespace pierce::bullet
