@@ -107,8 +107,10 @@ private:
 
         PIERCE_HD void add(std::uint32_t triangle, double signed_share) {
             weight += signed_share;
-            std::uint32_t& side = signed_share > 0 ? exit : entry;
-            side = min_of(triangle, side);
+            if (signed_share > 0)
+                exit = min_of(triangle, exit);
+            else
+                entry = min_of(triangle, entry);
         }
     };
 

@@ -60,6 +60,9 @@ struct alignas(16) Node {
     Item child[2];
     Place parent;
     std::uint32_t unused = 0;
+
+    /// A child without an index that only the running thread knows: on a GPU, the node would move to memory for that.
+    PIERCE_HD Item side(std::uint32_t which) const { return which == 0 ? child[0] : child[1]; }
 };
 static_assert(sizeof(Node) == 64);
 
