@@ -273,7 +273,7 @@ private:
         counts_.resize(directed_count);
         executor_.for_each("direct_pair", directed_count,
                            stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_),
-                                              view_of(last_memory_), view_of(directed_), view_of(counts_)});
+                                              view_of(last_memory_), scene.settings, view_of(directed_), view_of(counts_)});
         const Count block_count = tools_.place("block_scan", counts_, offsets_);
         blocks_.resize(block_count);
         block_records_.resize(temporal == Temporal::off ? Count{} : block_count);

@@ -31,11 +31,9 @@ struct Trace {
         const std::uint32_t t = forest.tree_of_body[ray.target];
         const Tree& tree = forest.trees[t];
         RayWork done;
-        hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
-            const BoxRay box_ray(r, positions_box(body));
-            return first_crossing(r, surface,
-                                  [&](CrossingSearch& search) { show_near(forest, tree, box_ray, search, done); });
-        });
+        const BoxRay box_ray(ray, positions_box(body));
+        hits[i] = first_crossing(ray, surface,
+                                 [&](CrossingSearch& search) { show_near(forest, tree, box_ray, search, done); });
         if (!tree.moves) return;
         atomic_add(work[t].rays, 1);
         atomic_add(work[t].nodes, done.nodes);

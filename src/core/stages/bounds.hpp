@@ -298,6 +298,7 @@ struct MeasureReach {
         const SeenBody last = seen[i];
         seen[i] = {ids[i], body.fit, body.active};
         body.reach = 0;
+        body.seen = false;
         if (!body.active) return;
         if (settings.prediction_distance >= 0) {
             body.reach = 0.5 * settings.prediction_distance;
@@ -305,6 +306,8 @@ struct MeasureReach {
         }
         body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
         if (!last.active || last.id != ids[i]) return;
+        body.seen = true;
+        body.last_fit = last.fit;
         const double motion = largest_motion(last.fit, body.fit, body.fit_box) + body.shape_motion;
         body.reach = min_of(settings.full_every * motion, body.reach);
     }

@@ -3,6 +3,7 @@
 #include "pierce/core/bits.hpp"
 #include "pierce/core/body.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/stages/approach.hpp"
 #include "pierce/core/stages/displacement.hpp"
 
 /// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then vertices.
@@ -14,7 +15,7 @@ struct DirectedPair {
     std::uint32_t target = 0;
     Frame to_fit;        ///< source space to the target's fit frame
     Frame to_space;      ///< source space to target space
-    double reach = 0;    ///< [length] vertices this far outside are wanted too
+    Approach approach;   ///< how far outside vertices are wanted too
     float odometer = 0;  ///< the pair's
     float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
@@ -33,6 +34,7 @@ struct DirectPair {
     View<const Pair> pairs;
     View<const std::uint32_t> links;
     View<const PairMemory> memory, last;  ///< empty if steps do not remember
+    Settings settings;
     View<DirectedPair> directed;
     View<std::uint32_t> block_counts;
 
@@ -45,7 +47,7 @@ struct DirectPair {
         const BodyView& target = bodies[d.target];
         d.to_fit = relative_frame(source.space, target.fit);
         d.to_space = relative_frame(source.space, target.space);
-        d.reach = source.reach + target.reach;
+        d.approach = approach_of(source, target, settings);
         if (memory.size > 0) {
             const PairMemory& m = memory[i / 2];
             d.odometer = static_cast<float>(m.odometer);
@@ -174,7 +176,8 @@ struct CullBlock {
         } else {
             const PatchBlock& block = source.blocks[blocks[i].index];
             const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
-                                    static_cast<double>(block.reach), d.reach);
+                                    static_cast<double>(block.reach),
+                                    d.approach.reach(block.center, static_cast<double>(block.reach)));
             mask = balls.near & all;
             if (temporal == Temporal::certified) {
                 if (before != nullptr) mask &= expired(*before, d.odometer, all);
@@ -247,8 +250,10 @@ struct CullVertices {
             record = *before;
         } else {
             const PatchBlock& block = source.blocks[p / constants::block_size];
-            const BallsNearby balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p], nullptr,
-                                    static_cast<double>(block.radius[p % constants::block_size]), d.reach);
+            const Vec3d center = patch_center(source.blocks, p);
+            const auto radius = static_cast<double>(block.radius[p % constants::block_size]);
+            const BallsNearby balls(bodies[d.target], d.to_fit, center, source.patches[p], nullptr, radius,
+                                    d.approach.reach(center, radius));
             record.mask = balls.near & first_bits(patch_length(source.mesh, p));
             if (temporal == Temporal::certified) {
                 record.expiry = d.odometer + least_gap(balls, first_bits(patch_length(source.mesh, p)) & ~record.mask);
