@@ -96,7 +96,9 @@ struct CountPredicted {
 struct CountFullPass {
     View<const PairMemory> memory;
 
-    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return memory[i].pass == Pass::full; }
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return memory[2 * i].pass == Pass::full || memory[2 * i + 1].pass == Pass::full;
+    }
 };
 
 }  // namespace pierce::stages

@@ -49,11 +49,11 @@ struct DirectPair {
         d.to_space = relative_frame(source.space, target.space);
         d.approach = approach_of(source, target, settings);
         if (memory.size > 0) {
-            const PairMemory& m = memory[i / 2];
+            const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
             d.step = static_cast<float>(m.step);
             d.pass = m.pass;
-            if (m.known) d.last_blocks = last[links[i / 2]].first_block[i % 2];
+            if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
         }
         d.along_velocity = d.is_self() && source.sends_velocity_rays();
@@ -82,7 +82,7 @@ struct ListBlocks {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         begins[i] = offsets[i];
-        if (memory.size > 0) memory[i / 2].first_block[i % 2] = offsets[i];
+        if (memory.size > 0) memory[i].first_block = offsets[i];
         for (std::uint32_t b = 0; b < counts[i]; ++b) items[offsets[i] + b] = {i, b};
     }
 };
@@ -241,10 +241,9 @@ struct CullVertices {
         if (d.along_velocity) {
             record.mask = first_bits(patch_length(source.mesh, p));
         } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
-            for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
-                const VertexRecord* vertex = last.vertex(before, k);
-                record.mask |= static_cast<std::uint32_t>(vertex != nullptr && vertex->triangle != no_triangle) << k;
-            }
+            std::uint32_t slot = before->first_vertex;
+            for (std::uint32_t mask = before->mask; mask != 0; mask &= mask - 1, ++slot)
+                if (last.vertices[slot].triangle != no_triangle) record.mask |= mask & (0 - mask);
         } else if (temporal == Temporal::certified && before != nullptr && before->expiry > d.odometer &&
                    bodies[d.target].is_simple()) {
             record = *before;
