@@ -63,7 +63,7 @@ struct BodyView {
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
     Collision collision;
     Motion motion = Motion::fixed;
-    bool seen = false;   ///< in the last step, by predictions
+    bool seen = false;   ///< in the last step, too, where predictions ask
     bool active = true;  ///< false: left out of this step (not finite)
 
     /// True if it has an inside that counts.

@@ -174,8 +174,9 @@ public:
         };
         const PatchRecord* in_patch = records.patch(memory.first_block, patch);
         if (in_patch == nullptr)
-            return until(Certificate::patch, records.blocks[memory.first_block + patch / constants::block_size]
-                                                 .expiry[patch % constants::block_size]);
+            return until(
+                Certificate::patch,
+                records.blocks[memory.first_block + patch / constants::block_size].expiry[patch % constants::block_size]);
         const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
         return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
                                  : until(Certificate::vertex, record->expiry);

@@ -32,8 +32,8 @@ struct Trace {
         const Tree& tree = forest.trees[t];
         RayWork done;
         const BoxRay box_ray(ray, positions_box(body));
-        hits[i] = first_crossing(ray, surface,
-                                 [&](CrossingSearch& search) { show_near(forest, tree, box_ray, search, done); });
+        hits[i] =
+            first_crossing(ray, surface, [&](CrossingSearch& search) { show_near(forest, tree, box_ray, search, done); });
         if (!tree.moves) return;
         atomic_add(work[t].rays, 1);
         atomic_add(work[t].nodes, done.nodes);

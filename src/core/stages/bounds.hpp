@@ -286,7 +286,8 @@ struct SeenBody {
 };
 
 /// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
-/// A body that is seen for the first time may do anything. Reads bodies and settings; writes reach and what was seen.
+/// A body that is seen for the first time may do anything. Reads bodies and settings; writes reach, the last fit and what
+/// was seen.
 struct MeasureReach {
     View<BodyView> bodies;
     View<const BodyId> ids;
@@ -308,8 +309,7 @@ struct MeasureReach {
         if (!last.active || last.id != ids[i]) return;
         body.seen = true;
         body.last_fit = last.fit;
-        const double motion = largest_motion(last.fit, body.fit, body.fit_box) + body.shape_motion;
-        body.reach = min_of(settings.full_every * motion, body.reach);
+        body.reach = min_of(settings.full_every * largest_motion(last.fit, body.fit, body.fit_box), body.reach);
     }
 };
 

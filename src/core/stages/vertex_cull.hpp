@@ -47,7 +47,7 @@ struct DirectPair {
         const BodyView& target = bodies[d.target];
         d.to_fit = relative_frame(source.space, target.fit);
         d.to_space = relative_frame(source.space, target.space);
-        d.approach = approach_of(source, target, settings);
+        if (!d.is_self()) d.approach.most = source.reach + target.reach;
         if (memory.size > 0) {
             const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
@@ -55,6 +55,9 @@ struct DirectPair {
             d.pass = m.pass;
             if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
+            const bool looks = d.approach.most > 0 && d.pass == Pass::full && settings.prediction_distance < 0;
+            if (looks && source.seen && target.seen)
+                d.approach = approach_of(source, target, m.relative, settings.full_every);
         }
         d.along_velocity = d.is_self() && source.sends_velocity_rays();
         if (d.along_velocity) d.last_blocks = no_record;
