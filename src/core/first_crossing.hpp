@@ -23,6 +23,8 @@ struct Surface {
 /// Then comes the first window [t, t + touch] whose signed crossings do not cancel: its net sign decides, and the
 /// triangle of that sign with the smallest id is the hit. Cancelling windows are grazed edges and coincident sheets.
 /// A ray with a `t_min` has no start: what it crosses up to there is left out.
+/// If the ray has an `outward` and the answer does not lead out, the last crossing behind the start, that far at most, is
+/// looked at, too. If it leads out along the ray, it is the hit, predicted.
 class CrossingSearch {
 public:
     PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)

@@ -92,7 +92,7 @@ struct CountPredicted {
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return records[i].predicted; }
 };
 
-/// 1 for a pair whose vertices were all looked at.
+/// 1 for a pair of which all vertices of one body, or of both, were looked at.
 struct CountFullPass {
     View<const PairMemory> memory;
 
