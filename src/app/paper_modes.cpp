@@ -27,6 +27,7 @@ void measure(const scenes::Recording& recording, std::vector<Mode>& modes, const
             if (f < recording.frame_count / 2) continue;
             m.narrow_ms.push_back(result.narrow_ms);
             m.rays += result.rays;
+            m.contacts += result.contacts;
             m.walks += result.walks;
             m.walk_steps += result.walk_steps;
             m.lost += result.lost_walks;

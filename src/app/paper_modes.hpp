@@ -17,7 +17,7 @@ struct Mode {
     std::unique_ptr<scenes::Detector> detector;
     scenes::ContactComparison comparison;
     std::vector<double> narrow_ms;  ///< of the frames that count
-    std::uint64_t rays = 0, walks = 0, walk_steps = 0, lost = 0;
+    std::uint64_t rays = 0, walks = 0, walk_steps = 0, lost = 0, contacts = 0;
 
     double median_ms() const;
 };

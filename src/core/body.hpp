@@ -50,6 +50,7 @@ struct BodyView {
     Frame space;                  ///< body's space to world
     Frame start_space;            ///< of a fixed or rigid body: where its space was when the step began
     Frame fit;                    ///< rest shape to world
+    Frame last_fit;               ///< the fit of the last step, if `seen`
     Box fit_box;                  ///< around the vertices, in `fit`
     Box world_box;
     double deviation = 0;                 ///< no vertex is further than this from its place in the rest shape under `fit`
@@ -62,6 +63,7 @@ struct BodyView {
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
     Collision collision;
     Motion motion = Motion::fixed;
+    bool seen = false;   ///< in the last step, too, where predictions ask
     bool active = true;  ///< false: left out of this step (not finite)
 
     /// True if it has an inside that counts.

@@ -40,10 +40,8 @@ private:
             hits[i] = {};
             if (!(ray.t_max >= 0)) return;
             const Surface surface = bodies[ray.target].surface();
-            hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
-                return first_crossing(r, surface, [&](CrossingSearch& search) {
-                    for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
-                });
+            hits[i] = first_crossing(ray, surface, [&](CrossingSearch& search) {
+                for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
             });
         }
     };

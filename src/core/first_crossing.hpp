@@ -23,12 +23,15 @@ struct Surface {
 /// Then comes the first window [t, t + touch] whose signed crossings do not cancel: its net sign decides, and the
 /// triangle of that sign with the smallest id is the hit. Cancelling windows are grazed edges and coincident sheets.
 /// A ray with a `t_min` has no start: what it crosses up to there is left out.
+/// If the ray has an `outward` and the answer does not lead out, the last crossing behind the start, that far at most, is
+/// looked at, too. If it leads out along the ray, it is the hit, predicted.
 class CrossingSearch {
 public:
     PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
         : surface_(surface), ray_(ray.origin, ray.direction), t_max_(ray.t_max) {
         excluded_[0] = ray.excluded[0];
         excluded_[1] = ray.excluded[1];
+        outward_ = ray.outward;
         first_pass_ = !(ray.t_min > 0);
         after_ = first_pass_ ? surface.touch : ray.t_min;
     }
@@ -36,7 +39,7 @@ public:
     /// Triangles beyond this need not be shown any more. It only shrinks.
     PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + surface_.touch; }
     /// Triangles before this need not be shown.
-    PIERCE_HD double begin() const { return first_pass_ ? -surface_.touch : after_; }
+    PIERCE_HD double begin() const { return first_pass_ ? -max_of(outward_, surface_.touch) : after_; }
 
     PIERCE_HD void test(std::uint32_t triangle) {
         const Triangle& t = surface_.triangles[triangle];
@@ -52,8 +55,11 @@ public:
             return;
         }
         if (crossing.t <= after_) {
-            if (first_pass_ && crossing.t >= -surface_.touch)
+            if (!first_pass_) return;
+            if (crossing.t >= -surface_.touch)
                 start_.add(triangle, crossing.sign * crossing_share(ray_, a, b, c, crossing));
+            else if (crossing.t >= -outward_)
+                look_behind(triangle, crossing);
             return;
         }
         if (crossing.t > t_max_ + surface_.touch) return;
@@ -68,6 +74,7 @@ public:
             nearest_ = crossing.t;
             nearest_triangle_ = triangle;
             nearest_clean_ = clean;
+            nearest_exit_ = crossing.sign > 0;
         } else {
             second_ = min_of(crossing.t, second_);
         }
@@ -78,18 +85,18 @@ public:
     PIERCE_HD bool again() {
         if (first_pass_) {
             first_pass_ = false;
-            if (coplanar_ != no_triangle) return settle(coplanar_);
-            if (start_.weight >= constants::crossing_weight) return settle(start_.exit);
+            if (coplanar_ != no_triangle) return settle(coplanar_, true);
+            if (start_.weight >= constants::crossing_weight) return settle(start_.exit, true);
         }
         if (!summing_) {
-            if (nearest_triangle_ == no_triangle) return settle(no_triangle);
-            if (nearest_clean_ && second_ > nearest_ + surface_.touch) return settle(nearest_triangle_);
+            if (nearest_triangle_ == no_triangle) return settle(no_triangle, false);
+            if (nearest_clean_ && second_ > nearest_ + surface_.touch) return settle(nearest_triangle_, nearest_exit_);
             summing_ = true;
             window_ = {};
             return true;
         }
-        if (window_.weight >= constants::crossing_weight) return settle(window_.exit);
-        if (window_.weight <= -constants::crossing_weight) return settle(window_.entry);
+        if (window_.weight >= constants::crossing_weight) return settle(window_.exit, true);
+        if (window_.weight <= -constants::crossing_weight) return settle(window_.entry, false);
         after_ = nearest_ + surface_.touch;
         summing_ = false;
         nearest_ = second_ = std::numeric_limits<double>::infinity();
@@ -97,7 +104,7 @@ public:
         return true;
     }
 
-    PIERCE_HD Hit hit() const { return {hit_}; }
+    PIERCE_HD Hit hit() const { return hit_; }
 
 private:
     /// Signed crossings of one window, and the smallest triangle of either sign.
@@ -114,8 +121,17 @@ private:
         }
     };
 
-    PIERCE_HD bool settle(std::uint32_t triangle) {
-        hit_ = triangle;
+    /// Behind the origin the last crossing counts.
+    PIERCE_HD void look_behind(std::uint32_t triangle, const Crossing& crossing) {
+        if (crossing.t < behind_ || (crossing.t == behind_ && triangle > behind_triangle_)) return;
+        behind_ = crossing.t;
+        behind_triangle_ = triangle;
+        behind_exit_ = crossing.sign > 0;
+    }
+
+    PIERCE_HD bool settle(std::uint32_t triangle, bool exit) {
+        hit_ = {triangle};
+        if (!exit && behind_exit_) hit_ = {behind_triangle_, true};
         return false;
     }
 
@@ -128,9 +144,14 @@ private:
     double second_ = std::numeric_limits<double>::infinity();
     std::uint32_t nearest_triangle_ = no_triangle;
     std::uint32_t coplanar_ = no_triangle;
-    std::uint32_t hit_ = no_triangle;
+    Hit hit_;
     Window start_, window_;
+    double outward_ = 0;
+    double behind_ = -std::numeric_limits<double>::infinity();
+    std::uint32_t behind_triangle_ = no_triangle;
+    bool behind_exit_ = false;
     bool nearest_clean_ = false;
+    bool nearest_exit_ = false;
     bool first_pass_;
     bool summing_ = false;
 };

@@ -162,7 +162,7 @@ public:
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side, std::uint32_t vertex) const {
         const auto at = std::find(pairs_.begin(), pairs_.end(), pair);
         if (at == pairs_.end() || memory_.empty() || block_records_.empty()) return {};
-        const PairMemory& memory = memory_[static_cast<std::size_t>(at - pairs_.begin())];
+        const PairMemory& memory = memory_[2 * static_cast<std::size_t>(at - pairs_.begin()) + side];
         const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
         if (bodies[pair.target(side)].mesh.clearance.steps.size == 0) return {};
         const auto place = static_cast<std::uint32_t>(std::find(order.begin(), order.end(), vertex) - order.begin());
@@ -172,10 +172,11 @@ public:
             const double left = static_cast<double>(expiry) - memory.odometer;
             return left > 0 ? Certificate{kind, left} : Certificate{};
         };
-        const PatchRecord* in_patch = records.patch(memory.first_block[side], patch);
+        const PatchRecord* in_patch = records.patch(memory.first_block, patch);
         if (in_patch == nullptr)
-            return until(Certificate::patch, records.blocks[memory.first_block[side] + patch / constants::block_size]
-                                                 .expiry[patch % constants::block_size]);
+            return until(
+                Certificate::patch,
+                records.blocks[memory.first_block + patch / constants::block_size].expiry[patch % constants::block_size]);
         const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
         return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
                                  : until(Certificate::vertex, record->expiry);
@@ -257,9 +258,9 @@ private:
 
     // Stage 3. How far pairs have moved.
     void displacement(const Scene& scene) {
-        const Count pair_count = count_of(pairs_);
-        memory_.resize(pair_count);
-        executor_.for_each("measure_displacement", pair_count,
+        const Count directed_count = 2 * count_of(pairs_);
+        memory_.resize(directed_count);
+        executor_.for_each("measure_displacement", directed_count,
                            stages::MeasureDisplacement{scene.bodies, view_of(pairs_), view_of(links_), view_of(last_memory_),
                                                        scene.settings, view_of(memory_)});
     }
@@ -273,7 +274,7 @@ private:
         counts_.resize(directed_count);
         executor_.for_each("direct_pair", directed_count,
                            stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_),
-                                              view_of(last_memory_), view_of(directed_), view_of(counts_)});
+                                              view_of(last_memory_), scene.settings, view_of(directed_), view_of(counts_)});
         const Count block_count = tools_.place("block_scan", counts_, offsets_);
         blocks_.resize(block_count);
         block_records_.resize(temporal == Temporal::off ? Count{} : block_count);
@@ -483,7 +484,7 @@ private:
         executor_.reduce("count_walks", count_of(walk_counts_), stages::CountWalk{view_of(walk_counts_)}, walk_sums_);
         executor_.reduce("count_skipped", count_of(routes_), stages::CountSkipped{view_of(routes_)}, skipped_sum_);
         executor_.reduce("count_predicted", count_of(records_), stages::CountPredicted{view_of(records_)}, predicted_sum_);
-        executor_.reduce("count_full_passes", count_of(memory_), stages::CountFullPass{view_of(memory_)}, full_pass_sum_);
+        executor_.reduce("count_full_passes", count_of(pairs_), stages::CountFullPass{view_of(memory_)}, full_pass_sum_);
     }
 
     E& executor_;

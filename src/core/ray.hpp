@@ -13,7 +13,7 @@ struct alignas(16) Ray {
     Vec3d direction;           ///< unit
     double t_max = 0;          ///< [length]; negative: the ray hits nothing
     double t_min = 0;          ///< [length] if positive, crossings up to here do not count, nor does the origin's place
-    double outward = 0;        ///< [length] where nothing is left behind, look so far the other way
+    double outward = 0;        ///< [length] where nothing is left behind, look so far back
     std::uint32_t target = 0;  ///< body
     std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices are not hit
     std::uint32_t padding[3] = {};

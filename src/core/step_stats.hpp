@@ -31,7 +31,7 @@ struct StepStats {
     std::uint32_t walks = 0;  ///< vertices walked on from their last triangle
     std::uint32_t walk_steps = 0;        ///< from triangle to triangle, over all walks
     std::uint32_t lost_walks = 0;        ///< walks that found nothing and became full rays
-    std::uint32_t full_passes = 0;       ///< pairs all of whose vertices were looked at
+    std::uint32_t full_passes = 0;       ///< pairs of which all vertices of one body, or of both, were looked at
     std::uint32_t predictions = 0;       ///< vertices outside with a triangle they may enter through
     std::uint32_t predictions_true = 0;  ///< contacts found through such a triangle
     std::uint32_t proofs = 0;            ///< vertices newly proved to be outside

@@ -12,22 +12,22 @@ namespace pierce {
 
 inline constexpr std::uint32_t no_record = 0xffffffffu;
 
-/// What is done with a pair in a step that remembers by the paper's threshold.
+/// What is done with a directed pair in a step that remembers by the paper's threshold.
 enum class Pass : std::uint8_t {
     full,  ///< all its vertices are looked at
     walk,  ///< only those with a record
 };
 
-/// A pair's memory.
+/// The memory of a directed pair.
 struct PairMemory {
-    Frame relative;       ///< the fit of a to that of b
+    Frame relative;       ///< the fit of the source to that of the target
     double step = 0;      ///< [length] by how much the odometer went on in this step
-    double odometer = 0;  ///< [length] no point of a or b has moved further relative to the other since memory began
+    double odometer = 0;  ///< [length] no point of the source has moved further relative to the target since memory began
     double at_full = 0;   ///< the odometer at the last full pass
     std::uint32_t since_full = 0;  ///< steps
     Pass pass = Pass::full;
-    bool known = false;                 ///< last step's records hold
-    std::uint32_t first_block[2] = {};  ///< where the block records of its two directions begin
+    bool known = false;             ///< last step's records hold
+    std::uint32_t first_block = 0;  ///< where its block records begin
 };
 
 /// A block of patches of one direction of a pair: 72 bytes.

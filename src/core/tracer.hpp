@@ -17,21 +17,6 @@ struct TracerCounts {
     std::uint64_t triangle_tests = 0;
 };
 
-/// A ray through `first` (Ray -> Hit: its first crossing); where that leads out of nothing, the outward ray in the same
-/// task: an entry within `ray.outward` is a prediction.
-template <class First>
-PIERCE_HD Hit hit_or_prediction(const Ray& ray, const Surface& surface, First first) {
-    const Hit hit = first(ray);
-    if (!(ray.outward > 0)) return hit;
-    if (hit.triangle != no_triangle && leads_out(ray, surface, hit.triangle)) return hit;
-    Ray back = ray;
-    back.direction = -ray.direction;
-    back.t_max = ray.outward;
-    const Hit ahead = first(back);
-    if (ahead.triangle == no_triangle || leads_out(back, surface, ahead.triangle)) return hit;
-    return {ahead.triangle, true};
-}
-
 /// Finds the triangle each ray crosses first (the meaning is CrossingSearch's), and the one closest to its origin
 /// (ClosestSearch's). Must give the same answers as BruteForceTracer for every ray whose origin lies within the target's
 /// box, grown by a few touch tolerances.

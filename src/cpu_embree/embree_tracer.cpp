@@ -144,8 +144,7 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<co
         hits[i] = {};
         if (!(ray.t_max >= 0)) return;
         const Tree& tree = *s.trees[ray.target];
-        hits[i] =
-            hit_or_prediction(ray, bodies[ray.target].surface(), [&](const Ray& r) { return tree.trace(r, s.tests[i]); });
+        hits[i] = tree.trace(ray, s.tests[i]);
     });
 
     for (std::uint32_t tests : s.tests) s.counts.triangle_tests += tests;

@@ -249,6 +249,23 @@ TEST_P(TemporalTest, FullPassesComeEveryKSteps) {
     }
 }
 
+TEST_P(TemporalTest, ASmallBodyOnAHugeOneIsWalked) {
+    // The ball turns, so that a far end of the plate goes a long way, seen from it. The ball's vertices do not.
+    Settings settings = with(Temporal::paper);
+    World world(GetParam().make(), settings);
+    world.add_fixed_body(world.add_mesh("plate", scenes::box({-500, -500, -1}, {500, 500, 0})));
+    const BodyId ball = world.add_rigid_body(world.add_mesh("ball", scenes::sphere(1, 3)));
+    std::uint32_t walked = 0, contacts = 0;
+    for (int i = 0; i < 40; ++i) {
+        world.set_pose(ball, {{0, 0, 0.9}, {0, 0, 0.002 * i, 1}});
+        world.detect();
+        for (const Contact& c : world.contacts()) walked += c.found == Found::walk;
+        contacts += world.stats().contacts;
+    }
+    EXPECT_GT(contacts, 500u);
+    EXPECT_GT(walked, contacts * 3 / 4);
+}
+
 TEST_P(TemporalTest, B4ANearerSheetIsSeenByTheNextFullPass) {
     // A flat plate comes up inside the ball's vertex' way to the far side of a box: the walk stays on the far side.
     Settings settings = with(Temporal::paper);

@@ -77,5 +77,51 @@ TEST(BallsNearbyTest, WhatIsNotNearIsOutside) {
     }
 }
 
+Frame random_frame(test::Random& random) { return frame_of({random.in_box(1), random.rotation()}); }
+
+/// A frame a little further on.
+Frame moved(test::Random& random, const Frame& frame, double size) {
+    const Vec3d turn = random.in_box(size);
+    const Matrix3 more = rotation_matrix({turn.x, turn.y, turn.z, 1});
+    return {more * frame.rotation, frame.origin + random.in_box(size)};
+}
+
+TEST(ApproachTest, ReachesAsFarAsPointsGo) {
+    test::Random random(43);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const double steps = 8;
+    double tightest = 9;
+    for (int i = 0; i < 2000; ++i) {
+        BodyView bodies[2];
+        for (BodyView& body : bodies) {
+            body.motion = random.integer(0, 1) == 0 ? Motion::rigid : Motion::deforming;
+            body.last_fit = random_frame(random);
+            body.fit = moved(random, body.last_fit, 0.01);
+            body.space = body.motion == Motion::rigid ? body.fit : Frame{};
+            body.reach = 10;
+        }
+        const BodyView &source = bodies[0], &target = bodies[1];
+        const stages::Approach approach = stages::approach_of(source, target, relative_frame(source.fit, target.fit), steps);
+        const Vec3d center = random.in_box(1);  // in the source's fit, as is the point
+        const double radius = random.uniform(0, 0.3);
+        const Vec3d point = center + random.uniform(0, 1) * radius * random.unit_vector();
+        const auto in_space = [&](Vec3d p) { return source.space.to_local(source.fit.to_parent(p)); };
+        const auto in_target = [&](const Frame& from, const Frame& to) { return relative_frame(from, to).to_parent(point); };
+        const double way = steps * length(in_target(source.fit, target.fit) - in_target(source.last_fit, target.last_fit));
+        ASSERT_NEAR(approach.reach(in_space(point), 0), way, 1e-12);
+        const double reach = approach.reach(in_space(center), radius);
+        ASSERT_GE(reach, way - 1e-12) << "no point of a ball goes further than the ball's reach";
+        tightest = std::min(reach - way, tightest);
+    }
+    EXPECT_LT(tightest, 1e-3);
+}
+
+TEST(ApproachTest, UnknownMotionReachesAsFarAsAllowed) {
+    stages::Approach approach;
+    EXPECT_EQ(approach.reach({1, 2, 3}, 1), 0);
+    approach.most = 0.5;
+    EXPECT_EQ(approach.reach({1, 2, 3}, 1), 0.5);
+}
+
 }  // namespace
 }  // namespace pierce

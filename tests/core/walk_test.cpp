@@ -177,6 +177,42 @@ TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
     EXPECT_GT(behind, tried / 50);
 }
 
+/// Looking both ways at once, against a ray each way.
+TEST(PredictionTest, OneTraversalFindsWhatTwoRaysFind) {
+    test::Random random(14);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int ahead = 0, predicted = 0, kept = 0;
+    for (int m = 0; m < 60; ++m) {
+        const Mesh shape("any", test::random_closed_mesh(random));
+        const MeshView mesh = shape.view();
+        const Surface surface{mesh.positions, mesh.triangles, constants::touch_tolerance * mesh.box.extent()};
+        for (int i = 0; i < 300; ++i) {
+            Ray ray;
+            ray.origin = random.in_box(1.2);
+            ray.direction = random.unit_vector();
+            ray.t_max = random.uniform(0, 2);
+            Ray back = ray;
+            back.direction = -ray.direction;
+            back.t_max = random.uniform(0, 1);
+            Hit expected = traced(mesh, mesh.positions, ray);
+            if (expected.triangle == no_triangle || !leads_out(ray, surface, expected.triangle)) {
+                const Hit entry = traced(mesh, mesh.positions, back);
+                if (entry.triangle != no_triangle && !leads_out(back, surface, entry.triangle))
+                    expected = {entry.triangle, true};
+            }
+            ray.outward = back.t_max;
+            const Hit hit = traced(mesh, mesh.positions, ray);
+            ASSERT_EQ(hit, expected) << "mesh " << m << " ray " << i;
+            ahead += hit.triangle != no_triangle && !hit.predicted && leads_out(ray, surface, hit.triangle);
+            kept += hit.triangle != no_triangle && !hit.predicted && !leads_out(ray, surface, hit.triangle);
+            predicted += hit.predicted;
+        }
+    }
+    EXPECT_GT(ahead, 2000);
+    EXPECT_GT(predicted, 500);
+    EXPECT_GT(kept, 200);
+}
+
 TEST(MeshTest, SimpleMeshesDoNotMeetThemselves) {
     EXPECT_TRUE(Mesh("torus", scenes::torus(2, 0.5, 30, 10)).view().simple);
     EXPECT_TRUE(Mesh("box", scenes::box({0, 0, 0}, {1, 1, 1})).view().simple);

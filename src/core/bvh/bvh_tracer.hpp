@@ -13,7 +13,7 @@
 namespace pierce {
 namespace bvh {
 
-/// Per ray: its hit, among its candidates. Looking the other way, and where candidates are too many, through the tree.
+/// Per ray: its hit, among its candidates; through the tree where those are too many.
 struct Trace {
     View<const BodyView> bodies;
     Forest forest;
@@ -29,16 +29,13 @@ struct Trace {
         if (!(ray.t_max >= 0)) return;
         const BodyView& body = bodies[ray.target];
         const Surface surface = body.surface();
-        const Tree& tree = forest.trees[forest.tree_of_body[ray.target]];
         const Candidates& known = candidates[i];
         const std::uint32_t count = known.count;
-        hits[i] = hit_or_prediction(ray, surface, [&](const Ray& r) {
-            return first_crossing(r, surface, [&](CrossingSearch& search) {
-                if (&r == &ray && count <= Candidates::capacity)
-                    for (std::uint32_t k = 0; k < count; ++k) search.test(known.triangle[k]);
-                else
-                    show_near(forest, tree, BoxRay(r, positions_box(body)), search);
-            });
+        hits[i] = first_crossing(ray, surface, [&](CrossingSearch& search) {
+            if (count <= Candidates::capacity)
+                for (std::uint32_t k = 0; k < count; ++k) search.test(known.triangle[k]);
+            else
+                show_near(forest, forest.trees[forest.tree_of_body[ray.target]], BoxRay(ray, positions_box(body)), search);
         });
     }
 };

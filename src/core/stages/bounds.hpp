@@ -286,7 +286,8 @@ struct SeenBody {
 };
 
 /// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
-/// A body that is seen for the first time may do anything. Reads bodies and settings; writes reach and what was seen.
+/// A body that is seen for the first time may do anything. Reads bodies and settings; writes reach, the last fit and what
+/// was seen.
 struct MeasureReach {
     View<BodyView> bodies;
     View<const BodyId> ids;
@@ -298,6 +299,7 @@ struct MeasureReach {
         const SeenBody last = seen[i];
         seen[i] = {ids[i], body.fit, body.active};
         body.reach = 0;
+        body.seen = false;
         if (!body.active) return;
         if (settings.prediction_distance >= 0) {
             body.reach = 0.5 * settings.prediction_distance;
@@ -305,8 +307,9 @@ struct MeasureReach {
         }
         body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
         if (!last.active || last.id != ids[i]) return;
-        const double motion = largest_motion(last.fit, body.fit, body.fit_box) + body.shape_motion;
-        body.reach = min_of(settings.full_every * motion, body.reach);
+        body.seen = true;
+        body.last_fit = last.fit;
+        body.reach = min_of(settings.full_every * largest_motion(last.fit, body.fit, body.fit_box), body.reach);
     }
 };
 

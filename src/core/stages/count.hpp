@@ -92,11 +92,13 @@ struct CountPredicted {
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return records[i].predicted; }
 };
 
-/// 1 for a pair whose vertices were all looked at.
+/// 1 for a pair of which all vertices of one body, or of both, were looked at.
 struct CountFullPass {
     View<const PairMemory> memory;
 
-    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return memory[i].pass == Pass::full; }
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return memory[2 * i].pass == Pass::full || memory[2 * i + 1].pass == Pass::full;
+    }
 };
 
 }  // namespace pierce::stages

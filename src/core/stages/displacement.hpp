@@ -9,7 +9,8 @@
 /// Stage 3, displacement: how far the bodies of a pair have moved relative to each other, and what follows from it.
 namespace pierce::stages {
 
-/// Per pair: adds this step's motion to the odometer and decides the pass. Reads fits and last step's memory.
+/// Per directed pair (pair * 2 + side): adds this step's motion to the odometer and decides the pass. Reads fits and last
+/// step's memory.
 struct MeasureDisplacement {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -19,30 +20,30 @@ struct MeasureDisplacement {
     View<PairMemory> memory;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BodyView& a = bodies[pairs[i].a];
-        const BodyView& b = bodies[pairs[i].b];
+        const Pair pair = pairs[i / 2];
+        const BodyView& source = bodies[pair.source(i % 2)];
+        const BodyView& target = bodies[pair.target(i % 2)];
         PairMemory m;
-        m.relative = relative_frame(a.fit, b.fit);
-        if (links[i] != no_pair) {
-            const PairMemory& before = last[links[i]];
-            const double moved = max_of(largest_motion(before.relative, m.relative, a.fit_box),
-                                        largest_motion(before.relative.inverse(), m.relative.inverse(), b.fit_box));
+        m.relative = relative_frame(source.fit, target.fit);
+        if (links[i / 2] != no_pair) {
+            const PairMemory& before = last[2 * links[i / 2] + i % 2];
             const double rounding =
-                constants::double_rounding * (a.world_box.max_coordinate() + b.world_box.max_coordinate());
-            m.step = moved + a.shape_motion + b.shape_motion + rounding;
+                constants::double_rounding * (source.world_box.max_coordinate() + target.world_box.max_coordinate());
+            m.step = largest_motion(before.relative, m.relative, source.fit_box) + source.shape_motion +
+                     target.shape_motion + rounding;
             m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;
             m.since_full = before.since_full + 1;
             // float32 records tell odometers apart only so far; by then all of them have expired.
-            m.known = m.odometer < min_of(a.fit_box.extent(), b.fit_box.extent());
+            m.known = m.odometer < min_of(source.fit_box.extent(), target.fit_box.extent());
         }
         if (!m.known) {
             m.odometer = m.at_full = 0;
             // Pairs that begin together do not have their full passes together ever after.
-            m.since_full = (pairs[i].a + pairs[i].b) % settings.full_every;
+            m.since_full = (pair.a + pair.b) % settings.full_every;
         }
-        const double edge = min_of(a.mesh.mean_edge_length, b.mesh.mean_edge_length);
-        const bool rigid = a.motion != Motion::deforming && b.motion != Motion::deforming;
+        const double edge = min_of(source.mesh.mean_edge_length, target.mesh.mean_edge_length);
+        const bool rigid = source.motion != Motion::deforming && target.motion != Motion::deforming;
         const bool far = rigid && m.odometer - m.at_full > settings.walk_threshold * edge;
         if (m.known && !far && m.since_full < settings.full_every) {
             m.pass = Pass::walk;

@@ -152,7 +152,8 @@ struct GenerateRay {
         }
         Ray ray = vertex_ray(bodies, d, sources[i].item);
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
-        if (settings.temporal == Temporal::paper && settings.predict) ray.outward = d.reach;
+        if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)
+            ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]), 0);
         if (settings.temporal == Temporal::certified) ray.outward = search_range(d, records[i]);
         rays[i] = ray;
     }

@@ -3,6 +3,7 @@
 #include "pierce/core/bits.hpp"
 #include "pierce/core/body.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/stages/approach.hpp"
 #include "pierce/core/stages/displacement.hpp"
 
 /// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then vertices.
@@ -14,7 +15,7 @@ struct DirectedPair {
     std::uint32_t target = 0;
     Frame to_fit;        ///< source space to the target's fit frame
     Frame to_space;      ///< source space to target space
-    double reach = 0;    ///< [length] vertices this far outside are wanted too
+    Approach approach;   ///< how far outside vertices are wanted too
     float odometer = 0;  ///< the pair's
     float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
@@ -33,6 +34,7 @@ struct DirectPair {
     View<const Pair> pairs;
     View<const std::uint32_t> links;
     View<const PairMemory> memory, last;  ///< empty if steps do not remember
+    Settings settings;
     View<DirectedPair> directed;
     View<std::uint32_t> block_counts;
 
@@ -45,14 +47,17 @@ struct DirectPair {
         const BodyView& target = bodies[d.target];
         d.to_fit = relative_frame(source.space, target.fit);
         d.to_space = relative_frame(source.space, target.space);
-        d.reach = source.reach + target.reach;
+        if (!d.is_self()) d.approach.most = source.reach + target.reach;
         if (memory.size > 0) {
-            const PairMemory& m = memory[i / 2];
+            const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
             d.step = static_cast<float>(m.step);
             d.pass = m.pass;
-            if (m.known) d.last_blocks = last[links[i / 2]].first_block[i % 2];
+            if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
+            const bool looks = d.approach.most > 0 && d.pass == Pass::full && settings.prediction_distance < 0;
+            if (looks && source.seen && target.seen)
+                d.approach = approach_of(source, target, m.relative, settings.full_every);
         }
         d.along_velocity = d.is_self() && source.sends_velocity_rays();
         if (d.along_velocity) d.last_blocks = no_record;
@@ -80,7 +85,7 @@ struct ListBlocks {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         begins[i] = offsets[i];
-        if (memory.size > 0) memory[i / 2].first_block[i % 2] = offsets[i];
+        if (memory.size > 0) memory[i].first_block = offsets[i];
         for (std::uint32_t b = 0; b < counts[i]; ++b) items[offsets[i] + b] = {i, b};
     }
 };
@@ -174,7 +179,8 @@ struct CullBlock {
         } else {
             const PatchBlock& block = source.blocks[blocks[i].index];
             const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
-                                    static_cast<double>(block.reach), d.reach);
+                                    static_cast<double>(block.reach),
+                                    d.approach.reach(block.center, static_cast<double>(block.reach)));
             mask = balls.near & all;
             if (temporal == Temporal::certified) {
                 if (before != nullptr) mask &= expired(*before, d.odometer, all);
@@ -238,17 +244,18 @@ struct CullVertices {
         if (d.along_velocity) {
             record.mask = first_bits(patch_length(source.mesh, p));
         } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
-            for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
-                const VertexRecord* vertex = last.vertex(before, k);
-                record.mask |= static_cast<std::uint32_t>(vertex != nullptr && vertex->triangle != no_triangle) << k;
-            }
+            std::uint32_t slot = before->first_vertex;
+            for (std::uint32_t mask = before->mask; mask != 0; mask &= mask - 1, ++slot)
+                if (last.vertices[slot].triangle != no_triangle) record.mask |= mask & (0 - mask);
         } else if (temporal == Temporal::certified && before != nullptr && before->expiry > d.odometer &&
                    bodies[d.target].is_simple()) {
             record = *before;
         } else {
             const PatchBlock& block = source.blocks[p / constants::block_size];
-            const BallsNearby balls(bodies[d.target], d.to_fit, patch_center(source.blocks, p), source.patches[p], nullptr,
-                                    static_cast<double>(block.radius[p % constants::block_size]), d.reach);
+            const Vec3d center = patch_center(source.blocks, p);
+            const auto radius = static_cast<double>(block.radius[p % constants::block_size]);
+            const BallsNearby balls(bodies[d.target], d.to_fit, center, source.patches[p], nullptr, radius,
+                                    d.approach.reach(center, radius));
             record.mask = balls.near & first_bits(patch_length(source.mesh, p));
             if (temporal == Temporal::certified) {
                 record.expiry = d.odometer + least_gap(balls, first_bits(patch_length(source.mesh, p)) & ~record.mask);

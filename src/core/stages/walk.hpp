@@ -78,12 +78,20 @@ struct Walk {
             if (!behind && crossing.t <= ray.t_max) hits[slot].triangle = at;
         } else {
             if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
-            if (crossing.t < -(ray.outward + target.touch)) return;
             const bool ahead = crossing.t >= -target.touch;
+            const RaySource from = sources[slot];
+            const DirectedPair& d = directed[2 * from.pair + from.side];
+            if (!ahead && !(d.approach.most > 0)) return;
+            if (crossing.t < -(d.approach.most + target.touch)) {
+                // Too far to enter before the next full pass looks at all vertices.
+                routes[slot] = Route::skip;
+                record.triangle = no_triangle;
+                counts[i].lost = false;
+                return;
+            }
             if (record.predicted) found[slot] = Found::prediction;
             record.predicted = !ahead;
-            const RaySource from = sources[slot];
-            record.expiry = ahead ? 0 : wait_until(directed[2 * from.pair + from.side], -crossing.t, ray.direction, corner);
+            record.expiry = ahead ? 0 : wait_until(d, -crossing.t, ray.direction, corner);
             if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = at;
         }
         counts[i].lost = false;
