@@ -26,8 +26,10 @@ struct PairMemory {
     double at_full = 0;   ///< the odometer at the last full pass
     std::uint32_t since_full = 0;  ///< steps
     Pass pass = Pass::full;
-    bool known = false;             ///< last step's records hold
+    bool known = false;  ///< last step's records hold
+    std::uint8_t padding[2] = {};
     std::uint32_t first_block = 0;  ///< where its block records begin
+    std::uint32_t padding_at_end = 0;
 };
 
 /// A block of patches of one direction of a pair: 72 bytes.

@@ -48,36 +48,43 @@ private:
         const float end = round_up(search.limit() + box_ray.margin());
         const TriangleSieve sieve(ray);
         std::uint32_t count = 0;
+        const auto keep = [&](std::uint32_t triangle) {
+            ++done.tests;
+            const Triangle t = surface.triangles[triangle];
+            if (!sieve.may_cross(surface.positions[t.vertex[0]], surface.positions[t.vertex[1]],
+                                 surface.positions[t.vertex[2]]))
+                return;
+            if (count < Candidates::capacity) triangles[count] = triangle;
+            ++count;
+        };
+        if (tree.root.is_leaf()) {
+            keep(tree.root.index());
+            return count;
+        }
         ItemStack stack;
         Item item = tree.root;
-        while (true) {
-            // All threads of a warp look for a leaf, then all test theirs.
-            while (!item.is_leaf()) {
-                const Node node = read_whole(forest.nodes[item.index()]);
-                ++done.nodes;
-                const bool first = box_ray.enter(node.box[0], begin, end) < INFINITY;
-                const bool second = box_ray.enter(node.box[1], begin, end) < INFINITY;
-                if (first && second) {
+        while (count <= Candidates::capacity) {
+            const Node node = read_whole(forest.nodes[item.index()]);
+            ++done.nodes;
+            Item next;
+            bool has_next = false;
+            for (std::uint32_t side = 0; side < 2; ++side) {
+                if (!(box_ray.enter(side == 0 ? node.box[0] : node.box[1], begin, end) < INFINITY)) continue;
+                const Item child = node.side(side);
+                if (child.is_leaf()) {
+                    keep(child.index());
+                } else if (!has_next) {
+                    next = child;
+                    has_next = true;
+                } else {
                     if (stack.full()) return Candidates::too_many;
-                    stack.push(node.child[1]);
+                    stack.push(child);
                 }
-                if (first || second)
-                    item = node.side(first ? 0 : 1);
-                else if (stack.empty())
-                    return count;
-                else
-                    item = stack.pop();
             }
-            ++done.tests;
-            const Triangle corners = surface.triangles[item.index()];
-            if (sieve.may_cross(surface.positions[corners.vertex[0]], surface.positions[corners.vertex[1]],
-                                surface.positions[corners.vertex[2]])) {
-                if (count == Candidates::capacity) return Candidates::too_many;
-                triangles[count++] = item.index();
-            }
-            if (stack.empty()) return count;
-            item = stack.pop();
+            if (!has_next && stack.empty()) return count;
+            item = has_next ? next : stack.pop();
         }
+        return Candidates::too_many;
     }
 };
 

@@ -40,8 +40,8 @@ private:
 
     PIERCE_HD void clip(int k, float lower, float upper, float& near, float& far) const {
         const float a = (lower - low_[k]) * inverse_[k], b = (upper - high_[k]) * inverse_[k];
-        near = max_of(min_of(a, b), near);
-        far = min_of(max_of(a, b), far);
+        near = quick_max(quick_min(a, b), near);
+        far = quick_min(quick_max(a, b), far);
     }
 
     double margin_ = 0;

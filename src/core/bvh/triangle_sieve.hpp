@@ -29,14 +29,14 @@ public:
         if (!(size > constants::quick_smallest)) return true;
         const float u = r.x * q.y - r.y * q.x, v = p.x * r.y - p.y * r.x, w = q.x * p.y - q.y * p.x;
         const float made_up = constants::quick_rounding * size * size;
-        return !(min_of(u, min_of(v, w)) < -made_up && max_of(u, max_of(v, w)) > made_up);
+        return !(quick_min(u, quick_min(v, w)) < -made_up && quick_max(u, quick_max(v, w)) > made_up);
     }
 
 private:
     /// Where a point lies, seen along the ray. `size` grows to its largest coordinate relative to the origin.
     PIERCE_HD Vec3f sheared(Vec3f point, float& size) const {
         const Vec3f v = (point - high_) - low_;
-        size = max_of(max_of(std::fabs(v.x), std::fabs(v.y)), max_of(std::fabs(v.z), size));
+        size = quick_max(quick_max(std::fabs(v.x), std::fabs(v.y)), quick_max(std::fabs(v.z), size));
         const float x = axis_ == 2 ? v.x : axis_ == 1 ? v.z : v.y;
         const float y = axis_ == 2 ? v.y : axis_ == 1 ? v.x : v.z;
         const float z = axis_ == 2 ? v.z : axis_ == 1 ? v.y : v.x;

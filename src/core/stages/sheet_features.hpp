@@ -33,8 +33,8 @@ struct Reach {
         for (int k = 0; k < count; ++k) {
             const float at[2] = {dot(n, points[k].start), dot(n, points[k].end)};
             for (int when = 0; when < 2; ++when) {
-                low[when] = k == 0 ? at[when] : min_of(at[when], low[when]);
-                high[when] = k == 0 ? at[when] : max_of(at[when], high[when]);
+                low[when] = k == 0 ? at[when] : quick_min(at[when], low[when]);
+                high[when] = k == 0 ? at[when] : quick_max(at[when], high[when]);
             }
         }
     }
@@ -58,8 +58,8 @@ PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const Quic
     const Reach of_a(n, a), of_b(n, b);
     const float made_up = made_up_along(n, size);
     const float ahead = of_a.low[1] - of_b.high[1], behind = of_b.low[1] - of_a.high[1];
-    return {max_of(min_of(of_a.low[0] - of_b.high[0], ahead), min_of(of_b.low[0] - of_a.high[0], behind)) > made_up,
-            is_beyond(margin, max_of(ahead, behind) - made_up, n)};
+    return {quick_max(quick_min(of_a.low[0] - of_b.high[0], ahead), quick_min(of_b.low[0] - of_a.high[0], behind)) > made_up,
+            is_beyond(margin, quick_max(ahead, behind) - made_up, n)};
 }
 
 /// A triangle during the step, float32, relative to `origin`.
@@ -81,13 +81,13 @@ struct QuickTriangle {
     PIERCE_HD float start_size() const {
         float size = 0;
         for (const QuickPoint& p : corner)
-            for (int axis = 0; axis < 3; ++axis) size = max_of(std::fabs(p.start[axis]), size);
+            for (int axis = 0; axis < 3; ++axis) size = quick_max(std::fabs(p.start[axis]), size);
         return size;
     }
     PIERCE_HD float end_size() const {
         float size = 0;
         for (const QuickPoint& p : corner)
-            for (int axis = 0; axis < 3; ++axis) size = max_of(std::fabs(p.end[axis]), size);
+            for (int axis = 0; axis < 3; ++axis) size = quick_max(std::fabs(p.end[axis]), size);
         return size;
     }
     /// A corner without an index that only the running thread knows: such arrays do not stay in registers.
@@ -196,8 +196,8 @@ struct QuickPair {
           qb(b, tb, a.vertices[ta.vertex[0]].end),
           thickness(round_up(pair.thickness)),
           margin(round_up(pair.margin)),
-          end_size(max_of(qa.end_size(), qb.end_size())),
-          size(max_of(end_size, max_of(qa.start_size(), qb.start_size()))) {}
+          end_size(quick_max(qa.end_size(), qb.end_size())),
+          size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size()))) {}
 };
 
 /// Per pair of triangles: which of their features may be contacts, and their number, if a direction separates the triangles
