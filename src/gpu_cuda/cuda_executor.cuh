@@ -23,14 +23,19 @@ inline constexpr std::uint32_t block_threads = 64;
 /// Lists up to this long are scanned by one block, and merge sorted: launches cost more than the work.
 inline constexpr std::uint32_t short_list = 1u << 16;
 
-/// The number of items, on the device.
+/// The number of items, on the device; none once a list of the step has outgrown its room, so that nobody writes past it.
 struct Items {
     std::uint32_t bound = 0;
     const std::uint32_t* exact = nullptr;
     std::uint32_t factor = 1;
+    const std::uint32_t* overflow = nullptr;
 
-    Items(const DeviceCount& count) : bound(count.bound), exact(count.exact), factor(count.factor) {}
-    __device__ std::uint32_t count() const { return exact == nullptr ? bound : min_of(*exact * factor, bound); }
+    Items(const DeviceCount& count, const std::uint32_t* outgrown)
+        : bound(count.bound), exact(count.exact), factor(count.factor), overflow(outgrown) {}
+    __device__ std::uint32_t count() const {
+        const std::uint32_t known = exact == nullptr ? bound : min_of(*exact * factor, bound);
+        return *overflow == 0 ? known : 0;
+    }
 };
 
 /// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room for each. A stage may say
@@ -208,13 +213,13 @@ public:
     void for_each(const char*, Count n, const F& stage) {
         if (n.bound == 0) return;
         const std::uint32_t blocks = (n.bound - 1) / cuda::block_threads + 1;
-        cuda::run_stage<<<blocks, cuda::block_threads, 0, stream_>>>(stage, cuda::Items(n));
+        cuda::run_stage<<<blocks, cuda::block_threads, 0, stream_>>>(stage, items(n));
         cuda::check(cudaGetLastError(), "a launch");
     }
 
     Count exclusive_scan(const char*, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing();
-        const cuda::CountAt count{n, in.data};
+        const cuda::CountAt count{items(n), in.data};
         if (n.bound <= cuda::short_list) {
             const cuda::NoteTotal to = next_total(nullptr, count, 0xffffffffu);
             cuda::scan_short_list<<<1, cuda::scan_threads, 0, stream_>>>(count, out.data, to);
@@ -233,15 +238,15 @@ public:
         if (n.bound == 0) return next_total_of_nothing();
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0), out.data,
-                                         next_total_place(), static_cast<int>(n.bound), cuda::WantedAt<F>{n, wanted},
+                                         next_total_place(), static_cast<int>(n.bound), cuda::WantedAt<F>{items(n), wanted},
                                          stream_);
         });
-        return note_total(nullptr, {n, nullptr}, n.bound);
+        return note_total(nullptr, {items(n), nullptr}, n.bound);
     }
 
     void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         if (n.bound == 0) return;
-        if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{n, keys.data});
+        if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
         if (n.bound <= cuda::short_list)
             return with_scratch([&](void* scratch, std::size_t& bytes) {
                 return cub::DeviceMergeSort::StableSortPairs(scratch, bytes, keys.data, values.data,
@@ -261,7 +266,7 @@ public:
     void reduce(const char*, Count n, const F& term, Sum<T>& sum) {
         if (n.bound == 0) return for_each("no_sum", 1, cuda::FillWith<T>{sum.data(), T{}});
         const auto terms =
-            thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), cuda::TermAt<F, T>{n, term});
+            thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), cuda::TermAt<F, T>{items(n), term});
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceReduce::Reduce(scratch, bytes, terms, sum.data(), static_cast<int>(n.bound), cuda::Plus{}, T{},
                                              stream_);
@@ -329,6 +334,9 @@ public:
 
 private:
     static constexpr std::uint32_t most_totals = 64;
+
+    cuda::Items items(const Count& n) const { return {n, overflow_.data()}; }
+
     // How much more than in the exact step may come, before a bounded step must be repeated.
     static constexpr std::uint32_t spare_share = 2, spare_items = 1024;
 
