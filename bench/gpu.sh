@@ -42,12 +42,15 @@ done
 "$build"/bench/pierce_gpu_sheets --steps 20 --check 0 --stages | tail -n +2 >>"$out/sheets.csv"
 rm -r "$out/../soft_tori"
 
-for tool in memcheck racecheck; do
-    if command -v compute-sanitizer >/dev/null; then
-        compute-sanitizer --tool "$tool" "$steps" lattice:27 --steps 12 --check 2 2>&1 | grep "ERROR SUMMARY\|hazards" \
-            >"$out/$tool.txt" || echo "$tool could not run" >"$out/$tool.txt"
-    fi
-done
+if command -v compute-sanitizer >/dev/null; then
+    compute-sanitizer --tool racecheck "$steps" lattice:27 --steps 12 --check 2 2>&1 | grep hazards >"$out/racecheck.txt" ||
+        echo "racecheck could not run" >"$out/racecheck.txt"
+    # Lists of sheets outgrow their room in these tests.
+    {
+        compute-sanitizer --tool memcheck "$steps" lattice:27 --steps 12 --check 2
+        compute-sanitizer --tool memcheck "$build"/tests/conformance_tests --gtest_filter='*/SheetsTest*/cuda'
+    } 2>&1 | grep "ERROR SUMMARY" >"$out/memcheck.txt" || echo "memcheck could not run" >"$out/memcheck.txt"
+fi
 
 echo "done in $SECONDS s"
 cat "$out/machine.txt"
