@@ -1,0 +1,43 @@
+// What float32 leaves out before the exact triangle test: nothing that it meets.
+#include "pierce/core/bvh/triangle_sieve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/random.hpp"
+
+namespace pierce::bvh {
+namespace {
+
+/// Rays at points in, near and on the edges of triangles, small and far from the origin among them.
+TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
+    test::Random random(5);
+    int met = 0, left_out = 0;
+    for (int i = 0; i < 200000; ++i) {
+        const double scale = std::exp2(random.integer(-12, 12));
+        const Vec3d place = random.in_box(scale * std::exp2(random.integer(-4, 10)));
+        Vec3f v[3];
+        for (Vec3f& p : v) p = to_float(place + random.in_box(scale));
+        double weight[3] = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+        if (i % 2 == 0) weight[random.integer(0, 2)] = (i % 4 == 0 ? 1e-9 : 0) * random.uniform(-1, 1);
+        const double sum = weight[0] + weight[1] + weight[2];
+        Vec3d at;
+        for (int k = 0; k < 3; ++k) at += (weight[k] / sum) * to_double(v[k]);
+        Ray ray;
+        ray.direction = random.unit_vector();
+        ray.origin = at - random.uniform(-3, 3) * scale * ray.direction;
+        if (i % 5 == 0) ray.origin = ray.origin + random.in_box(2 * scale);
+        const bool may = TriangleSieve(ray).may_cross(v[0], v[1], v[2]);
+        const Crossing crossing =
+            cross_triangle({ray.origin, ray.direction}, to_double(v[0]), to_double(v[1]), to_double(v[2]));
+        ASSERT_TRUE(may || crossing.kind == Crossing::none) << "seed " << random.seed() << ", case " << i;
+        met += crossing.kind != Crossing::none;
+        left_out += !may;
+    }
+    EXPECT_GT(met, 80000);
+    EXPECT_GT(left_out, 20000);
+}
+
+}  // namespace
+}  // namespace pierce::bvh
