@@ -4,7 +4,6 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
-#include <cub/block/block_scan.cuh>
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_reduce.cuh>
@@ -14,146 +13,9 @@
 
 #include "pierce/core/executor.hpp"
 #include "pierce/gpu_cuda/device_buffer.hpp"
+#include "pierce/gpu_cuda/stage_kernels.cuh"
 
 namespace pierce {
-namespace cuda {
-
-inline constexpr std::uint32_t block_threads = 64;
-
-/// Lists up to this long are scanned by one block, and merge sorted: launches cost more than the work.
-inline constexpr std::uint32_t short_list = 1u << 16;
-
-/// The number of items, on the device; none once a list of the step has outgrown its room, so that nobody writes past it.
-struct Items {
-    std::uint32_t bound = 0;
-    const std::uint32_t* exact = nullptr;
-    std::uint32_t factor = 1;
-    const std::uint32_t* overflow = nullptr;
-
-    Items(const DeviceCount& count, const std::uint32_t* outgrown)
-        : bound(count.bound), exact(count.exact), factor(count.factor), overflow(outgrown) {}
-    __device__ std::uint32_t count() const {
-        const std::uint32_t known = exact == nullptr ? bound : min_of(*exact * factor, bound);
-        return *overflow == 0 ? known : 0;
-    }
-};
-
-/// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room for each. A stage may say
-/// so
-/// (`static constexpr int blocks_at_once`).
-template <class F>
-constexpr int blocks_at_once() {
-    if constexpr (requires { F::blocks_at_once; })
-        return F::blocks_at_once;
-    else
-        return 1;
-}
-
-template <class F>
-__global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
-    run_stage(const __grid_constant__ F stage, const Items items) {
-    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-    if (i < items.count()) stage(i);
-}
-
-/// Keys past the last one go last in a sort.
-struct PadKey {
-    Items items;
-    std::uint64_t* keys;
-
-    __device__ void operator()(std::uint32_t i) const {
-        if (i >= items.count()) keys[i] = ~std::uint64_t{0};
-    }
-};
-
-/// A list of counts, continued with zeros.
-struct CountAt {
-    Items items;
-    const std::uint32_t* in;
-
-    __device__ std::uint32_t operator()(std::uint32_t i) const { return i < items.count() ? in[i] : 0; }
-};
-
-/// Terms of a sum, continued with nothing.
-template <class F, class T>
-struct TermAt {
-    Items items;
-    F term;
-
-    __device__ T operator()(std::uint32_t i) const { return i < items.count() ? term(i) : T{}; }
-};
-
-template <class F>
-struct WantedAt {
-    Items items;
-    F wanted;
-
-    __device__ bool operator()(std::uint32_t i) const { return i < items.count() && wanted(i); }
-};
-
-struct Less {
-    __device__ bool operator()(std::uint64_t a, std::uint64_t b) const { return a < b; }
-};
-
-struct Plus {
-    template <class T>
-    __host__ __device__ T operator()(const T& a, const T& b) const {
-        return a + b;
-    }
-};
-
-template <class T>
-struct FillWith {
-    T* items;
-    T value;
-
-    __device__ void operator()(std::uint32_t i) const { items[i] = value; }
-};
-
-/// A total: of a scan, or what a selection has written. No more than there is room for is kept; what it should have been
-/// goes to `needed` if there is not.
-struct NoteTotal {
-    const std::uint32_t* offsets;  ///< null: the total is there already
-    CountAt last;
-    std::uint32_t room;
-    std::uint32_t* total;
-    std::uint32_t* overflow;
-
-    __device__ void operator()(std::uint32_t) const {
-        const std::uint32_t bound = last.items.bound;
-        note(offsets != nullptr ? offsets[bound - 1] + last(bound - 1) : *total);
-    }
-    __device__ void note(std::uint32_t sum) const {
-        *total = min_of(sum, room);
-        if (sum > room) *overflow = 1;
-    }
-};
-
-inline constexpr std::uint32_t scan_threads = 1024, scan_items = 8;
-
-/// An exclusive scan by one block, which notes the total, too.
-inline __global__ void __launch_bounds__(scan_threads)
-    scan_short_list(const CountAt in, std::uint32_t* out, const NoteTotal to) {
-    using Scan = cub::BlockScan<std::uint32_t, scan_threads>;
-    __shared__ typename Scan::TempStorage scratch;
-    const std::uint32_t count = in.items.count();
-    std::uint32_t sum = 0;
-    for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
-        const std::uint32_t first = begin + threadIdx.x * scan_items;
-        std::uint32_t items[scan_items];
-        for (std::uint32_t k = 0; k < scan_items; ++k) items[k] = in(first + k);
-        std::uint32_t part = 0;
-        Scan(scratch).ExclusiveSum(items, items, part);
-        for (std::uint32_t k = 0; k < scan_items; ++k)
-            if (first + k < count) out[first + k] = sum + items[k];
-        sum += part;
-        __syncthreads();
-    }
-    if (threadIdx.x == 0) to.note(sum);
-}
-
-}  // namespace cuda
-
 /// Stages on the GPU, one thread an item, on one stream. In exact steps totals come back to the host, which waits for each.
 /// In bounded steps they stay on the device: launches and buffers are sized by what the last exact step came to, with room
 /// to grow, so that the host waits for nothing and the step can be captured as a graph. A step that would not fit says so.

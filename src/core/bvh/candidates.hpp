@@ -6,7 +6,8 @@
 
 namespace pierce::bvh {
 
-/// The triangles that a ray may cross, in any order.
+/// The triangles that a ray may cross, in any order: as many as fit in 64 bytes with their number. A vertex on its own
+/// surface sees the six around it and a few more.
 struct alignas(16) Candidates {
     static constexpr std::uint32_t capacity = 15;
     static constexpr std::uint32_t too_many = capacity + 1;  ///< there may be others
