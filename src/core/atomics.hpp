@@ -29,6 +29,21 @@ PIERCE_HD inline std::uint64_t atomic_add(std::uint64_t& target, std::uint64_t v
 #endif
 }
 
+/// Adds to a counter that neighbouring items share, in no order with anything else: threads of a warp add up first.
+PIERCE_HD inline void atomic_count(std::uint32_t& counter, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+#if __CUDA_ARCH__ >= 800
+    const unsigned here = __match_any_sync(__activemask(), reinterpret_cast<unsigned long long>(&counter));
+    const unsigned sum = __reduce_add_sync(here, value);
+    if (threadIdx.x % warpSize == static_cast<unsigned>(__ffs(static_cast<int>(here)) - 1)) atomicAdd(&counter, sum);
+#else
+    atomicAdd(&counter, value);
+#endif
+#else
+    __atomic_fetch_add(&counter, value, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Writes, and returns what was there before.
 PIERCE_HD inline std::uint32_t atomic_exchange(std::uint32_t& target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)

@@ -45,7 +45,7 @@ public:
 
     std::string description() const override { return description_; }
     void step(const Scene& scene, StepStats& stats) override {
-        pipeline_.step(scene, stats);
+        executor_->run([&] { pipeline_.step(scene, stats); });
         pipeline_.report(*scene.plan, stats);
         has_sheets_ = scene.plan->sheets;
         if (!has_sheets_) return;
@@ -66,8 +66,10 @@ public:
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         std::vector<std::uint32_t> wanted(bodies.size, 0);
         for (const Ray& ray : rays) wanted[ray.target] = 1;
-        tracer_->update(*executor_, bodies, view_of(std::as_const(wanted)));
-        tracer_->closest_hits(*executor_, "trace", bodies, rays.size, rays, hits);
+        executor_->run([&] {
+            tracer_->update(*executor_, bodies, view_of(std::as_const(wanted)));
+            tracer_->closest_hits(*executor_, "trace", bodies, rays.size, rays, hits);
+        });
     }
 
 private:

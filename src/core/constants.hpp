@@ -81,7 +81,7 @@ inline constexpr double march_cells = 8;
 /// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 
-/// Items that share a body's partners in the sweep: one alone would be the whole step's longest on a GPU.
+/// Items that share a body's partners in the sweep on a GPU: one alone would be the whole step's longest.
 inline constexpr std::uint32_t sweep_walks = 8;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.

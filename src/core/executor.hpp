@@ -105,6 +105,12 @@ public:
         buffer.assign(count, value);
     }
 
+    /// Work that consists of stages, as a whole.
+    template <class Work>
+    void run(const Work& work) {
+        work();
+    }
+
     /// Stages are over when their call is.
     void settle() const {}
 

@@ -15,6 +15,11 @@ struct Surface {
     double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
 };
 
+/// True if a ray with these `excluded` vertices does not hit the triangle.
+PIERCE_HD inline bool is_excluded(const Triangle& t, const std::uint32_t (&excluded)[2]) {
+    return has_vertex(t, excluded[0]) && has_vertex(t, excluded[1]);
+}
+
 /// A ray under way through a surface. Any tracer shows it candidate triangles in any order through test(); which
 /// triangle it settles on does not depend on that order, nor on candidates it was shown in vain.
 ///
@@ -43,7 +48,7 @@ public:
 
     PIERCE_HD void test(std::uint32_t triangle) {
         const Triangle& t = surface_.triangles[triangle];
-        if (has_vertex(t, excluded_[0]) && has_vertex(t, excluded_[1])) return;
+        if (is_excluded(t, excluded_)) return;
         const Vec3d a = to_double(surface_.positions[t.vertex[0]]);
         const Vec3d b = to_double(surface_.positions[t.vertex[1]]);
         const Vec3d c = to_double(surface_.positions[t.vertex[2]]);

@@ -223,14 +223,14 @@ private:
         executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(keys_), view_of(order_)});
         executor_.sort("sweep_sort", bodies.size, stages::sweep_key_bits, view_of(keys_), view_of(order_));
         executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
-        const std::uint32_t walks = bodies.size * constants::sweep_walks;
-        counts_.resize(walks);
-        stages::SweepPairs sweep{view_of(sweep_), view_of(counts_), {}, {}};
-        executor_.for_each("sweep_count", walks, sweep);
+        const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
+        counts_.resize(bodies.size * walks);
+        stages::SweepPairs sweep{view_of(sweep_), walks, view_of(counts_), {}, {}};
+        executor_.for_each("sweep_count", count_of(counts_), sweep);
         box_keys_.resize(tools_.place("sweep_scan", counts_, offsets_));
         sweep.offsets = view_of(offsets_);
         sweep.keys = view_of(box_keys_);
-        if (!box_keys_.empty()) executor_.for_each("sweep_fill", walks, sweep);
+        if (!box_keys_.empty()) executor_.for_each("sweep_fill", count_of(counts_), sweep);
 
         const Count overlapping = count_of(box_keys_);
         counts_.resize(overlapping);

@@ -97,13 +97,13 @@ PIERCE_HD inline double crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1
     const int zeros = on[0] + on[1] + on[2];
     if (zeros == 0) return 2.0;
     if (zeros == 1) return 1.0;
-    const int apex = !on[0] ? 0 : !on[1] ? 1 : 2;
-    const Vec3d corner[3] = {v0, v1, v2};
-    const auto flat = [&](Vec3d p) {
-        const Vec3d d = ray.sheared(p - corner[apex]);
+    // The corner hit, and the two after it; not in a list, which a GPU would keep in memory.
+    const Vec3d p = !on[0] ? v0 : !on[1] ? v1 : v2, q = !on[0] ? v1 : !on[1] ? v2 : v0, r = !on[0] ? v2 : !on[1] ? v0 : v1;
+    const auto flat = [&](Vec3d corner) {
+        const Vec3d d = ray.sheared(corner - p);
         return Vec3d{d.x, d.y, 0};
     };
-    const Vec3d e = flat(corner[(apex + 1) % 3]), f = flat(corner[(apex + 2) % 3]);
+    const Vec3d e = flat(q), f = flat(r);
     return angle_of(dot(e, f), std::fabs(e.x * f.y - e.y * f.x)) / pi;
 }
 
@@ -111,12 +111,8 @@ PIERCE_HD inline double crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1
 PIERCE_HD inline bool touches_triangle(Vec3d p, Vec3d v0, Vec3d v1, Vec3d v2, double tolerance) {
     const Vec3d n = normalized(cross(v1 - v0, v2 - v0));
     if (length_squared(n) == 0 || std::fabs(dot(n, p - v0)) > tolerance) return false;
-    const Vec3d corner[3] = {v0, v1, v2};
-    for (int k = 0; k < 3; ++k) {
-        const Vec3d edge = corner[(k + 1) % 3] - corner[k];
-        if (dot(cross(n, normalized(edge)), p - corner[k]) < -tolerance) return false;
-    }
-    return true;
+    const auto is_beyond = [&](Vec3d from, Vec3d to) { return dot(cross(n, normalized(to - from)), p - from) < -tolerance; };
+    return !is_beyond(v0, v1) && !is_beyond(v1, v2) && !is_beyond(v2, v0);
 }
 
 }  // namespace pierce

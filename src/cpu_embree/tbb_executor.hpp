@@ -1,66 +1,35 @@
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "pierce/core/executor.hpp"
-
-#if defined(__SANITIZE_THREAD__)
-#include <sanitizer/tsan_interface.h>
-#endif
+#include "pierce/cpu_embree/team.hpp"
 
 namespace pierce {
 
-/// Tells the thread sanitizer what oneTBB, which is not compiled for it, guarantees: tasks come after the stage's begin and
-/// before its end. Tasks of one stage stay unordered, so that races between items are still seen. Nothing in other builds.
-class StageOrder {
-public:
-#if defined(__SANITIZE_THREAD__)
-    void stage_begins() { __tsan_release(&begin_); }
-    void task_begins() { __tsan_acquire(&begin_); }
-    void task_ends() { __tsan_release(&end_); }
-    void stage_ends() { __tsan_acquire(&end_); }
-
-private:
-    char begin_ = 0, end_ = 0;
-#else
-    void stage_begins() {}
-    void task_begins() {}
-    void task_ends() {}
-    void stage_ends() {}
-#endif
-};
-
-/// Stages on oneTBB, in an arena of its own. Items are independent and every result is written to its own place, so the
-/// answer is the same for any number of threads.
+/// Stages on oneTBB's threads, in an arena of its own. Items are independent and every result is written to its own place,
+/// so the answer is the same for any number of threads.
 class TbbExecutor : public HostExecutor {
 public:
-    explicit TbbExecutor(int threads) : arena_(threads) {}
+    explicit TbbExecutor(int threads) : arena_(threads), team_(arena_, threads) {}
+
+    /// Inside the arena, so that whatever libraries do in parallel takes no more threads either.
+    template <class Work>
+    void run(const Work& work) {
+        arena_.execute(work);
+    }
 
     template <class F>
     void for_each(const char* name, std::uint32_t n, const F& stage) {
         constexpr std::uint32_t grain = is_cheap<F>() ? cheap_grain : usual_grain;
         if (n <= grain) return serial_.for_each(name, n, stage);
-        in_order([&] {
-            tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, n, grain), [&](const auto& range) {
-                order_.task_begins();
-                for (std::uint32_t i = range.begin(); i != range.end(); ++i) stage(i);
-                order_.task_ends();
-            });
-        });
+        share(n, grain, stage);
     }
 
     /// Like for_each, for few items that are work enough for a task each.
     template <class F>
     void for_each_task(std::uint32_t n, const F& task) {
-        in_order([&] {
-            tbb::parallel_for(std::uint32_t{0}, n, [&](std::uint32_t i) {
-                order_.task_begins();
-                task(i);
-                order_.task_ends();
-            });
-        });
+        if (n > 0) share(n, 1, task);
     }
 
     /// Serial: adding up a step's counts takes microseconds.
@@ -90,16 +59,15 @@ private:
     static constexpr std::uint32_t usual_grain = 16;
     static constexpr std::uint32_t cheap_grain = 512;
 
-    /// Runs `work` in the arena; what its tasks do comes after all before it and before all after it.
     template <class F>
-    void in_order(const F& work) {
-        order_.stage_begins();
-        arena_.execute(work);
-        order_.stage_ends();
+    void share(std::uint32_t n, std::uint32_t grain, const F& item) {
+        team_.share(n, grain, [&](std::uint32_t begin, std::uint32_t end) {
+            for (std::uint32_t i = begin; i != end; ++i) item(i);
+        });
     }
 
     tbb::task_arena arena_;
-    StageOrder order_;
+    Team team_;
     SerialExecutor serial_;
 };
 

@@ -13,10 +13,9 @@
 namespace pierce {
 namespace bvh {
 
-/// Per ray: its hit, among its candidates; through the tree where those are too many.
+/// Per ray: its hit, among its candidates; none if they are too many.
 struct Trace {
     View<const BodyView> bodies;
-    Forest forest;
     View<const Ray> rays;
     View<const Candidates> candidates;
     View<Hit> hits;
@@ -27,15 +26,32 @@ struct Trace {
         const Ray ray = rays[i];
         hits[i] = {};
         if (!(ray.t_max >= 0)) return;
-        const BodyView& body = bodies[ray.target];
-        const Surface surface = body.surface();
         const Candidates& known = candidates[i];
         const std::uint32_t count = known.count;
-        hits[i] = first_crossing(ray, surface, [&](CrossingSearch& search) {
-            if (count <= Candidates::capacity)
-                for (std::uint32_t k = 0; k < count; ++k) search.test(known.triangle[k]);
-            else
-                show_near(forest, forest.trees[forest.tree_of_body[ray.target]], BoxRay(ray, positions_box(body)), search);
+        if (count == 0 || count == Candidates::too_many) return;
+        hits[i] = first_crossing(ray, bodies[ray.target].surface(), [&](CrossingSearch& search) {
+            for (std::uint32_t k = 0; k < count; ++k) search.test(known.triangle[k]);
+        });
+    }
+};
+
+/// Per ray with too many candidates: its hit, through the tree. A launch of its own: the few such rays would cost all others
+/// registers.
+struct TraceTree {
+    View<const BodyView> bodies;
+    Forest forest;
+    View<const Ray> rays;
+    View<const Candidates> candidates;
+    View<Hit> hits;
+
+    static constexpr int blocks_at_once = 16;  // nearly all threads only look
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (candidates[i].count != Candidates::too_many || !(rays[i].t_max >= 0)) return;
+        const Ray ray = rays[i];
+        const BodyView& body = bodies[ray.target];
+        hits[i] = first_crossing(ray, body.surface(), [&](CrossingSearch& search) {
+            show_near(forest, forest.trees[forest.tree_of_body[ray.target]], BoxRay(ray, positions_box(body)), search);
         });
     }
 };
@@ -106,7 +122,9 @@ public:
         candidates_.resize(count);
         executor.for_each("find_candidates", count,
                           bvh::FindCandidates{bodies, forest(), rays, view_of(candidates_), view_of(work_)});
-        executor.for_each(name, count, bvh::Trace{bodies, forest(), rays, view_of(std::as_const(candidates_)), hits});
+        executor.for_each(name, count, bvh::Trace{bodies, rays, view_of(std::as_const(candidates_)), hits});
+        executor.for_each("trace_tree", count,
+                          bvh::TraceTree{bodies, forest(), rays, view_of(std::as_const(candidates_)), hits});
     }
 
     void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,

@@ -49,17 +49,21 @@ private:
 };
 
 /// A stack of tree items. A binary tree over Morton codes is no deeper than the code has bits, 64, and the bits of a tie,
-/// 32; but a restructured tree may be.
+/// 32; but a restructured tree may be. Its memory is the caller's: beside it in one object, a GPU would keep its size in
+/// memory, too.
 class ItemStack {
 public:
+    using Memory = std::uint32_t[constants::traversal_stack];  // no Items: they would be set to nothing first
+
+    PIERCE_HD explicit ItemStack(Memory& memory) : codes_(memory) {}
+
     PIERCE_HD bool empty() const { return size_ == 0; }
-    PIERCE_HD bool full() const { return size_ == capacity; }
+    PIERCE_HD bool full() const { return size_ == constants::traversal_stack; }
     PIERCE_HD void push(Item item) { codes_[size_++] = item.code; }
     PIERCE_HD Item pop() { return {codes_[--size_]}; }
 
 private:
-    static constexpr std::uint32_t capacity = constants::traversal_stack;
-    std::uint32_t codes_[capacity];  // no Items: they would be set to nothing first
+    std::uint32_t* codes_;
     std::uint32_t size_ = 0;
 };
 
@@ -74,7 +78,8 @@ struct RayWork {
 PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BoxRay& ray, CrossingSearch& search) {
     const float begin = round_down(search.begin() - ray.margin());
     float end = round_up(search.limit() + ray.margin());
-    ItemStack stack;
+    ItemStack::Memory memory;
+    ItemStack stack(memory);
     Item item = tree.root;
     while (true) {
         // All threads of a warp look for a leaf, then all test theirs.
@@ -106,7 +111,8 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
 /// Shows a search all triangles that may be closest to its point, near ones first. A tree that is deeper than the stack
 /// shows all it has from there.
 PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, ClosestSearch& search) {
-    ItemStack stack;
+    ItemStack::Memory memory;
+    ItemStack stack(memory);
     Item item = tree.root;
     while (true) {
         if (item.is_leaf()) {

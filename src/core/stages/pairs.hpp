@@ -19,7 +19,25 @@ PIERCE_HD inline std::uint32_t ordered_bits(float value) {
 /// Bits of a sweep key.
 inline constexpr int sweep_key_bits = 32;
 
-/// Per body: the key to sweep by. Bodies left out of the step go last.
+/// What the sweep looks at of a body: its box in the world, grown by touch tolerance and reach and rounded outwards. A body
+/// left out of the step has an empty one, and comes last.
+struct alignas(16) SweepItem {
+    Vec3f lower, upper;
+    std::uint32_t body = 0;
+    bool moves = false;
+    bool meets_itself = false;
+    std::uint8_t padding[2] = {};
+
+    PIERCE_HD SweepItem() = default;
+    PIERCE_HD SweepItem(const BodyView& b, std::uint32_t index)
+        : body(index), moves(b.motion != Motion::fixed), meets_itself(b.active && b.collision.self != SelfCollision::off) {
+        const Box box = b.active ? b.world_box.inflated(b.touch + b.outreach()) : Box{};
+        lower = {round_down(box.lower.x), round_down(box.lower.y), round_down(box.lower.z)};
+        upper = {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)};
+    }
+};
+
+/// Per body: the key to sweep by.
 struct SweepKey {
     View<const BodyView> bodies;
     View<std::uint64_t> keys;
@@ -28,20 +46,9 @@ struct SweepKey {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BodyView& body = bodies[i];
         order[i] = i;
-        keys[i] = body.active ? ordered_bits(round_down(body.world_box.lower.x - body.touch - body.outreach()))
-                              : ~std::uint64_t{0};
+        keys[i] = bodies[i].active ? ordered_bits(SweepItem(bodies[i], i).lower.x) : ~std::uint64_t{0};
     }
-};
-
-/// What the sweep looks at of a body.
-struct SweepItem {
-    Box box;  ///< in the world, grown by touch tolerance and reach; empty if the body is left out
-    std::uint32_t body = 0;
-    bool moves = false;
-    bool meets_itself = false;
-    std::uint8_t padding[2] = {};
 };
 
 /// Per place in the sweep order: what the sweep needs, side by side.
@@ -52,34 +59,33 @@ struct GatherSweep {
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const BodyView& body = bodies[order[i]];
-        items[i] = {body.active ? body.world_box.inflated(body.touch + body.outreach()) : Box{}, order[i],
-                    body.motion != Motion::fixed, body.active && body.collision.self != SelfCollision::off};
-    }
+    PIERCE_HD void operator()(std::uint32_t i) const { items[i] = SweepItem(bodies[order[i]], order[i]); }
 };
 
-/// Per place in the sweep order, constants::sweep_walks items: visit the partners that come later, taking turns, counting
-/// them or writing their keys.
+/// Per place in the sweep order, `walks` items: visit the partners that come later, taking turns, counting them or writing
+/// their keys.
 struct SweepPairs {
     View<const SweepItem> items;
+    std::uint32_t walks = 1;
     View<std::uint32_t> counts;  ///< written if `keys` is empty
     View<const std::uint32_t> offsets;
     View<std::uint64_t> keys;  ///< a << 32 | b
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t place = i / constants::sweep_walks;
+        const std::uint32_t place = i / walks;
         const SweepItem& first = items[place];
         std::uint32_t found = 0;
-        if (first.meets_itself && i % constants::sweep_walks == 0) {
+        if (first.meets_itself && i % walks == 0) {
             if (keys.data != nullptr) keys[offsets[i]] = std::uint64_t{first.body} << 32 | first.body;
             ++found;
         }
-        // Places are sorted by float32 lower ends, which are not above the true ones.
-        for (std::uint32_t k = place + 1 + i % constants::sweep_walks; k < items.size; k += constants::sweep_walks) {
+        for (std::uint32_t k = place + 1 + i % walks; k < items.size; k += walks) {
             const SweepItem& second = items[k];
-            if (!(round_down(second.box.lower.x) <= first.box.upper.x)) break;
-            if (!overlap(first.box, second.box) || !(first.moves || second.moves)) continue;
+            if (!(second.lower.x <= first.upper.x)) break;
+            // Not a branch each: which of them is apart cannot be foreseen.
+            const bool apart = (second.upper.y < first.lower.y) | (second.lower.y > first.upper.y) |
+                               (second.upper.z < first.lower.z) | (second.lower.z > first.upper.z);
+            if (apart | !(first.moves | second.moves)) continue;
             if (keys.data != nullptr) {
                 const std::uint64_t a = min_of(first.body, second.body), b = max_of(first.body, second.body);
                 keys[offsets[i] + found] = a << 32 | b;
