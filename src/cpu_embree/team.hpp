@@ -60,7 +60,7 @@ private:
     // Whoever has waited for longer may be in the way of the one who is waited for.
     static constexpr std::uint32_t pauses_before_yield = 1u << 9;
     // Of what is left of a range: small shares last, so that all end together.
-    static constexpr std::uint32_t share_of_rest = 4;
+    static constexpr std::uint32_t share_of_rest = 8;
 
     static void pause(std::uint32_t pauses) {
         if (pauses > pauses_before_yield) return std::this_thread::yield();

@@ -373,6 +373,42 @@ TEST_P(BvhTest, HitsWhatBruteForceHits) {
     EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
 }
 
+/// Two cones of `sides` triangles each, base to base.
+MeshData spindle(std::uint32_t sides) {
+    MeshData mesh;
+    mesh.positions = {{0, 0, 1}, {0, 0, -1}};
+    for (std::uint32_t k = 0; k < sides; ++k) {
+        const float angle = 6.2831853f * static_cast<float>(k) / static_cast<float>(sides);
+        mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
+        const std::uint32_t here = 2 + k, next = 2 + (k + 1) % sides;
+        mesh.triangles.push_back({{0, here, next}});
+        mesh.triangles.push_back({{1, next, here}});
+    }
+    return mesh;
+}
+
+TEST_P(BvhTest, TracesRaysThatMayCrossManyTriangles) {
+    for (std::uint32_t sides : {14u, 15u, 16u, 30u, 31u, 32u, 200u}) {
+        const Bodies bodies({spindle(sides)});
+        std::vector<Ray> rays = random_rays(random_, bodies.views(), 20);
+        // Through an apex, which is all triangles of a cone at once; and from one, to which they do not belong.
+        for (double x : {0.0, 1e-9, 0.1}) {
+            Ray ray;
+            ray.origin = {x, 0, 0.25};
+            ray.direction = normalized(Vec3d{-x, 0, 0.75});
+            ray.t_max = 4;
+            rays.push_back(ray);
+            ray.origin = {0, 0, 1};
+            ray.direction = normalized(Vec3d{x, 0, -2});
+            ray.excluded[0] = ray.excluded[1] = 0;
+            rays.push_back(ray);
+        }
+        BvhTracer<SerialExecutor> tracer(GetParam());
+        BruteForceTracer reference;
+        EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays)) << sides << " sides";
+    }
+}
+
 TEST_P(BvhTest, FindsTheClosestTrianglesOfBruteForce) {
     const Bodies bodies(many_meshes(random_));
     const std::vector<Ray> rays = random_rays(random_, bodies.views(), 50);
