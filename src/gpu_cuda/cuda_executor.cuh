@@ -98,16 +98,26 @@ public:
     template <class F>
     Count select(const char*, Count n, const F& wanted, View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing();
+        const cuda::WantedAt<F> is_wanted{items(n), wanted};
+        if (n.bound <= cuda::short_list) {
+            const cuda::NoteTotal to = next_total(nullptr, {items(n), nullptr}, n.bound);
+            cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data, to);
+            cuda::check(cudaGetLastError(), "a launch");
+            return noted(to);
+        }
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0), out.data,
-                                         next_total_place(), static_cast<int>(n.bound), cuda::WantedAt<F>{items(n), wanted},
-                                         stream_);
+                                         next_total_place(), static_cast<int>(n.bound), is_wanted, stream_);
         });
         return note_total(nullptr, {items(n), nullptr}, n.bound);
     }
 
     void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         if (n.bound == 0) return;
+        if (n.bound <= cuda::very_short_list) {
+            cuda::sort_very_short_list<<<1, cuda::sort_threads, 0, stream_>>>(items(n), keys.data, values.data);
+            return cuda::check(cudaGetLastError(), "a launch");
+        }
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
         if (n.bound <= cuda::short_list)
             return with_scratch([&](void* scratch, std::size_t& bytes) {

@@ -143,4 +143,59 @@ inline __global__ void __launch_bounds__(scan_threads)
     if (threadIdx.x == 0) to.note(sum);
 }
 
+/// Lists the wanted items by one block, and notes how many they are.
+template <class F>
+__global__ void __launch_bounds__(scan_threads)
+    select_from_short_list(const __grid_constant__ WantedAt<F> wanted, std::uint32_t* out, const NoteTotal to) {
+    using Scan = cub::BlockScan<std::uint32_t, scan_threads>;
+    __shared__ typename Scan::TempStorage scratch;
+    const std::uint32_t count = wanted.items.count();
+    std::uint32_t sum = 0;
+    for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
+        const std::uint32_t first = begin + threadIdx.x * scan_items;
+        std::uint32_t takes = 0;  // a bit an item
+        for (std::uint32_t k = 0; k < scan_items; ++k) takes |= static_cast<std::uint32_t>(wanted(first + k)) << k;
+        std::uint32_t place = 0, part = 0;
+        Scan(scratch).ExclusiveSum(static_cast<std::uint32_t>(__popc(takes)), place, part);
+        for (std::uint32_t k = 0; k < scan_items; ++k)
+            if (takes >> k & 1) out[sum + place++] = first + k;
+        sum += part;
+        __syncthreads();
+    }
+    if (threadIdx.x == 0) to.note(sum);
+}
+
+inline constexpr std::uint32_t sort_threads = 1024, sort_keys = 2;
+
+/// Lists up to this long are sorted by one block that counts, for every key, those before it.
+inline constexpr std::uint32_t very_short_list = sort_threads * sort_keys;
+
+/// Sorts keys and moves their values along; stable. What is past the last key becomes the largest.
+inline __global__ void __launch_bounds__(sort_threads)
+    sort_very_short_list(const Items items, std::uint64_t* keys, std::uint32_t* values) {
+    __shared__ std::uint64_t all[very_short_list];
+    const std::uint32_t count = items.count();
+    std::uint32_t mine[sort_keys];
+    for (std::uint32_t k = 0; k < sort_keys; ++k) {
+        const std::uint32_t i = k * sort_threads + threadIdx.x;
+        if (i >= count) continue;
+        all[i] = keys[i];
+        mine[k] = values[i];
+    }
+    __syncthreads();
+    for (std::uint32_t k = 0; k < sort_keys; ++k) {
+        const std::uint32_t i = k * sort_threads + threadIdx.x;
+        if (i >= items.bound) continue;
+        std::uint64_t key = ~std::uint64_t{0};
+        std::uint32_t place = i;
+        if (i < count) {
+            key = all[i];
+            place = 0;
+            for (std::uint32_t j = 0; j < count; ++j) place += all[j] < key || (all[j] == key && j < i);
+            values[place] = mine[k];
+        }
+        keys[place] = key;
+    }
+}
+
 }  // namespace pierce::cuda
