@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <atomic>
 #include <cstdint>
@@ -24,15 +25,19 @@ namespace pierce {
 class Team {
 public:
     /// Helpers come from `arena`; `size` threads in all, the caller's among them.
-    Team(tbb::task_arena& arena, int size) : arena_(arena), board_(std::make_shared<Board>(size)) {}
+    Team(tbb::task_arena& arena, int size) : arena_(arena), board_(size) {}
     Team(const Team&) = delete;
-    ~Team() { board_->closed.store(true, std::memory_order_relaxed); }
+    ~Team() {
+        board_.closed.store(true, std::memory_order_relaxed);
+        arena_.execute([&] { helpers_.wait(); });  // those that no thread has begun are over at once, on this one
+        TsanOrder::pass();
+    }
 
     /// Calls `work(begin, end)` for ranges that make up [0, count), most of `grain` items or more. Throws what the first of
     /// them to fail throws, once all are over.
     template <class Work>
     void share(std::uint32_t count, std::uint32_t grain, const Work& work) {
-        Board& board = *board_;
+        Board& board = board_;
         board.work.store(&work, std::memory_order_relaxed);
         board.run.store(
             [](const void* w, std::uint32_t begin, std::uint32_t end) { (*static_cast<const Work*>(w))(begin, end); },
@@ -81,7 +86,7 @@ private:
         std::atomic<bool> present = false;  ///< or on its way
     };
 
-    /// What the caller and its helpers see; the last of them lets go of it.
+    /// What the caller and its helpers see.
     struct Board {
         explicit Board(int threads) : size(static_cast<std::uint32_t>(threads)), members(std::make_unique<Member[]>(size)) {}
 
@@ -140,18 +145,20 @@ private:
     };
 
     void call_helpers() {
-        for (std::uint32_t k = 1; k < board_->size; ++k) {
-            if (board_->members[k].present.load(std::memory_order_relaxed)) continue;
-            board_->members[k].present.store(true, std::memory_order_relaxed);
-            arena_.enqueue([first = TsanOrder(), board = board_, k, last = TsanOrder()] {
+        for (std::uint32_t k = 1; k < board_.size; ++k) {
+            if (board_.members[k].present.load(std::memory_order_relaxed)) continue;
+            board_.members[k].present.store(true, std::memory_order_relaxed);
+            const auto help = [first = TsanOrder(), board = &board_, k, last = TsanOrder()] {
                 TsanOrder::pass();
                 board->help(k);
-            });
+            };
+            arena_.execute([&] { helpers_.run(help); });
         }
     }
 
     tbb::task_arena& arena_;
-    std::shared_ptr<Board> board_;
+    tbb::task_group helpers_;
+    Board board_;
     std::uint32_t stage_ = 0;
 };
 
