@@ -60,8 +60,10 @@ public:
     }
 
 private:
-    // A helper that has found nothing to do for as many pauses, some 50 to 100 microseconds, goes back to oneTBB.
-    static constexpr std::uint32_t patience = 1u << 11;
+    // A helper that has found nothing to do for as many pauses, 0.2 to 0.8 milliseconds, goes back to oneTBB: long enough to
+    // be there still when steps follow each other. Called anew it comes 20 to 50 microseconds late; measured on two cores,
+    // steps of 0.75 milliseconds took 8 % longer.
+    static constexpr std::uint32_t patience = 1u << 14;
     // Whoever has waited for longer may be in the way of the one who is waited for.
     static constexpr std::uint32_t pauses_before_yield = 1u << 9;
     // Of what is left of a range: small shares last, so that all end together.
