@@ -6,8 +6,8 @@
 
 namespace pierce {
 
-/// The first and the last member of what a task is made from. Tells the thread sanitizer what oneTBB, which is not compiled for it,
-/// guarantees: a task is made before it runs, and over before its memory is used anew. Nothing in other builds.
+/// The first and the last member of what a task is made from. Tells the thread sanitizer what oneTBB, which is not compiled
+/// for it, guarantees: a task is made before it runs, and over before its memory is used anew. Nothing in other builds.
 class TsanOrder {
 public:
 #if defined(__SANITIZE_THREAD__)

@@ -7,12 +7,13 @@
 #include "pierce/core/float_rules.hpp"
 #include "pierce/gpu_cuda/device_count.hpp"
 
-/// What the executor launches: a thread an item, lists continued past their end for CUB, and short scans.
+/// What the executor launches: a thread an item, lists continued past their end for CUB, and short lists scanned, selected from
+/// and sorted by one block.
 namespace pierce::cuda {
 
 inline constexpr std::uint32_t block_threads = 64;
 
-/// Lists up to this long are scanned by one block, and merge sorted: launches cost more than the work.
+/// Lists up to this long are scanned and selected from by one block, and merge sorted: launches cost more than the work.
 inline constexpr std::uint32_t short_list = 1u << 16;
 
 /// The number of items, on the device; none once a list of the step has outgrown its room, so that nobody writes past it.
@@ -101,8 +102,8 @@ struct FillWith {
     __device__ void operator()(std::uint32_t i) const { items[i] = value; }
 };
 
-/// A total: of a scan, or what a selection has written. No more than there is room for is kept; what it should have been
-/// goes to `needed` if there is not.
+/// A total: of a scan, or what a selection has written. No more than there is room for is kept; `overflow` says
+/// if there was not.
 struct NoteTotal {
     const std::uint32_t* offsets;  ///< null: the total is there already
     CountAt last;

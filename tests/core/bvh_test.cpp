@@ -297,7 +297,7 @@ struct BackwardExecutor : SerialExecutor {
     }
 };
 
-/// Runs a stage on threads that take turns at its items. oneTBB's tasks alarm the thread sanitizer; these do not.
+/// Runs a stage on threads that take turns at its items.
 struct ThreadsExecutor : SerialExecutor {
     static constexpr std::uint32_t threads = 4;
 
