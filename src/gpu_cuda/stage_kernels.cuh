@@ -7,8 +7,8 @@
 #include "pierce/core/float_rules.hpp"
 #include "pierce/gpu_cuda/device_count.hpp"
 
-/// What the executor launches: a thread an item, lists continued past their end for CUB, and short lists scanned, selected from
-/// and sorted by one block.
+/// What the executor launches: a thread an item, lists continued past their end for CUB, and short lists scanned, selected
+/// from and sorted by one block.
 namespace pierce::cuda {
 
 inline constexpr std::uint32_t block_threads = 64;
