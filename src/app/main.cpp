@@ -242,6 +242,10 @@ int main(int argc, char** argv) {
     paper_command->add_option("--truth-every", report_options.truth_every, "figures 10 to 13 show every Nth frame")
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
+    paper_command
+        ->add_option("--parts", report_options.parts, "times, curves, prediction, quality, time-step; all if not given")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"times", "curves", "prediction", "quality", "time-step"}));
     paper_command->callback([&] { code = report_paper(report_options); });
 
     AccuracyReportOptions accuracy_options;

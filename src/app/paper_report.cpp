@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "compare.hpp"
 #include "paper_sections.hpp"
 
@@ -15,20 +17,24 @@ int report_paper(const PaperReportOptions& options) {
     page.line("{}\n{} bodies, {:g} s at {:g} s a step, seed {}.\n", machine_json().dump(), options.count, seconds, dt,
               options.seed);
 
+    const auto wanted = [&](const char* part) { return std::ranges::find(options.parts, part) != options.parts.end(); };
     std::vector<NamedRecording> recordings;
     for (bool soft : {false, true})
         for (const char* name : {"tori", "bunnies"}) {
+            if (!wanted("times") && (soft || !wanted("curves"))) continue;
             const scenes::SceneSetup scene = scenes::make_scene(name, {options.count, soft, options.seed});
             recordings.emplace_back(std::string(name) + (soft ? "_soft" : ""),
                                     simulate(scene, scenes::Method::rays, {}, options.timing).recording);
         }
-    tables_2_and_3(recordings, page);
-    page.line("## What threshold and period cost\n");
-    for (const NamedRecording& rigid : std::span(recordings).first(2)) {
-        threshold_map(rigid, page);
-        period_map(rigid, page);
+    if (wanted("times")) tables_2_and_3(recordings, page);
+    if (wanted("curves")) {
+        page.line("## What threshold and period cost\n");
+        for (const NamedRecording& rigid : std::span(recordings).first(2)) {
+            threshold_map(rigid, page);
+            period_map(rigid, page);
+        }
     }
-    figure_9(options, page);
+    if (wanted("prediction")) figure_9(options, page);
 
     const auto figures_of = [&](const char* name, std::uint32_t count, int pairs_figure, int depth_figure) {
         const Quality quality =
@@ -36,9 +42,11 @@ int report_paper(const PaperReportOptions& options) {
         colliding_pairs(quality, pairs_figure, page);
         average_depth(quality, depth_figure, page);
     };
-    figures_of("bunnies", options.bunnies, 10, 11);
-    figures_of("tori", options.count, 12, 13);
-    figure_14(options, page);
+    if (wanted("quality")) {
+        figures_of("bunnies", options.bunnies, 10, 11);
+        figures_of("tori", options.count, 12, 13);
+    }
+    if (wanted("time-step")) figure_14(options, page);
     page.close();
     return 0;
 }

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "motion.hpp"
 
@@ -15,6 +17,7 @@ struct PaperReportOptions {
     std::uint32_t seed = 1;
     std::uint32_t runs = 5;         ///< of figure 14, with a seed each
     std::uint32_t truth_every = 1;  ///< figures 10 to 13 show every Nth frame
+    std::vector<std::string> parts{"times", "curves", "prediction", "quality", "time-step"};
 };
 
 /// Runs the paper's experiments and writes one page, report.md, with our figures beside the paper's, and for each experiment

@@ -63,7 +63,8 @@ struct BodyView {
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
     Collision collision;
     Motion motion = Motion::fixed;
-    bool seen = false;   ///< in the last step, too, where predictions ask
+    bool seen = false;   ///< in the last step, too, where steps remember
+    bool still = false;  ///< rigid or fixed, and where it was in the last step, bit for bit, where steps remember
     bool active = true;  ///< false: left out of this step (not finite)
 
     /// True if it has an inside that counts.

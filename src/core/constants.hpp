@@ -170,8 +170,9 @@ inline constexpr double prediction_wait = 0.5;
 /// more than it saves.
 inline constexpr double certificate_limit = 1.0;
 
-/// A vertex that could not be proved to be outside for so many steps to come is not tried again before [steps].
-inline constexpr float certificate_steps = 16;
+/// A proof that would not hold for so many steps at the bodies' pace is not tried; nor again, before, where it did not
+/// [steps].
+inline constexpr double certificate_steps = 16;
 
 /// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us against 25 ns.
 inline constexpr double rebuild_cost = 20.0;

@@ -114,12 +114,6 @@ public:
     /// Stages are over when their call is.
     void settle() const {}
 
-    /// Keeps the items that are there.
-    template <class T>
-    void extend(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
-        buffer.resize(count, value);
-    }
-
     template <class T>
     T first(const HostBuffer<T>& buffer) const {
         return buffer[0];

@@ -145,8 +145,8 @@ public:
         std::swap(patch_records_, last_patch_records_);
         std::swap(records_, last_records_);
         sheets_.recall();
-        if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
-            executor_.extend(seen_bodies_, scene.bodies.size, stages::SeenBody{});
+        std::swap(seen_bodies_, last_seen_bodies_);
+        if (scene.settings.keeps_contacts()) std::swap(contacts_, last_contacts_);
         last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
                  view_of(std::as_const(last_records_))};
     }
@@ -191,9 +191,13 @@ private:
     void bounds(const Scene& scene) {
         executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
         if (scene.plan->measures_deformation) measure_deformation(scene);
-        if (!seen_bodies_.empty())
-            executor_.for_each("measure_reach", scene.bodies.size,
-                               stages::MeasureReach{scene.bodies, scene.ids, scene.settings, view_of(seen_bodies_)});
+        if (scene.plan->temporal == Temporal::off) return;
+        seen_bodies_.resize(scene.bodies.size);
+        executor_.for_each("compare_with_last", scene.bodies.size,
+                           stages::CompareWithLast{scene.bodies, scene.ids, view_of(std::as_const(last_seen_bodies_)),
+                                                   view_of(seen_bodies_)});
+        if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
+            executor_.for_each("measure_reach", scene.bodies.size, stages::MeasureReach{scene.bodies, scene.settings});
     }
 
     void measure_deformation(const Scene& scene) {
@@ -311,10 +315,11 @@ private:
         batch_.hits.resize(total);
         routes_.resize(remembers ? total : Count{});
         records_.resize(remembers ? total : Count{});
-        executor_.for_each("list_vertices", count_of(patches_),
-                           stages::ListVertices{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
-                                                view_of(patch_records_), scene.plan->temporal, last_,
-                                                view_of(batch_.sources), view_of(routes_), view_of(records_)});
+        executor_.for_each(
+            "list_vertices", count_of(patches_),
+            stages::ListVertices{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
+                                 view_of(patch_records_), scene.plan->temporal, last_, view_of(links_),
+                                 view_of(last_contact_keys_), view_of(batch_.sources), view_of(routes_), view_of(records_)});
         executor_.for_each(
             "generate_rays", total,
             stages::GenerateRay{scene.bodies, view_of(directed_), view_of(batch_.sources), scene.settings, view_of(records_),
@@ -440,7 +445,8 @@ private:
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
                                 batch_.results(), aimed_.results(), view_of(accepted_), view_of(batch_.candidates),
                                 view_of(order_), view_of(routes_), view_of(found_), view_of(links_),
-                                view_of(last_contact_keys_), view_of(last_ages_), view_of(ages_), view_of(contacts_)});
+                                view_of(last_contact_keys_), view_of(last_ages_), view_of(std::as_const(last_contacts_)),
+                                view_of(records_), view_of(ages_), view_of(contacts_)});
     }
 
     // Stage 11. What the next step needs to know.
@@ -513,7 +519,7 @@ private:
     Buffer<Found> found_;
     Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_, closest_;
     Buffer<stages::WalkCount> walk_counts_;
-    Buffer<Contact> contacts_;
+    Buffer<Contact> contacts_, last_contacts_;
     Sum<stages::ContactSums> contact_sums_, sheet_sums_;
     Sum<stages::WalkSums> walk_sums_;
     Sum<std::uint32_t> hit_sum_, own_ray_sum_, skipped_sum_, predicted_sum_, full_pass_sum_;
@@ -521,7 +527,7 @@ private:
     TracerCounts reported_;
 
     // What steps remember, and last step's.
-    Buffer<stages::SeenBody> seen_bodies_;
+    Buffer<stages::SeenBody> seen_bodies_, last_seen_bodies_;
     Buffer<PairMemory> memory_, last_memory_;
     Buffer<BlockRecord> block_records_, last_block_records_;
     Buffer<PatchRecord> patch_records_, last_patch_records_;

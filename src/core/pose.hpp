@@ -49,6 +49,13 @@ struct Frame {
     }
 };
 
+/// True if two frames are the same, bit for bit.
+PIERCE_HD inline bool are_identical(const Frame& a, const Frame& b) {
+    bool same = are_identical(a.origin, b.origin);
+    for (int r = 0; r < 3; ++r) same = same && are_identical(a.rotation.row[r], b.rotation.row[r]);
+    return same;
+}
+
 /// The rotation matrix of a quaternion of any length but zero.
 PIERCE_HD inline Matrix3 rotation_matrix(Quaternion q) {
     const double s = 2.0 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);

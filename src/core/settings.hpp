@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "pierce/core/config.hpp"
 #include "pierce/core/constants.hpp"
 
 namespace pierce {
@@ -37,6 +38,11 @@ struct Settings {
     std::uint32_t full_every = constants::full_every;
     /// Temporal::paper walks while the displacement since the last full ray is below this [mean edge length].
     double walk_threshold = constants::walk_threshold;
+
+    /// True if contacts of pairs in which nothing moves stay as they are, unseen.
+    PIERCE_HD bool keeps_contacts() const {
+        return temporal == Temporal::certified && coverage == Coverage::vertices && !reproject;
+    }
 };
 
 }  // namespace pierce

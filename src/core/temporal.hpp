@@ -46,19 +46,30 @@ struct PatchRecord {
     float expiry = 0;                ///< the others are outside until the odometer stands there
 };
 
-/// A vertex that was near the target: 40 bytes.
+/// A vertex that was near the target: 44 bytes.
 struct VertexRecord {
     std::uint32_t triangle = no_triangle;  ///< its ray's last hit, or the triangle it is predicted to enter through
     std::uint32_t predicted = 0;           ///< 1: still outside
     float expiry = 0;                      ///< no contact until the odometer stands there
     float retry = 0;                       ///< no attempt to prove that before
+    std::uint32_t contact = no_record;     ///< its contact's place in the step's list; if it had none, any
     // Where the ray met the target when it was last traced: the material point, and the way there in the target's fit frame.
     std::uint32_t seen_triangle = no_triangle;
     float seen_weight[2] = {};
     Vec3f seen_offset;
 };
 
-static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 40);
+static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
+
+/// The key that orders contacts of vertices.
+PIERCE_HD inline std::uint64_t vertex_contact_key(std::uint32_t pair, std::uint32_t side, std::uint32_t vertex) {
+    return std::uint64_t{pair} << 32 | std::uint64_t{side} << 31 | vertex;
+}
+
+/// True if the contact at a place of the last step's list is the one with that key.
+PIERCE_HD inline bool is_contact(View<const std::uint64_t> last_keys, std::uint32_t place, std::uint64_t key) {
+    return place < last_keys.size && last_keys[place] == key;
+}
 
 /// Last step's records, found without a search: a block knows which patches it kept, a patch which vertices.
 struct RecordsView {
@@ -89,6 +100,7 @@ enum class Route : std::uint32_t {
     walk,    ///< from its record
     full,    ///< a ray through the target's tree
     walked,  ///< the walk found the answer
+    kept,    ///< nothing has moved: its contact stays as it was
 };
 
 }  // namespace pierce

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "pierce/core/config.hpp"
 
@@ -65,6 +67,13 @@ template <class T>
 PIERCE_HD constexpr bool is_finite(Vec3<T> a) {
     // x - x is NaN for both NaN and infinity, and only then.
     return (a.x - a.x) == T(0) && (a.y - a.y) == T(0) && (a.z - a.z) == T(0);
+}
+
+/// True if two vectors are the same, bit for bit: 0 is not -0.
+PIERCE_HD constexpr bool are_identical(Vec3d a, Vec3d b) {
+    bool same = true;
+    for (int k = 0; k < 3; ++k) same = same && std::bit_cast<std::uint64_t>(a[k]) == std::bit_cast<std::uint64_t>(b[k]);
+    return same;
 }
 
 }  // namespace pierce

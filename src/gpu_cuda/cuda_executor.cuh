@@ -181,13 +181,6 @@ public:
     }
 
     template <class T>
-    void extend(Buffer<T>& buffer, std::uint32_t count, const T& value) {
-        const auto before = static_cast<std::uint32_t>(buffer.size());
-        buffer.resize(count);
-        if (count > before) for_each("extend", count - before, cuda::FillWith<T>{buffer.data() + before, value});
-    }
-
-    template <class T>
     void copy(T* to, const T* from, std::size_t count, cudaMemcpyKind kind) const {
         if (count > 0) cuda::check(cudaMemcpyAsync(to, from, count * sizeof(T), kind, stream_), "a copy");
     }

@@ -285,31 +285,41 @@ struct SeenBody {
     std::uint8_t padding[7] = {};
 };
 
-/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
-/// A body that is seen for the first time may do anything. Reads bodies and settings; writes reach, the last fit and what
-/// was seen.
-struct MeasureReach {
+/// Per body: whether the last step saw it, and where. Reads bodies; writes what this step saw.
+struct CompareWithLast {
     View<BodyView> bodies;
     View<const BodyId> ids;
-    Settings settings;
+    View<const SeenBody> last;  ///< as many as there were
     View<SeenBody> seen;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         BodyView& body = bodies[i];
-        const SeenBody last = seen[i];
         seen[i] = {ids[i], body.fit, body.active};
+        body.seen = body.active && i < last.size && last[i].active && last[i].id == ids[i];
+        body.still = body.seen && body.motion != Motion::deforming && are_identical(last[i].fit, body.fit);
+        if (body.seen) body.last_fit = last[i].fit;
+    }
+};
+
+/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
+/// A body that is seen for the first time may do anything. Reads bodies, their last fits and settings; writes reach.
+struct MeasureReach {
+    View<BodyView> bodies;
+    Settings settings;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        BodyView& body = bodies[i];
         body.reach = 0;
-        body.seen = false;
         if (!body.active) return;
         if (settings.prediction_distance >= 0) {
             body.reach = 0.5 * settings.prediction_distance;
             return;
         }
         body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
-        if (!last.active || last.id != ids[i]) return;
-        body.seen = true;
-        body.last_fit = last.fit;
-        body.reach = min_of(settings.full_every * largest_motion(last.fit, body.fit, body.fit_box), body.reach);
+        if (body.seen)
+            body.reach = min_of(settings.full_every * largest_motion(body.last_fit, body.fit, body.fit_box), body.reach);
     }
 };
 

@@ -83,7 +83,7 @@ struct RelateToLayer {
 };
 
 /// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere, and how its ray leaves the
-/// target there. Walks have met their triangle already.
+/// target there. Walks have met their triangle already; a contact that is kept was inside and is.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -93,7 +93,8 @@ struct TestInside {
     View<Meeting> meetings;  ///< written where inside
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        inside[i] = 0;
+        inside[i] = routes.size > 0 && routes[i] == Route::kept;
+        if (inside[i]) return;
         if (hits[i].triangle == no_triangle || hits[i].predicted) return;
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);

@@ -11,9 +11,8 @@ namespace pierce::stages {
 
 /// The key that orders contacts; chords of one edge share it.
 PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t pair, View<const Chord> chords) {
-    const bool is_vertex = from.start == RayStart::vertex;
-    return std::uint64_t{pair} << 32 | std::uint64_t{from.side} << 31 | std::uint64_t{!is_vertex} << 30 |
-           (is_vertex ? from.item : chords[from.item].edge);
+    if (from.start == RayStart::vertex) return vertex_contact_key(pair, from.side, from.item);
+    return vertex_contact_key(pair, from.side, chords[from.item].edge) | std::uint64_t{1} << 30;
 }
 static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
@@ -42,7 +41,8 @@ struct RayResults {
     View<const Meeting> meetings;
 };
 
-/// Per contact: everything in it. Reads rays, hits and the ages of last step's contacts; writes the contact and its age.
+/// Per contact: everything in it. Reads rays, hits and last step's contacts and ages; writes the contact, its age and where
+/// its vertex finds it.
 struct FillContact {
     View<const BodyView> bodies;
     View<const BodyId> ids;
@@ -58,11 +58,20 @@ struct FillContact {
     View<const std::uint32_t> links;
     View<const std::uint64_t> last_keys;
     View<const std::uint32_t> last_ages;
+    View<const Contact> last_contacts;  ///< where some are kept
+    View<VertexRecord> records;         ///< empty if steps do not remember
     View<std::uint32_t> ages;
     View<Contact> contacts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[order[i]];
+        if (routes.size > 0 && routes[r] == Route::kept) {
+            Contact kept = last_contacts[records[r].contact];
+            ages[i] = ++kept.age;
+            records[r].contact = i;
+            write_whole(contacts[i], kept);
+            return;
+        }
         const bool moved = accepted.size > 0 && accepted[order[i]];
         const RayResults& results = moved ? aimed : found_rays;
         const std::uint32_t place = moved ? order[i] : r;
@@ -111,7 +120,8 @@ struct FillContact {
         c.face_normal = target.space.rotation * face;
         c.distance = -m.t;
         if (target.collision.sheet) of_velocity_ray(c, from, p_world, q_world, direction, m.t);
-        c.age = ages[i] = age(from);
+        c.age = ages[i] = age(from, r);
+        if (r < records.size) records[r].contact = i;
         write_whole(contacts[i], c);
     }
 
@@ -128,9 +138,11 @@ private:
         c.distance = passed ? -t : t;
     }
 
-    PIERCE_HD std::uint32_t age(const RaySource& from) const {
+    PIERCE_HD std::uint32_t age(const RaySource& from, std::uint32_t ray) const {
         if (links[from.pair] == no_pair) return 0;
         const std::uint64_t key = contact_key(from, links[from.pair], chords);
+        if (ray < records.size && is_contact(last_keys, records[ray].contact, key))
+            return last_ages[records[ray].contact] + 1;
         std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;

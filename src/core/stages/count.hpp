@@ -82,7 +82,9 @@ struct CountWalk {
 struct CountSkipped {
     View<const Route> routes;
 
-    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return routes[i] == Route::skip; }
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return routes[i] == Route::skip || routes[i] == Route::kept;
+    }
 };
 
 /// 1 for a vertex that is expected to enter the other body.

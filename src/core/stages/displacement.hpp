@@ -29,8 +29,10 @@ struct MeasureDisplacement {
             const PairMemory& before = last[2 * links[i / 2] + i % 2];
             const double rounding =
                 constants::double_rounding * (source.world_box.max_coordinate() + target.world_box.max_coordinate());
-            m.step = largest_motion(before.relative, m.relative, source.fit_box) + source.shape_motion +
-                     target.shape_motion + rounding;
+            const bool still = source.still && target.still;
+            m.step = still ? 0.0
+                           : largest_motion(before.relative, m.relative, source.fit_box) + source.shape_motion +
+                                 target.shape_motion + rounding;
             m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;
             m.since_full = before.since_full + 1;

@@ -99,7 +99,7 @@ PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView&
 }
 
 /// Per kept patch: lists the vertices left and, if steps remember, their records of the last step; no ray is asked for while
-/// a vertex is proved to be outside. Reads offsets; completes the patches' records.
+/// a vertex is proved to be outside, or nothing has moved. Reads offsets; completes the patches' records.
 struct ListVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -108,6 +108,8 @@ struct ListVertices {
     View<PatchRecord> patch_records;
     Temporal temporal = Temporal::off;
     RecordsView last;
+    View<const std::uint32_t> links;      ///< per pair, to last step's
+    View<const std::uint64_t> last_keys;  ///< of last step's contacts
     View<RaySource> sources;
     View<Route> routes;  ///< this and the next are empty if steps do not remember
     View<VertexRecord> records;
@@ -127,6 +129,9 @@ struct ListVertices {
             records[slot] = record != nullptr ? *record : VertexRecord{};
             const bool skips = record != nullptr && record->expiry > d.odometer && d.waits(temporal);
             routes[slot] = skips ? Route::skip : Route::full;
+            if (!d.still) continue;
+            const std::uint64_t key = vertex_contact_key(links[item.directed / 2], item.directed % 2, sources[slot].item);
+            routes[slot] = is_contact(last_keys, records[slot].contact, key) ? Route::kept : Route::skip;
         }
     }
 };
@@ -146,6 +151,11 @@ struct GenerateRay {
         hits[i] = {};
         if (routes.size > 0 && routes[i] == Route::skip) return;  // and the ray is nobody's to read
         const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
+        if (d.still) {
+            hits[i].triangle = records[i].triangle;
+            rays[i].target = d.target;  // all that is read of it
+            return;
+        }
         if (d.along_velocity) {
             rays[i] = velocity_ray(bodies[d.source], d, sources[i].side == 1, sources[i].item);
             return;
@@ -162,7 +172,7 @@ private:
     /// How far to look outward for a triangle to walk on from.
     PIERCE_HD double search_range(const DirectedPair& d, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];
-        return target.is_simple() && !(record.retry > d.odometer)
+        return proofs_pay(d, target) && !(record.retry > d.odometer)
                    ? constants::certificate_limit * target.mesh.mean_edge_length
                    : 0;
     }

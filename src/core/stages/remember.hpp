@@ -62,9 +62,9 @@ struct IsUncertain {
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[i];
         const RaySource from = sources[slot];
-        return from.start == RayStart::vertex && bodies[rays[slot].target].is_simple() &&
-               (hits[slot].triangle == no_triangle || hits[slot].predicted) && rays[slot].t_max >= 0 &&
-               !(records[slot].retry > directed[2 * from.pair + from.side].odometer);
+        const DirectedPair& d = directed[2 * from.pair + from.side];
+        return from.start == RayStart::vertex && (hits[slot].triangle == no_triangle || hits[slot].predicted) &&
+               rays[slot].t_max >= 0 && proofs_pay(d, bodies[d.target]) && !(records[slot].retry > d.odometer);
     }
 };
 
@@ -123,7 +123,8 @@ struct Certify {
         const double free = max_of(distance - 2 * target.touch, 0.0);
         record.expiry = d.odometer + static_cast<float>(free);
         // A proof costs as much as a few rays: one that would hold for less is not worth it.
-        record.retry = d.odometer + max_of(static_cast<float>(free), constants::certificate_steps * d.step);
+        record.retry =
+            d.odometer + max_of(static_cast<float>(free), static_cast<float>(constants::certificate_steps) * d.step);
     }
 };
 

@@ -19,13 +19,21 @@ struct DirectedPair {
     float odometer = 0;  ///< the pair's
     float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
-    bool along_velocity = false;            ///< rays of a sheet into itself: side 0 along the velocity, side 1 against it
+    bool still = false;           ///< nothing has moved since the last step, and its records hold: nor has any contact
+    bool along_velocity = false;  ///< rays of a sheet into itself: side 0 along the velocity, side 1 against it
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
 
     PIERCE_HD bool is_self() const { return source == target; }
     /// True if vertices with an unexpired record are left alone in this step.
     PIERCE_HD bool waits(Temporal temporal) const { return temporal == Temporal::certified || pass == Pass::walk; }
 };
+
+/// True if a vertex may be proved to be outside of its target for so many steps to come, at the pace of this one, that
+/// trying pays.
+PIERCE_HD inline bool proofs_pay(const DirectedPair& d, const BodyView& target) {
+    return target.is_simple() && constants::certificate_limit * target.mesh.mean_edge_length >
+                                     constants::certificate_steps * static_cast<double>(d.step);
+}
 
 /// Per directed pair (pair * 2 + side): the frames, and how many blocks of patches there are to test; none if the target
 /// has no inside. Reads pairs, bodies and, if steps remember, the pairs' memory; writes directed pairs and counts.
@@ -54,6 +62,7 @@ struct DirectPair {
             d.step = static_cast<float>(m.step);
             d.pass = m.pass;
             if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
+            d.still = settings.keeps_contacts() && m.known && source.still && target.still;
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
             const bool looks = d.approach.most > 0 && d.pass == Pass::full && settings.prediction_distance < 0;
             if (looks && source.seen && target.seen)
@@ -166,7 +175,10 @@ struct CullBlock {
         const BlockRecord* before = d.last_blocks == no_record ? nullptr : &last.blocks[d.last_blocks + blocks[i].index];
         const std::uint32_t all = first_bits(block_length(source.mesh, blocks[i].index));
         std::uint32_t mask = 0;
-        if (d.along_velocity) {
+        if (d.still) {
+            mask = before->kept & expired(*before, d.odometer, all);
+            for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
+        } else if (d.along_velocity) {
             mask = all;
             for (std::uint32_t k = 0; temporal != Temporal::off && k < constants::block_size; ++k) records[i].expiry[k] = 0;
         } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
@@ -241,7 +253,9 @@ struct CullVertices {
         const std::uint32_t p = patches[i].index;
         PatchRecord record;
         const PatchRecord* before = temporal == Temporal::off ? nullptr : last.patch(d.last_blocks, p);
-        if (d.along_velocity) {
+        if (d.still) {
+            record = *before;
+        } else if (d.along_velocity) {
             record.mask = first_bits(patch_length(source.mesh, p));
         } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
             std::uint32_t slot = before->first_vertex;
