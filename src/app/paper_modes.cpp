@@ -6,6 +6,7 @@
 namespace pierce::app {
 
 double Mode::median_ms() const { return spread_of(narrow_ms).median; }
+double Mode::moving_median_ms() const { return spread_of(moving_ms).median; }
 
 Mode mode(std::string name, Temporal temporal, bool predict) {
     Mode m;
@@ -24,7 +25,11 @@ void measure(const scenes::Recording& recording, std::vector<Mode>& modes, const
             scenes::put_frame(*m.detector, recording, f);
             const scenes::FrameResult result = m.detector->detect();
             m.comparison.add(modes[0].detector->world()->contacts(), m.detector->world()->contacts());
-            if (f < recording.frame_count / 2) continue;
+            if (f < recording.frame_count / 2) {
+                m.moving_ms.push_back(result.narrow_ms);
+                m.moving_contacts += result.contacts;
+                continue;
+            }
             m.narrow_ms.push_back(result.narrow_ms);
             m.rays += result.rays;
             m.contacts += result.contacts;

@@ -11,9 +11,9 @@ namespace pierce::app {
 
 struct PaperReportOptions {
     std::filesystem::path out;
-    std::uint32_t count = 100;   ///< falling bodies
-    std::uint32_t bunnies = 30;  ///< falling bodies of figures 10 and 11
-    Timing timing;
+    std::uint32_t count = 100;     ///< falling bodies
+    std::uint32_t bunnies = 30;    ///< falling bodies of figures 10 and 11
+    Timing timing{.seconds = 20};  ///< long enough for both piles to come to rest
     std::uint32_t seed = 1;
     std::uint32_t runs = 5;         ///< of figure 14, with a seed each
     std::uint32_t truth_every = 1;  ///< figures 10 to 13 show every Nth frame

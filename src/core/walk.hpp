@@ -62,6 +62,13 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
     }
 }
 
+/// How far the point met is from the other triangles of the ring, at least.
+PIERCE_HD inline double ring_distance(const TriangleRing& ring, const Crossing& crossing) {
+    double border = crossing.weight[0] * static_cast<double>(ring.height[0]);
+    for (int k = 1; k < 3; ++k) border = min_of(crossing.weight[k] * static_cast<double>(ring.height[k]), border);
+    return static_cast<double>(ring.openness) * border;
+}
+
 /// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only one between the ray's
 /// origin and the triangle, so that a tracer would return this triangle if it lies ahead. `ring` is the triangle's in the
 /// rest shape, `direction` the ray's as the rest shape sees it; no vertex is further than `deviation` from its place there.
@@ -82,9 +89,14 @@ PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing&
     if (!(near < static_cast<double>(ring.gap))) return false;
     const double sine = static_cast<double>(ring.sine) + static_cast<double>(ring.tilt) * deviation;
     if (dot(to_double(ring.axis), direction) > sine) return true;
-    double border = crossing.weight[0] * static_cast<double>(ring.height[0]);
-    for (int k = 1; k < 3; ++k) border = min_of(crossing.weight[k] * static_cast<double>(ring.height[k]), border);
-    return near < static_cast<double>(ring.openness) * border;
+    return near < ring_distance(ring, crossing);
+}
+
+/// How far the origin of a ray is from a surface, at least, if is_only_crossing() is true of a crossing behind it; `height`
+/// is that over the triangle's plane. The point met is `|t|` away: so much nearer than to it the other triangles may be.
+PIERCE_HD inline double distance_in_front(const TriangleRing& ring, const Crossing& crossing, double height) {
+    const double others = min_of(static_cast<double>(ring.gap), ring_distance(ring, crossing));
+    return min_of(height, others - std::fabs(crossing.t));
 }
 
 }  // namespace pierce

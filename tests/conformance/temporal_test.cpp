@@ -29,7 +29,7 @@ Settings without_memory(Settings settings) {
 
 class TemporalTest : public testing::TestWithParam<test::NamedBackend> {};
 
-/// Bodies that creep, slide, spin, jump, deform, vanish, break and change their triangles, in two worlds alike.
+/// Bodies that rest, creep, slide, spin, jump, deform, vanish, break and change their triangles, in two worlds alike.
 class TwoWorlds {
 public:
     TwoWorlds(const test::NamedBackend& backend, Settings settings, test::Random& random)
@@ -43,6 +43,8 @@ public:
     void step() {
         const double size = std::pow(10.0, random_.uniform(-5, -1));
         for (Body& body : bodies_) {
+            if (random_.integer(0, 9) == 0) body.rests = !body.rests;
+            if (body.rests) continue;
             const Vec3d turn = size * random_.in_box(0.3);
             body.pose.position += size * random_.in_box(1);
             const Quaternion q = body.pose.rotation;
@@ -67,11 +69,11 @@ private:
         MeshData data;
         Pose pose;
         double bend = 0;
-        bool deforms = false;
+        bool deforms = false, rests = false;
     };
 
     void add_body() {
-        Body body{{}, test::random_closed_mesh(random_), {random_.in_box(0.8), random_.rotation()}, 0, false};
+        Body body{{}, test::random_closed_mesh(random_), {random_.in_box(0.8), random_.rotation()}};
         const int kind = random_.integer(0, 3);
         body.deforms = kind >= 2;
         for (World* world : {&plain_, &remembering_}) {
@@ -111,6 +113,12 @@ private:
     std::vector<Body> bodies_;
 };
 
+std::vector<std::uint32_t> ages(const World& world) {
+    std::vector<std::uint32_t> result;
+    for (const Contact& c : world.contacts()) result.push_back(c.age);
+    return result;
+}
+
 TEST_P(TemporalTest, CertifiedIsTracingEverything) {
     test::Random random(21);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
@@ -124,6 +132,7 @@ TEST_P(TemporalTest, CertifiedIsTracingEverything) {
             worlds.step();
             ASSERT_EQ(contact_hash(worlds.remembering().contacts()), contact_hash(worlds.plain().contacts()))
                 << "scene " << scene << " step " << step;
+            ASSERT_EQ(ages(worlds.remembering()), ages(worlds.plain())) << "scene " << scene << " step " << step;
             const StepStats& stats = worlds.remembering().stats();
             contacts += stats.contacts;
             certified += stats.certified;
@@ -361,6 +370,28 @@ TEST_P(TemporalTest, BodiesThatJumpOrPartLeaveNothingBehind) {
             const std::size_t expected = plain.at(height);
             EXPECT_EQ(scene.at(height), expected) << "height " << height;
         }
+    }
+}
+
+TEST_P(TemporalTest, ContactsOfBodiesThatRestCostNoRays) {
+    if (!GetParam().make()->certificates_pay()) GTEST_SKIP() << "it traces everything";
+    Sinking scene(GetParam(), with(Temporal::certified)), plain(GetParam(), with(Temporal::off));
+    const auto rays = [&] { return scene.world.stats().rays + scene.world.stats().walks; };
+    const auto expect_same = [&](const char* when) {
+        EXPECT_EQ(contact_hash(scene.world.contacts()), contact_hash(plain.world.contacts())) << when;
+        EXPECT_EQ(ages(scene.world), ages(plain.world)) << when;
+    };
+    for (int step = 0; step < 4; ++step) {
+        EXPECT_GT(scene.at(0.9), 0u);
+        plain.at(0.9);
+        expect_same("at rest");
+        EXPECT_EQ(rays() == 0, step > 0) << "step " << step;
+    }
+    for (double height : {std::nextafter(0.9, 1.0), 0.9, -0.0, 0.0}) {
+        scene.at(height);
+        plain.at(height);
+        expect_same("moved");
+        EXPECT_GT(rays(), 0u) << "moved by as little as can be: " << height;
     }
 }
 

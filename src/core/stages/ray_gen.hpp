@@ -76,7 +76,7 @@ PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair&
     const Vec3d direction = inward_direction(source, v);
     Ray ray;
     ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
-    ray.direction = normalized(d.to_space.rotation * direction);
+    ray.direction = d.to_space.rotation * direction;
     ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
     ray.target = d.target;
     if (d.is_self()) {

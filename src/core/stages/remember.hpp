@@ -39,8 +39,9 @@ struct Remember {
             const Vec3d corner[3] = {to_double(target.positions[t.vertex[0]]), to_double(target.positions[t.vertex[1]]),
                                      to_double(target.positions[t.vertex[2]])};
             const RaySource from = sources[slot];
-            record.expiry =
-                hit.predicted ? wait_until(directed[2 * from.pair + from.side], m.t, ray.direction, corner) : 0.0f;
+            record.expiry = hit.predicted
+                                ? wait_until(directed[2 * from.pair + from.side], height_over(corner, ray.direction, m.t))
+                                : 0.0f;
         }
         for (int k = 0; k < 2; ++k) record.seen_weight[k] = static_cast<float>(m.barycentric[k]);
         const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{}).transposed();

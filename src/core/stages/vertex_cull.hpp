@@ -53,8 +53,9 @@ struct DirectPair {
         d.target = pair.target(i % 2);
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
-        d.to_fit = relative_frame(source.space, target.fit);
-        d.to_space = relative_frame(source.space, target.space);
+        const bool known = memory.size > 0 && source.motion != Motion::deforming;
+        d.to_fit = known ? memory[i].relative : relative_frame(source.space, target.fit);
+        d.to_space = target.motion == Motion::deforming ? relative_frame(source.space, target.space) : d.to_fit;
         if (!d.is_self()) d.approach.most = source.reach + target.reach;
         if (memory.size > 0) {
             const PairMemory& m = memory[i];

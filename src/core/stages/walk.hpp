@@ -17,10 +17,14 @@ struct HasRoute {
     PIERCE_HD bool operator()(std::uint32_t i) const { return routes[i] == wanted; }
 };
 
-/// Until when a vertex `t` in front of a triangle is left alone, at a small risk.
-PIERCE_HD inline float wait_until(const DirectedPair& d, double t, Vec3d direction, const Vec3d corner[3]) {
-    const Vec3d normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
-    return d.odometer + static_cast<float>(constants::prediction_wait * t * std::fabs(dot(normal, direction)));
+/// How far the origin of a ray that crosses a triangle at `t` is from the triangle's plane.
+PIERCE_HD inline double height_over(const Vec3d corner[3], Vec3d direction, double t) {
+    return std::fabs(t * dot(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])), direction));
+}
+
+/// Until when a vertex at a height over a triangle's plane is left alone, at a small risk.
+PIERCE_HD inline float wait_until(const DirectedPair& d, double height) {
+    return d.odometer + static_cast<float>(constants::prediction_wait * height);
 }
 
 /// What a walk did.
@@ -76,6 +80,12 @@ struct Walk {
             if (behind && !target.is_simple()) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
             if (!behind && crossing.t <= ray.t_max) hits[slot].triangle = at;
+            if (behind) {
+                const double free =
+                    distance_in_front(target.mesh.rings[at], crossing, height_over(corner, ray.direction, crossing.t));
+                const DirectedPair& d = directed[2 * sources[slot].pair + sources[slot].side];
+                record.expiry = d.odometer + static_cast<float>(max_of(free - 2 * (target.touch + target.deviation), 0.0));
+            }
         } else {
             if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
             const bool ahead = crossing.t >= -target.touch;
@@ -91,7 +101,7 @@ struct Walk {
             }
             if (record.predicted) found[slot] = Found::prediction;
             record.predicted = !ahead;
-            record.expiry = ahead ? 0 : wait_until(d, -crossing.t, ray.direction, corner);
+            record.expiry = ahead ? 0 : wait_until(d, height_over(corner, ray.direction, crossing.t));
             if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = at;
         }
         counts[i].lost = false;
