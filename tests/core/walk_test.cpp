@@ -1,5 +1,6 @@
 // Walks over surfaces, what proves that they ended at the first crossing, and how far bodies move.
 #include "pierce/core/walk.hpp"
+#include "pierce/core/closest_point.hpp"
 
 #include <gtest/gtest.h>
 
@@ -132,7 +133,7 @@ MeshData ball_with_slivers(test::Random& random) {
 TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
     test::Random random(12);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
-    int proved = 0, behind = 0, tried = 0;
+    int proved = 0, behind = 0, in_front = 0, tried = 0;
     for (int m = 0; m < 120; ++m) {
         const Mesh shape("any", m % 4 == 3 ? ball_with_slivers(random) : test::random_closed_mesh(random));
         const MeshView mesh = shape.view();
@@ -167,6 +168,18 @@ TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
                 Ray back = ray;
                 back.direction = -ray.direction;
                 ASSERT_EQ(traced(mesh, positions, back).triangle, t) << "mesh " << m << " ray " << i;
+                double distance = 9;
+                for (std::uint32_t other = 0; other < mesh.triangles.size; ++other)
+                    distance = std::min(
+                        distance, length(ray.origin - closest_on_triangle(ray.origin, corner_of(mesh, positions, other, 0),
+                                                                          corner_of(mesh, positions, other, 1),
+                                                                          corner_of(mesh, positions, other, 2))));
+                const double height =
+                    std::fabs(crossing.t) *
+                    std::fabs(dot(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])), ray.direction));
+                const double proved_distance = distance_in_front(mesh.rings[t], crossing, height) - 2 * (touch + deviation);
+                ASSERT_LE(proved_distance, distance) << "mesh " << m << " ray " << i;
+                in_front += proved_distance > 0;
                 if (mesh.simple && deviation == 0 && hit.triangle != no_triangle) {
                     ASSERT_FALSE(leads_out(ray, {positions, mesh.triangles, touch}, hit.triangle)) << "it starts outside";
                 }
@@ -175,6 +188,7 @@ TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
     }
     EXPECT_GT(proved, tried / 10);
     EXPECT_GT(behind, tried / 50);
+    EXPECT_GT(in_front, behind / 20);
 }
 
 /// Looking both ways at once, against a ray each way.
