@@ -1,6 +1,5 @@
 // Walks over surfaces, what proves that they ended at the first crossing, and how far bodies move.
 #include "pierce/core/walk.hpp"
-#include "pierce/core/closest_point.hpp"
 
 #include <gtest/gtest.h>
 
