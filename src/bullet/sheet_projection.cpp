@@ -8,6 +8,17 @@ void SheetProjection::add_terms(const Point& point, double sign, Row& row) {
     if (point.nodes == nullptr) {
         row.given_end += sign * point.end;
         row.start += sign * point.start;
+        if (point.body == nullptr) return;
+        row.body = point.body;
+        row.arm = point.end - point.body->center;
+        row.sign = sign;
+        if (!(point.body->inverse_mass > 0)) return;
+        const Vec3d lever = cross(row.arm, row.out);
+        row.compliance += point.body->inverse_mass + dot(lever, point.body->inverse_inertia * lever);
+        // No direction turns a body more easily than the sum of its principal ones.
+        const Matrix3& inertia = point.body->inverse_inertia;
+        row.slip_compliance +=
+            point.body->inverse_mass + (inertia.row[0].x + inertia.row[1].y + inertia.row[2].z) * length_squared(row.arm);
         return;
     }
     for (int k = 0; k < 3; ++k) {
@@ -16,6 +27,7 @@ void SheetProjection::add_terms(const Point& point, double sign, Row& row) {
         const double inverse_mass = point.nodes->inverse_mass[point.vertex[k]];
         row.start += weight * to_double(point.nodes->start[point.vertex[k]]);
         row.compliance += weight * weight * inverse_mass;
+        row.slip_compliance += weight * weight * inverse_mass;
         if (inverse_mass > 0)
             terms_.push_back({point.nodes, point.vertex[k], weight});
         else
@@ -31,7 +43,10 @@ void SheetProjection::add(const Point& source, const Point& target, Vec3d out, d
     add_terms(source, 1, row);
     add_terms(target, -1, row);
     row.last = static_cast<std::uint32_t>(terms_.size());
-    if (!(row.compliance > 0)) return;
+    if (!(row.compliance > 0)) {
+        terms_.resize(row.first);
+        return;
+    }
     const double opened = dot(out, row.start) + settings_.recovery_share * thickness;
     row.gap = std::clamp(opened, settings_.least_share * thickness, settings_.kept_share * thickness);
     rows_.push_back(row);
@@ -40,6 +55,7 @@ void SheetProjection::add(const Point& source, const Point& target, Vec3d out, d
 Vec3d SheetProjection::offset(const Row& row) const {
     Vec3d sum = row.given_end;
     for (std::uint32_t i = row.first; i < row.last; ++i) sum += terms_[i].weight * terms_[i].nodes->end[terms_[i].vertex];
+    if (row.body != nullptr) sum += row.sign * row.body->way(row.arm);
     return sum;
 }
 
@@ -48,6 +64,12 @@ void SheetProjection::move(const Row& row, Vec3d impulse) {
         const Term& t = terms_[i];
         t.nodes->end[t.vertex] += (t.weight * t.nodes->inverse_mass[t.vertex]) * impulse;
     }
+    if (row.body == nullptr) return;
+    const Vec3d mine = row.sign * impulse;
+    row.body->impulse += mine;
+    if (!(row.body->inverse_mass > 0)) return;
+    row.body->shift += row.body->inverse_mass * mine;
+    row.body->turn += row.body->inverse_inertia * cross(row.arm, mine);
 }
 
 void SheetProjection::solve(Row& row) {
@@ -57,7 +79,7 @@ void SheetProjection::solve(Row& row) {
 
     const Vec3d slide = offset(row) - row.start;
     const Vec3d last = row.dragged;
-    row.dragged -= (1 / row.compliance) * (slide - dot(slide, row.out) * row.out);
+    row.dragged -= (1 / row.slip_compliance) * (slide - dot(slide, row.out) * row.out);
     const double most = settings_.friction * row.pushed, drag = length(row.dragged);
     if (drag > most) row.dragged = (most / drag) * row.dragged;
     move(row, row.dragged - last);

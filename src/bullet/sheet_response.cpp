@@ -38,7 +38,18 @@ struct Obstacle {
     btRigidBody* rigid = nullptr;
     BodyId body;
     Pose start, end;
+    MovingBody moving;
+    Vec3d shift, turn, impulse;  ///< over all rounds
 };
+
+/// A pose after a small turn about its place, and a shift.
+Pose moved(const Pose& pose, Vec3d shift, Vec3d turn) {
+    const Quaternion& q = pose.rotation;
+    const Vec3d v{q.x, q.y, q.z};
+    const double angle = length(turn), half = std::sin(0.5 * angle), w = std::cos(0.5 * angle);
+    const Vec3d axis = half * normalized(turn), turned = w * v + q.w * axis + cross(axis, v);
+    return {pose.position + shift, {turned.x, turned.y, turned.z, w * q.w - dot(axis, v)}};
+}
 
 }  // namespace
 
@@ -60,6 +71,7 @@ struct SheetResponse::State {
     bool has_violation() const;
     bool counts(const Contact& c) const;
     bool project();
+    void move_bodies();
     void keep_apart();
     bool pull_back(std::uint32_t attempt);
     void pull_back(Sheet& sheet, std::uint32_t vertex, double share);
@@ -67,9 +79,10 @@ struct SheetResponse::State {
     void write_step(double dt);
 
     bool concerns_sheet(const Contact& c) const { return sheet_of.contains(c.a) || sheet_of.contains(c.b); }
-    SheetProjection::Point source_point(const Contact& c) const;
-    SheetProjection::Point target_point(const Contact& c) const;
-    SheetProjection::Point given_point(BodyId body, Vec3d point) const;
+    SheetProjection::Point source_point(const Contact& c);
+    SheetProjection::Point target_point(const Contact& c);
+    SheetProjection::Point solid_point(BodyId body, Vec3d point);
+    Vec3d start_of(BodyId body, Vec3d end) const;
     MovingPoint vertex_motion(BodyId body, std::uint32_t vertex) const;
     Vec3d out_of(const Contact& c) const;
 };
@@ -94,20 +107,25 @@ void each_vertex(const World& world, const Contact& c, const Visit& visit) {
 
 }  // namespace
 
-/// A point that moves as its body is told.
-SheetProjection::Point SheetResponse::State::given_point(BodyId body, Vec3d point) const {
+/// Where a point of a body that is no sheet was when the step began.
+Vec3d SheetResponse::State::start_of(BodyId body, Vec3d end) const {
+    const auto found = obstacle_of.find(body);
+    if (found == obstacle_of.end()) return end;
+    const Obstacle& o = obstacles[found->second];
+    return frame_of(o.start).to_parent(frame_of(o.end).to_local(end));
+}
+
+SheetProjection::Point SheetResponse::State::solid_point(BodyId body, Vec3d point) {
     SheetProjection::Point p;
-    p.start = p.end = point;
-    if (const auto found = obstacle_of.find(body); found != obstacle_of.end()) {
-        const Obstacle& o = obstacles[found->second];
-        p.start = frame_of(o.start).to_parent(frame_of(o.end).to_local(point));
-    }
+    p.start = start_of(body, point);
+    p.end = point;
+    if (const auto found = obstacle_of.find(body); found != obstacle_of.end()) p.body = &obstacles[found->second].moving;
     return p;
 }
 
-SheetProjection::Point SheetResponse::State::source_point(const Contact& c) const {
+SheetProjection::Point SheetResponse::State::source_point(const Contact& c) {
     const auto found = sheet_of.find(source_of(c));
-    if (found == sheet_of.end()) return given_point(source_of(c), c.source == Side::a ? c.point_a : c.point_b);
+    if (found == sheet_of.end()) return solid_point(source_of(c), c.source == Side::a ? c.point_a : c.point_b);
     SheetProjection::Point p;
     p.nodes = &found->second->nodes;
     p.vertex[0] = c.vertex;
@@ -120,9 +138,9 @@ SheetProjection::Point SheetResponse::State::source_point(const Contact& c) cons
     return p;
 }
 
-SheetProjection::Point SheetResponse::State::target_point(const Contact& c) const {
+SheetProjection::Point SheetResponse::State::target_point(const Contact& c) {
     const auto found = sheet_of.find(target_of(c));
-    if (found == sheet_of.end()) return given_point(target_of(c), c.source == Side::a ? c.point_b : c.point_a);
+    if (found == sheet_of.end()) return solid_point(target_of(c), c.source == Side::a ? c.point_b : c.point_a);
     SheetProjection::Point p;
     p.nodes = &found->second->nodes;
     const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
@@ -147,6 +165,11 @@ void SheetResponse::State::read_step() {
     for (Obstacle& o : obstacles) {
         o.start = o.end;
         o.end = from_bullet(o.rigid->getWorldTransform());
+        o.shift = o.turn = o.impulse = {};
+        o.moving = {};
+        if (o.rigid->isStaticOrKinematicObject() || !o.rigid->isActive()) continue;
+        o.moving.inverse_mass = o.rigid->getInvMass();
+        for (int r = 0; r < 3; ++r) o.moving.inverse_inertia.row[r] = from_bullet(o.rigid->getInvInertiaTensorWorld()[r]);
     }
 }
 
@@ -199,7 +222,7 @@ MovingPoint SheetResponse::State::vertex_motion(BodyId body, std::uint32_t verte
     if (const auto found = sheet_of.find(body); found != sheet_of.end())
         return {to_double(found->second->nodes.start[vertex]), to_double(found->second->end[vertex])};
     const Vec3d end = world.vertex_position(body, vertex);
-    return {given_point(body, end).start, end};
+    return {start_of(body, end), end};
 }
 
 /// Which way the contact's source is to go. A vertex that meets a triangle goes back to where it has come from, whatever is
@@ -229,6 +252,10 @@ Vec3d SheetResponse::State::out_of(const Contact& c) const {
 /// Moves vertices out of all contacts; false if there are none.
 bool SheetResponse::State::project() {
     projection.clear();
+    for (Obstacle& o : obstacles) {
+        o.moving.center = o.end.position;
+        o.moving.shift = o.moving.turn = o.moving.impulse = {};
+    }
     for (const Contact& c : world.contacts()) {
         if (!concerns_sheet(c) || !counts(c)) continue;
         const Vec3d out = out_of(c);
@@ -246,7 +273,20 @@ bool SheetResponse::State::project() {
         projection.add(source_point(c), target_point(c), out, thickness);
     }
     ++report.rounds;
-    return projection.project();
+    if (!projection.project()) return false;
+    move_bodies();
+    return true;
+}
+
+/// Takes over what the projection has done to rigid bodies.
+void SheetResponse::State::move_bodies() {
+    for (Obstacle& o : obstacles) {
+        o.impulse += o.moving.impulse;
+        if (!(o.moving.inverse_mass > 0)) continue;
+        o.end = moved(o.end, o.moving.shift, o.moving.turn);
+        o.shift += o.moving.shift;
+        o.turn += o.moving.turn;
+    }
 }
 
 void SheetResponse::State::pull_back(Sheet& sheet, std::uint32_t vertex, double share) {
@@ -326,6 +366,19 @@ void SheetResponse::State::write_step(double dt) {
         sheet->nodes.start = sheet->end;
         sheet->soft->updateNormals();
     }
+    for (Obstacle& o : obstacles) {
+        btRigidBody& rigid = *o.rigid;
+        if (o.moving.inverse_mass > 0 && !(o.shift == Vec3d{} && o.turn == Vec3d{})) {
+            ++report.moved_bodies;
+            rigid.setCenterOfMassTransform(to_bullet(o.end));
+            rigid.setLinearVelocity(rigid.getLinearVelocity() + to_bullet((1 / dt) * o.shift));
+            rigid.setAngularVelocity(rigid.getAngularVelocity() + to_bullet((1 / dt) * o.turn));
+            // What Bullet has made of it is where the next step begins.
+            o.end = from_bullet(rigid.getWorldTransform());
+        }
+        const double speed = length(o.impulse) * static_cast<double>(rigid.getInvMass()) / dt;
+        if (!rigid.isActive() && speed > static_cast<double>(rigid.getLinearSleepingThreshold())) rigid.activate(true);
+    }
 }
 
 SheetResponse::SheetResponse(World& world, SheetSettings settings)
@@ -353,7 +406,7 @@ void SheetResponse::bind(btSoftBody& soft, BodyId body) {
 void SheetResponse::bind(btRigidBody& rigid, BodyId body) {
     state_->obstacle_of[body] = state_->obstacles.size();
     const Pose pose = from_bullet(rigid.getWorldTransform());
-    state_->obstacles.push_back({&rigid, body, pose, pose});
+    state_->obstacles.push_back({&rigid, body, pose, pose, {}, {}, {}, {}});
 }
 
 const SheetReport& SheetResponse::finish_step(double dt) {

@@ -94,6 +94,37 @@ SceneSetup cloth_fold(const SceneParameters& parameters) {
     return scene;
 }
 
+SceneSetup cloth_catch(const SceneParameters& parameters) {
+    constexpr double width = 2, height = 1.5, drop = 0.4, radius = 0.22;
+    const std::uint32_t nodes = nodes_or(parameters, plain_nodes);
+    SceneSetup scene{"cloth-catch",
+                     {ground_below(4),
+                      {"ball", sphere(radius, 2), {}},
+                      {"torus", torus(0.7 * radius, 0.3 * radius, 20, 10), {}},
+                      {"sheet", grid(width, width, nodes, nodes), {}}},
+                     {{"ground", 0, Motion::fixed, {}, true}}};
+    scene.dt = step_for(nodes, plain_nodes);
+    for (int i = 0; i < 4; ++i) {
+        const double side = i % 2 == 0 ? -1 : 1, level = height + drop + 2.5 * radius * i;
+        scene.bodies.push_back({"solid " + std::to_string(i),
+                                i < 2 ? 1u : 2u,
+                                Motion::rigid,
+                                {{0.3 * side, 0.1 * side * (i - 1), level}, {0.3 * i, 0.2, 0, 1}},
+                                false});
+    }
+    SceneBody sheet = sheet_body("sheet", 3, width / (nodes - 1), scene.dt);
+    sheet.pose.position.z = height;
+    sheet.material.iterations *= 4;  // else it gives way like rubber
+    Guide border;
+    for (std::uint32_t i = 0; i < nodes * nodes; ++i)
+        if (i % nodes == 0 || i % nodes == nodes - 1 || i / nodes == 0 || i / nodes == nodes - 1)
+            border.vertices.push_back(i);
+    border.place = [](Vec3d start, double) -> std::optional<Vec3d> { return start; };
+    sheet.guides.push_back(std::move(border));
+    scene.bodies.push_back(std::move(sheet));
+    return scene;
+}
+
 SceneSetup cloth_twist(const SceneParameters& parameters) {
     constexpr double radius = 0.5, height = 2.5, turns = 3.0, duration = 6.0, nearer = 1.0;
     const std::uint32_t rings = nodes_or(parameters, plain_rings);

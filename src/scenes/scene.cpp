@@ -14,11 +14,12 @@
 namespace pierce::scenes {
 namespace {
 
-const std::array<SceneInfo, 7> scene_infos = {{
+const std::array<SceneInfo, 8> scene_infos = {{
     {"tori", "tori of 300 vertices and 600 triangles (radii 2 and 0.5) fall on a plane"},
     {"bunnies", "Stanford bunnies of 453 vertices and 902 triangles fall on a plane"},
     {"cloth-capsule", "a sheet of 20 x 20 vertices falls on a capsule, on the ground and on itself"},
     {"cloth-fold", "a sheet is folded onto itself and let go"},
+    {"cloth-catch", "a sheet held at its border catches solids"},
     {"cloth-twist", "a tube of cloth is wrung"},
     {"layers", "50 sheets, 475000 triangles in all, swing and slide in a stack as a formula says"},
     {"ball-squash", "a soft ball with a groove is pressed between two plates until the groove closes"},
@@ -89,6 +90,7 @@ SceneSetup make_scene(const std::string& name, const SceneParameters& parameters
     if (name == "bunnies") return falling(name, bunny_mesh(), parameters);
     if (name == "cloth-capsule") return cloth_capsule(parameters);
     if (name == "cloth-fold") return cloth_fold(parameters);
+    if (name == "cloth-catch") return cloth_catch(parameters);
     if (name == "cloth-twist") return cloth_twist(parameters);
     if (name == "layers") return layers_with(parameters.nodes).scene();
     if (name == "ball-squash") return ball_squash(parameters);

@@ -5,6 +5,7 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -71,6 +72,12 @@ bullet::Baseline baseline_of(Method method) {
                                         : bullet::Baseline::gimpact;
 }
 
+/// The scene without its sheets.
+SceneSetup rigid_part(SceneSetup scene) {
+    std::erase_if(scene.bodies, [](const SceneBody& body) { return body.motion == Motion::deforming; });
+    return scene;
+}
+
 /// A step's result, with what all detections of the step took together.
 FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) {
     result.stages = report.stages;
@@ -91,7 +98,8 @@ FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) 
 struct Simulation::State {
     SceneSetup scene;
     Method method;
-    std::unique_ptr<SceneWorld> rays;  ///< null for Bullet's own methods
+    std::unique_ptr<SceneWorld> rays;    ///< null for Bullet's own methods
+    std::unique_ptr<SceneWorld> solids;  ///< the rigid bodies alone, where there are sheets, too, and rigid bodies move
     bullet::TimedConfiguration rigid_configuration;
     btSoftBodyRigidBodyCollisionConfiguration soft_configuration;
     std::unique_ptr<btCollisionDispatcher> dispatcher;
@@ -154,10 +162,12 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     world->addRigidBody(rigid[index].get());
     if (body.path)
         rigid[index]->setCollisionFlags(rigid[index]->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
-    if (apart != nullptr)
-        apart->bind(*rigid[index], rays->bodies[index]);
-    else if (rays != nullptr)
-        ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
+    if (apart != nullptr) apart->bind(*rigid[index], rays->bodies[index]);
+    if (solids != nullptr) {
+        const auto before = std::count_if(rigid.begin(), rigid.begin() + index, [](const auto& r) { return r != nullptr; });
+        ray_dispatcher().bind(*rigid[index], solids->bodies[static_cast<std::size_t>(before)]);
+    }
+    if (apart == nullptr && rays != nullptr) ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
 }
 
 void Simulation::State::add_sheet(std::uint32_t index) {
@@ -246,14 +256,15 @@ void Simulation::State::add_soft(std::uint32_t index) {
 Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings& settings)
     : state_(std::make_unique<State>(scene, method)) {
     State& s = *state_;
-    bool any_soft = false, any_sheet = false, any_given = false, any_free = false;
+    bool any_soft = false, any_sheet = false, any_given = false, any_free = false, any_soft_solid = false;
     for (const SceneBody& body : scene.bodies) {
         any_soft |= body.motion == Motion::deforming;
         any_given |= body.motion_of != nullptr;
         any_sheet |= body.collision.sheet && !body.motion_of;
-        any_free |= body.motion != Motion::fixed && !body.collision.sheet;
+        any_free |= body.motion == Motion::rigid && !body.path;
+        any_soft_solid |= body.motion == Motion::deforming && !body.collision.sheet;
     }
-    if (any_sheet && any_free) throw InputError("sheets are simulated with fixed and led bodies only");
+    if (any_sheet && any_soft_solid) throw InputError("sheets are not simulated with solids that deform");
     const bool by_clusters = method == Method::bullet_clusters;
     if (any_soft && method != Method::rays && !(by_clusters && any_sheet))
         throw InputError("soft bodies are simulated with rays only, sheets also with bullet-clusters");
@@ -263,7 +274,10 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
     if (method == Method::rays) {
         s.rays = std::make_unique<SceneWorld>(scene, settings);
         configuration = &s.soft_configuration;
-        if (any_sheet || any_given)
+        if (any_sheet && any_free) {
+            s.solids = std::make_unique<SceneWorld>(rigid_part(scene), settings);
+            s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.solids->world);
+        } else if (any_sheet || any_given)
             s.dispatcher = std::make_unique<btCollisionDispatcher>(configuration);
         else
             s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.rays->world);
@@ -318,6 +332,11 @@ const FrameResult& Simulation::step(double dt) {
         s.note_tried();
         const bullet::SheetReport& report = s.apart->finish_step(dt);
         s.result = sheet_result(s.rays->result(), report);
+        if (s.solids != nullptr) {
+            const double ms = s.solids->world.stats().milliseconds;
+            s.result.stages.push_back({"solids", ms});
+            s.result.total_ms += ms;
+        }
         s.measure_sheets();
     } else if (dynamic_cast<bullet::Dispatcher*>(s.dispatcher.get()) == nullptr && s.rays != nullptr) {
         s.rays->world.detect();

@@ -178,6 +178,90 @@ TEST_F(SheetResponseTest, AnObstacleThatLeavesNoRoomIsReported) {
     EXPECT_GT(left, 0u);
 }
 
+/// A sheet that is thrown at a box beside its centre.
+struct ThrownSheet {
+    btBoxShape shape{btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.1))};
+    std::unique_ptr<btRigidBody> rigid;
+
+    explicit ThrownSheet(double mass) {
+        btVector3 inertia(0, 0, 0);
+        if (mass > 0) shape.calculateLocalInertia(static_cast<btScalar>(mass), inertia);
+        rigid = std::make_unique<btRigidBody>(
+            btRigidBody::btRigidBodyConstructionInfo(static_cast<btScalar>(mass), nullptr, &shape, inertia));
+        rigid->setWorldTransform(to_bullet(start));
+        rigid->updateInertiaTensor();
+    }
+
+    static constexpr Pose start{{0.35, 0.1, 0.55}, {}};
+};
+
+TEST_F(SheetResponseTest, AFreeBodyTakesTheMomentumThatTheSheetLoses) {
+    for (double mass : {0.1, 1.0, 20.0}) {
+        soft.clear();
+        bodies.clear();
+        make(1, {});
+        ThrownSheet thrown(mass);
+        const BodyId box = world.add_rigid_body(world.add_mesh("box", scenes::box({-0.3, -0.3, -0.1}, {0.3, 0.3, 0.1})),
+                                                ThrownSheet::start);
+        response->bind(*thrown.rigid, box);
+        soft[0]->soft().m_cfg.kDP = 0;
+        const double speed = 0.12 / dt;
+        const SheetReport& report = step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.12}; });
+        EXPECT_GT(report.crossings, 0u);
+        EXPECT_EQ(report.pulled_back, 0u);
+        EXPECT_EQ(report.moved_bodies, 1u);
+        EXPECT_EQ(report.crossings_left, 0u);
+        const btRigidBody& rigid = *thrown.rigid;
+        Vec3d momentum, spin, spin_before;
+        double nodes_mass = 0;
+        const btAlignedObjectArray<btSoftBody::Node>& all = soft[0]->soft().m_nodes;
+        for (int i = 0; i < all.size(); ++i) {
+            const double m = 1 / static_cast<double>(all[i].m_im);
+            const Vec3d v = from_bullet(all[i].m_v), begin = from_bullet(all[i].m_q), end = from_bullet(all[i].m_x);
+            nodes_mass += m;
+            momentum += m * v;
+            spin += m * cross(end, v);
+            spin_before += m * cross(begin, Vec3d{0, 0, speed});
+        }
+        const Vec3d taken = mass * from_bullet(rigid.getLinearVelocity());
+        EXPECT_GT(taken.z, 0.01 * nodes_mass * speed) << "it was hit";
+        EXPECT_LT(length(momentum + taken - Vec3d{0, 0, nodes_mass * speed}), 1e-4 * nodes_mass * speed) << "mass " << mass;
+        const btMatrix3x3 inertia = rigid.getInvInertiaTensorWorld().inverse();
+        const Vec3d spin_taken =
+            cross(ThrownSheet::start.position, taken) + from_bullet(inertia * rigid.getAngularVelocity());
+        // A push acts on the sheet and on the box a thickness apart, and both go on during the step.
+        EXPECT_LT(length(spin + spin_taken - spin_before), 0.05 * length(cross(ThrownSheet::start.position, taken)))
+            << "mass " << mass;
+        EXPECT_GT(from_bullet(rigid.getLinearVelocity()).z, 0);
+        world.remove_body(box);
+        world.remove_body(bodies[0]);
+    }
+}
+
+TEST_F(SheetResponseTest, ASleepingBodyIsWokenByAStrongPushOnly) {
+    make(1, {});
+    ThrownSheet thrown(1);
+    const BodyId box =
+        world.add_rigid_body(world.add_mesh("box", scenes::box({-0.3, -0.3, -0.1}, {0.3, 0.3, 0.1})), ThrownSheet::start);
+    response->bind(*thrown.rigid, box);
+    thrown.rigid->setActivationState(ISLAND_SLEEPING);
+    const auto touches = [&] {
+        return std::ranges::any_of(world.contacts(), [&](const Contact& c) { return c.b == box && c.of_sheet; });
+    };
+    // Slowly, until it lies against the box.
+    for (int i = 0; i < 16; ++i) {
+        EXPECT_EQ(step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.006}; }).moved_bodies, 0u);
+        EXPECT_FALSE(thrown.rigid->isActive());
+    }
+    EXPECT_TRUE(touches());
+    step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.1}; });
+    EXPECT_TRUE(thrown.rigid->isActive());
+    EXPECT_EQ(thrown.rigid->getWorldTransform().getOrigin().distance(to_bullet(ThrownSheet::start.position)), 0)
+        << "not in that step";
+    EXPECT_EQ(crossing_count(), 0u);
+    EXPECT_EQ(step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.05}; }).moved_bodies, 1u);
+}
+
 TEST_F(SheetResponseTest, SheetsThatStartTangledEndEveryStepAndAreReported) {
     make(2, {});
     // The upper sheet's middle column hangs through the lower one.

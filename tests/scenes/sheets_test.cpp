@@ -88,7 +88,8 @@ TEST_P(SimulatedSheets, NeverCrossAnything) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SimulatedSheets,
-                         testing::Values(Run{"cloth-capsule", 14, 2.5}, Run{"cloth-fold", 12, 3}, Run{"cloth-twist", 14, 5}),
+                         testing::Values(Run{"cloth-capsule", 14, 2.5}, Run{"cloth-fold", 12, 3},
+                                         Run{"cloth-catch", 12, 1.5}, Run{"cloth-twist", 14, 5}),
                          [](const auto& run) {
                              std::string name = run.param.scene;
                              std::erase(name, '-');
