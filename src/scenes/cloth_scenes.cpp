@@ -114,13 +114,8 @@ SceneSetup cloth_catch(const SceneParameters& parameters) {
     }
     SceneBody sheet = sheet_body("sheet", 3, width / (nodes - 1), scene.dt);
     sheet.pose.position.z = height;
-    sheet.material.iterations *= 4;  // else it gives way like rubber
-    Guide border;
-    for (std::uint32_t i = 0; i < nodes * nodes; ++i)
-        if (i % nodes == 0 || i % nodes == nodes - 1 || i / nodes == 0 || i / nodes == nodes - 1)
-            border.vertices.push_back(i);
-    border.place = [](Vec3d start, double) -> std::optional<Vec3d> { return start; };
-    sheet.guides.push_back(std::move(border));
+    sheet.guides.push_back({{0, nodes - 1, nodes * (nodes - 1), nodes * nodes - 1},
+                            [](Vec3d start, double) -> std::optional<Vec3d> { return start; }});
     scene.bodies.push_back(std::move(sheet));
     return scene;
 }

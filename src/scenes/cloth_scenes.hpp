@@ -11,7 +11,7 @@ SceneSetup cloth_capsule(const SceneParameters& parameters);
 /// One edge of a sheet that lies on the ground is led over to the other one, and let go.
 SceneSetup cloth_fold(const SceneParameters& parameters);
 
-/// Solids fall into a sheet that is held at its border.
+/// Solids fall into a sheet that is held at its corners.
 SceneSetup cloth_catch(const SceneParameters& parameters);
 
 /// A tube of cloth, held at both ends, is wrung.

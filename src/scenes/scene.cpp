@@ -19,7 +19,7 @@ const std::array<SceneInfo, 8> scene_infos = {{
     {"bunnies", "Stanford bunnies of 453 vertices and 902 triangles fall on a plane"},
     {"cloth-capsule", "a sheet of 20 x 20 vertices falls on a capsule, on the ground and on itself"},
     {"cloth-fold", "a sheet is folded onto itself and let go"},
-    {"cloth-catch", "a sheet held at its border catches solids"},
+    {"cloth-catch", "a sheet held at its corners catches solids"},
     {"cloth-twist", "a tube of cloth is wrung"},
     {"layers", "50 sheets, 475000 triangles in all, swing and slide in a stack as a formula says"},
     {"ball-squash", "a soft ball with a groove is pressed between two plates until the groove closes"},

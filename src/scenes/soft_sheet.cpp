@@ -113,13 +113,18 @@ std::uint32_t SoftSheet::meetings_at(std::span<const Vec3f> positions) {
 }
 
 void SoftSheet::lead(double time, double dt) {
+    bool changed = false;
     for (Guide& guide : guides_)
         for (std::uint32_t v : guide.vertices) {
             btSoftBody::Node& node = soft_->m_nodes[static_cast<int>(v)];
             const std::optional<Vec3d> place = guide.place(start_[v], time);
-            soft_->setMass(static_cast<int>(v), place ? btScalar(0) : static_cast<btScalar>(node_mass_[v]));
+            // Not by setMass(), after which Bullet takes links to be as long at rest as they are now.
+            const btScalar inverse = place ? btScalar(0) : 1 / static_cast<btScalar>(node_mass_[v]);
+            changed |= node.m_im != inverse;
+            node.m_im = inverse;
             if (place) node.m_v = bullet::to_bullet((1 / dt) * (*place - bullet::from_bullet(node.m_x)));
         }
+    if (changed) soft_->updateLinkConstants();
     std::erase_if(guides_, [&](const Guide& guide) {
         return std::ranges::none_of(guide.vertices,
                                     [&](std::uint32_t v) { return guide.place(start_[v], time).has_value(); });

@@ -96,6 +96,32 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SimulatedSheets,
                              return name;
                          });
 
+TEST(SheetScenes, ASheetThatIsHeldCatchesSolidsAndKeepsItsSize) {
+    const SceneSetup scene = make_scene("cloth-catch", {});
+    Simulation simulation(scene, Method::rays);
+    for (int i = 0; i < 4 / scene.dt; ++i) EXPECT_EQ(simulation.step(scene.dt).crossings_left, 0u);
+    double lowest = 9, highest = 0;
+    for (std::uint32_t b = 0; b < scene.bodies.size(); ++b)
+        if (scene.bodies[b].motion == Motion::rigid)
+            for (std::uint32_t v = 0; v < scene.meshes[scene.bodies[b].mesh].data.positions.size(); ++v) {
+                lowest = std::min(lowest, simulation.vertex_position(b, v).z);
+                highest = std::max(highest, simulation.vertex_position(b, v).z);
+            }
+    EXPECT_GT(lowest, 0.5) << "the sheet carries them, far above the ground";
+    EXPECT_LT(highest, 2.5);
+    EXPECT_LT(simulation.kinetic_energy_per_mass(), 0.05);
+    const auto sheet = static_cast<std::uint32_t>(scene.bodies.size() - 1);
+    double longest = 0;
+    const MeshData& mesh = scene.meshes[scene.bodies[sheet].mesh].data;
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
+            longest = std::max(longest, length(simulation.vertex_position(sheet, v) - simulation.vertex_position(sheet, w)) /
+                                            length(to_double(mesh.positions[v]) - to_double(mesh.positions[w])));
+        }
+    EXPECT_LT(longest, 2) << "its links do not creep";
+}
+
 TEST(SheetScenes, ABallIsPressedUntilItMeetsItself) {
     Simulation simulation(make_scene("ball-squash"), Method::rays);
     std::uint32_t meetings = 0;
