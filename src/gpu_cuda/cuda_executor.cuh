@@ -203,7 +203,7 @@ private:
     cuda::Items items(const Count& n) const { return {n, overflow_.data()}; }
 
     // How much more than in the exact step may come, before a bounded step must be repeated.
-    static constexpr std::uint32_t spare_share = 2, spare_items = 1024;
+    static constexpr std::uint32_t spare_share = 8, spare_items = 1024;
 
     // Exact steps may have any number of totals: nobody reads them later.
     std::uint32_t* next_total_place() { return totals_.data() + bank_ * most_totals + next_ % most_totals; }
