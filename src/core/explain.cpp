@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <span>
+#include <vector>
 
 #include "pierce/core/error.hpp"
+#include "pierce/core/explain_sheet.hpp"
 #include "pierce/core/oriented_box.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/ray_gen.hpp"
@@ -150,30 +154,39 @@ std::string number(double value) {
     return text;
 }
 
+/// Those of a vertex of one body with another, or with the body itself.
+std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, BodyId other, std::uint32_t vertex) {
+    std::vector<Contact> result;
+    std::ranges::copy_if(all, std::back_inserter(result), [&](const Contact& c) {
+        return (c.source == Side::a ? c.a : c.b) == body && (c.source == Side::a ? c.b : c.a) == other &&
+               c.vertex == vertex && !c.is_edge();
+    });
+    return result;
+}
+
 }  // namespace
 
 Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     vertex_position(body, vertex);  // checks both
     state_->bodies.get(other, "body");
-    if (body == other) throw InputError("a vertex is not explained against its own body");
-    for (BodyId id : {body, other})
-        if (collision_of(id).sheet)
-            throw InputError("body " + std::to_string(id.index) + " is a sheet: its contacts say how they were found");
+    const bool sheet = collision_of(body).sheet || collision_of(other).sheet;
+    if (body == other && !sheet) throw InputError("a vertex of a solid is not explained against its own body");
     if (!state_->planned) throw InputError("explain needs a detect() after bodies were added, removed or changed");
     state_->backend->fetch_bodies(view_of(state_->views));
-    Explanation result =
-        Explainer(*state_->backend, view_of(std::as_const(state_->views)), body.index, other.index, vertex).answer();
+    const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
+    const View<const BodyView> views = view_of(std::as_const(state_->views));
+    if (sheet)
+        return explain_sheet(views[body.index], views[other.index], vertex,
+                             std::max(collision_of(body).thickness, collision_of(other).thickness), of_vertex);
+    Explanation result = Explainer(*state_->backend, views, body.index, other.index, vertex).answer();
 
     const BodyId a = std::min(body, other), b = std::max(body, other);
     const Side side = body == a ? Side::a : Side::b;
-    const auto found = std::ranges::find_if(contacts(), [&](const Contact& c) {
-        return c.a == a && c.b == b && c.source == side && c.vertex == vertex && !c.is_edge();
-    });
     if (state_->plan.temporal == Temporal::certified)
-        result.certificate = state_->backend->certificate(view_of(std::as_const(state_->views)), {a.index, b.index},
-                                                          static_cast<std::uint32_t>(side), vertex);
-    if (found != contacts().end()) {
-        result.contact = *found;
+        result.certificate =
+            state_->backend->certificate(views, {a.index, b.index}, static_cast<std::uint32_t>(side), vertex);
+    if (!of_vertex.empty()) {
+        result.contact = of_vertex.front();
         result.reason = Reason::contact;
     } else if (result.reason == Reason::contact) {
         result.reason = Reason::not_looked_at;
@@ -205,12 +218,29 @@ const char* how_found(Found found) {
     return "";  // explain() answers for two solids
 }
 
+/// What a sheet's contact says of its vertex.
+std::string of_sheet(const Contact& c) {
+    const std::string where = " triangle " + std::to_string(c.triangle);
+    switch (c.found) {
+        case Found::crossing:
+            return "In contact: the vertex meets" + where + " in this step, at " + number(c.time) + " of it, and ends " +
+                   number(std::fabs(c.distance)) + (c.distance < 0 ? " behind it." : " in front of it.");
+        case Found::remembered:
+            return "In contact: the vertex went through" + where + ", or one beside it, in an earlier step, and is " +
+                   number(std::fabs(c.distance)) + " behind it.";
+        default:
+            return "In contact: the vertex is " + number(std::fabs(c.distance)) +
+                   (c.distance < 0 ? " behind" : " in front of") + where + ", closer than the thickness.";
+    }
+}
+
 }  // namespace
 
 std::string Explanation::text() const {
     std::string s;
     switch (reason) {
         case Reason::contact:
+            if (contact && contact->of_sheet) return of_sheet(*contact);
             s = "In contact: the vertex is inside and " + number(contact ? contact->penetration_depth() : t) + " deep";
             if (contact) {
                 s += " at triangle " + std::to_string(contact->triangle);
@@ -259,6 +289,21 @@ std::string Explanation::text() const {
         case Reason::beyond_range:
             s = "No contact: the vertex is inside the other body, whose surface is " + number(t) +
                 " ahead, but an open body's rays end at " + number(own_exit) + ".";
+            break;
+        case Reason::not_looked_for:
+            s = "No contact: the sheet is not looked for in itself by continuous tests.";
+            break;
+        case Reason::apart:
+            s = "No contact: the two have not met in this step, and the other surface is " + number(distance) +
+                " away, at triangle " + std::to_string(triangle) + ", no less than the thickness.";
+            break;
+        case Reason::close_at_rest:
+            s = "No contact: the sheet's own surface is " + number(distance) + " away, at triangle " +
+                std::to_string(triangle) + ", but no less than half of what it is at rest.";
+            break;
+        case Reason::beside:
+            s = "No contact: the other surface is " + number(distance) + " away, at triangle " + std::to_string(triangle) +
+                ", but the vertex is over none of its triangles: an edge or a corner is close.";
             break;
         case Reason::not_looked_at:
             s = "No contact in this step: the vertex is inside, but is not looked at before the pair's next full pass.";

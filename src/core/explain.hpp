@@ -8,7 +8,7 @@
 
 namespace pierce {
 
-/// Why a vertex has, or has not, a contact with another body.
+/// Why a vertex has, or has not, a contact with another body, or with its own if that is a sheet.
 enum class Reason : std::uint8_t {
     contact,         ///< it has
     excluded,        ///< one of the bodies was left out of the step: it is not finite
@@ -25,6 +25,11 @@ enum class Reason : std::uint8_t {
     own_exit_first,  ///< R3: the ray leaves its own body at `own_exit`, before the other one at `t`
     beyond_range,    ///< the ray leaves the other body at `t`, beyond its range `own_exit`: an open body's rays are short
     not_looked_at,   ///< Temporal::paper leaves the vertex alone until the pair's next full pass
+    // Where one of the two is a sheet:
+    not_looked_for,  ///< the sheet is not looked for in itself by continuous tests
+    apart,           ///< they have not met in this step, and the other surface is `distance` away: not within the thickness
+    close_at_rest,   ///< the sheet's own surface is `distance` away, but no less than half of what it is at rest
+    beside,  ///< the other surface is `distance` away, but the vertex is over no triangle: an edge or a corner is close
 };
 
 /// A proof that the vertex stays outside, and needs no ray, until the two bodies have moved on, relative to each other.

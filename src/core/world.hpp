@@ -101,8 +101,8 @@ public:
     /// The boxes of all bodies that took part in the last detect().
     std::vector<BodyBox> body_boxes() const;
 
-    /// Why `vertex` of `body` has, or has not, a contact with `other` after the last detect(). Throws InputError for a
-    /// vertex there is not, a sheet, or if bodies were added, removed or changed since.
+    /// Why `vertex` of `body` has, or has not, a contact with `other`, which may be the same one if it is a sheet, after the
+    /// last detect(). Throws InputError for a vertex there is not, or if bodies were added, removed or changed since.
     Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
     /// The first body along each line of sight from `origin`, bodies standing as in the last detect().

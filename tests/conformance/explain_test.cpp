@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "pierce/core/closest_point.hpp"
 #include "pierce/core/error.hpp"
 #include "pierce/core/world.hpp"
 #include "pierce/scenes/shapes.hpp"
@@ -142,8 +143,70 @@ TEST_P(ExplainTest, RefusesWhatThereIsNot) {
     EXPECT_THROW(world.explain(a, b, 0), InputError) << "before the first step";
     world.detect();
     EXPECT_THROW(world.explain(a, b, 8), InputError);
-    EXPECT_THROW(world.explain(a, a, 0), InputError);
+    EXPECT_THROW(world.explain(a, a, 0), InputError) << "a solid and itself";
     EXPECT_THROW(world.explain(a, BodyId{}, 0), InputError);
+}
+
+/// Two crumpled sheets and a ball: every answer against the contact list and the distance to all triangles.
+TEST_P(ExplainTest, OfSheetsAgreesWithContactsAndDistances) {
+    test::Random random(33);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    constexpr double thickness = 0.08;
+    std::map<Reason, int> seen;
+    std::map<Found, int> found;
+    const MeshData grid = scenes::grid(1, 1, 8, 8), ball = scenes::sphere(0.3, 2);
+    World world(GetParam().make());
+    const MeshId mesh = world.add_mesh("sheet", grid);
+    std::vector<std::vector<Vec3f>> at;
+    std::vector<BodyId> bodies;
+    for (int s = 0; s < 2; ++s) {
+        at.push_back(test::placed(grid, {{0, 0, 0.32 + 0.1 * s}, {}}));
+        bodies.push_back(world.add_deforming_body(mesh, at.back()));
+        world.set_collision(bodies.back(), {s == 0 ? SelfCollision::on : SelfCollision::off, true, thickness});
+    }
+    bodies.push_back(world.add_fixed_body(world.add_mesh("ball", ball)));
+    for (int step = 0; step < 8; ++step) {
+        for (int s = 0; s < 2; ++s) {
+            const std::vector<Vec3f> start = at[static_cast<std::size_t>(s)];
+            for (Vec3f& p : at[static_cast<std::size_t>(s)]) p = p + to_float(random.in_box(0.06));
+            world.set_motion(bodies[static_cast<std::size_t>(s)], start, at[static_cast<std::size_t>(s)]);
+        }
+        world.detect();
+        for (std::size_t b = 0; b < bodies.size(); ++b)
+            for (std::size_t o = 0; o < bodies.size(); ++o) {
+                if (b == 2 && o == 2) continue;
+                const MeshData& other = o == 2 ? ball : grid;
+                for (std::uint32_t v = 0; v < world.mesh(world.mesh_of(bodies[b])).positions().size(); ++v) {
+                    const Explanation e = world.explain(bodies[b], bodies[o], v);
+                    ++seen[e.reason];
+                    const bool has = std::ranges::any_of(world.contacts(), [&](const Contact& c) {
+                        return !c.is_edge() && c.vertex == v && (c.source == Side::a ? c.a : c.b) == bodies[b] &&
+                               (c.source == Side::a ? c.b : c.a) == bodies[o];
+                    });
+                    ASSERT_EQ(e.reason == Reason::contact, has) << e.text();
+                    ASSERT_FALSE(e.text().empty());
+                    if (has) {
+                        ++found[e.contact->found];
+                        continue;
+                    }
+                    ASSERT_EQ(e.reason == Reason::not_looked_for, b == o && b == 1);
+                    if (e.reason == Reason::not_looked_for) continue;
+                    const Vec3d p = world.vertex_position(bodies[b], v);
+                    double distance = 9;
+                    for (const Triangle& t : other.triangles) {
+                        if (b == o && has_vertex(t, v)) continue;
+                        Vec3d c[3];
+                        for (int k = 0; k < 3; ++k) c[k] = world.vertex_position(bodies[o], t.vertex[k]);
+                        distance = std::min(distance, length(p - closest_on_triangle(p, c[0], c[1], c[2])));
+                    }
+                    ASSERT_NEAR(e.distance, distance, 1e-12);
+                    ASSERT_EQ(e.reason == Reason::apart, distance >= thickness) << e.text();
+                }
+            }
+    }
+    for (Reason r : {Reason::contact, Reason::apart, Reason::beside, Reason::not_looked_for, Reason::close_at_rest})
+        EXPECT_GT(seen[r], 0) << static_cast<int>(r);
+    for (Found f : {Found::near, Found::crossing, Found::remembered}) EXPECT_GT(found[f], 0) << static_cast<int>(f);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, ExplainTest, testing::ValuesIn(test::backends()), test::backend_name);
