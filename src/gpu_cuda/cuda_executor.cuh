@@ -4,6 +4,8 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
+#include <algorithm>
+#include <bit>
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_reduce.cuh>
@@ -115,7 +117,8 @@ public:
     void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         if (n.bound == 0) return;
         if (n.bound <= cuda::very_short_list) {
-            cuda::sort_very_short_list<<<1, cuda::sort_threads, 0, stream_>>>(items(n), keys.data, values.data);
+            const std::uint32_t threads = std::max(std::bit_ceil(n.bound) / 2, 32u);
+            cuda::sort_very_short_list<<<1, threads, 0, stream_>>>(items(n), keys.data, values.data);
             return cuda::check(cudaGetLastError(), "a launch");
         }
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});

@@ -166,42 +166,48 @@ __global__ void __launch_bounds__(scan_threads)
     if (threadIdx.x == 0) to.note(sum);
 }
 
-inline constexpr std::uint32_t sort_threads = 1024, sort_keys = 2;
+inline constexpr std::uint32_t sort_threads = 1024;
 
-/// Lists up to this long are sorted by one block that counts, for every key, those before it.
-inline constexpr std::uint32_t very_short_list = sort_threads * sort_keys;
+/// Lists up to this long are sorted by one block.
+inline constexpr std::uint32_t very_short_list = 2 * sort_threads;
 
-/// Sorts keys and moves their values along; stable. What is past the last key becomes the largest.
+/// Sorts keys and moves their values along, by exchanges in a fixed order (Batcher's bitonic network) of keys and where they
+/// have come from; stable. What is past the last key becomes the largest.
 inline __global__ void __launch_bounds__(sort_threads)
     sort_very_short_list(const Items items, std::uint64_t* keys, std::uint32_t* values) {
-    __shared__ ulonglong2 pairs[very_short_list / 2];  // two keys a read: reading them is what takes the time
-    auto* const all = reinterpret_cast<unsigned long long*>(pairs);
+    __shared__ std::uint64_t key[very_short_list];
+    __shared__ std::uint16_t from[very_short_list];
     const std::uint32_t count = items.count();
-    if (threadIdx.x == 0 && count < very_short_list) all[count] = ~0ull;
-    std::uint32_t mine[sort_keys];
-    for (std::uint32_t k = 0; k < sort_keys; ++k) {
-        const std::uint32_t i = k * sort_threads + threadIdx.x;
-        if (i >= count) continue;
-        all[i] = keys[i];
-        mine[k] = values[i];
+    std::uint32_t size = 1;
+    while (size < count) size *= 2;
+    for (std::uint32_t i = threadIdx.x; i < size; i += blockDim.x) {
+        key[i] = i < count ? keys[i] : ~std::uint64_t{0};
+        from[i] = static_cast<std::uint16_t>(i);
     }
-    __syncthreads();
-    for (std::uint32_t k = 0; k < sort_keys; ++k) {
-        const std::uint32_t i = k * sort_threads + threadIdx.x;
-        if (i >= items.bound) continue;
-        std::uint64_t key = ~std::uint64_t{0};
-        std::uint32_t place = i;
-        if (i < count) {
-            key = all[i];
-            place = 0;
-#pragma unroll 4
-            for (std::uint32_t j = 0; j < count; j += 2) {
-                const ulonglong2 two = pairs[j / 2];
-                place += (two.x < key || (two.x == key && j < i)) + (two.y < key || (two.y == key && j + 1 < i));
+    for (std::uint32_t run = 2; run <= size; run *= 2)
+        for (std::uint32_t apart = run / 2; apart > 0; apart /= 2) {
+            __syncthreads();
+            for (std::uint32_t t = threadIdx.x; t < size / 2; t += blockDim.x) {
+                const std::uint32_t i = 2 * t - (t & (apart - 1)), k = i + apart;
+                const std::uint64_t first = key[i], second = key[k];
+                const std::uint16_t of_first = from[i], of_second = from[k];
+                const bool in_order = first < second || (first == second && of_first < of_second);
+                if (in_order == ((i & run) == 0)) continue;
+                key[i] = second;
+                key[k] = first;
+                from[i] = of_second;
+                from[k] = of_first;
             }
-            values[place] = mine[k];
         }
-        keys[place] = key;
+    __syncthreads();
+    std::uint32_t value[2];
+    for (std::uint32_t n = 0; n < 2; ++n)
+        if (const std::uint32_t i = n * blockDim.x + threadIdx.x; i < count) value[n] = values[from[i]];
+    __syncthreads();
+    for (std::uint32_t n = 0; n < 2; ++n) {
+        const std::uint32_t i = n * blockDim.x + threadIdx.x;
+        if (i < count) values[i] = value[n];
+        if (i < items.bound) keys[i] = i < count ? key[i] : ~std::uint64_t{0};
     }
 }
 
