@@ -144,7 +144,8 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     plan.coverage = settings.coverage;
-    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals say nothing about the way.
+    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals say nothing about the
+    // way.
     const bool solids = std::ranges::any_of(views, [](const BodyView& v) { return v.mesh_key != 0 && v.is_solid(); });
     plan.reprojects = settings.reproject || (plan.sheets && solids);
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;

@@ -47,8 +47,7 @@ TEST_P(SelfOverlapTest, VerticesInsideAnotherPartOfTheirBodyAreInContactWithIt) 
         for (std::uint32_t v = 0; v < positions.size(); ++v)
             inward.push_back(test::exact(-vertex_normal(mesh.view(), view, v)));
         const test::Expected expected =
-            test::expected_self_contacts(test::solid_of({positions, torus.triangles}, {}), inward,
-                                         test::solid_of(torus, {}),
+            test::expected_self_contacts(test::solid_of({positions, torus.triangles}, {}), inward, test::solid_of(torus, {}),
                                          static_cast<long double>(constants::self_distance * mesh.view().mean_edge_length));
         EXPECT_LT(expected.unclear.size(), positions.size() / 10);
         const auto unclear = [&](std::uint32_t v) { return std::ranges::count(expected.unclear, v) > 0; };
@@ -65,8 +64,8 @@ TEST_P(SelfOverlapTest, VerticesInsideAnotherPartOfTheirBodyAreInContactWithIt) 
             EXPECT_EQ(c.triangle, e->triangle);
             EXPECT_NEAR(c.penetration_depth(), static_cast<double>(e->depth), 1e-6);
         }
-        EXPECT_EQ(clear, static_cast<std::size_t>(std::ranges::count_if(
-                             expected.contacts, [&](const auto& e) { return !unclear(e.vertex); })));
+        EXPECT_EQ(clear, static_cast<std::size_t>(
+                             std::ranges::count_if(expected.contacts, [&](const auto& e) { return !unclear(e.vertex); })));
         contacts += clear;
         EXPECT_TRUE(by > 0 || world.contacts().empty());
 

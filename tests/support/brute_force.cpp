@@ -116,11 +116,12 @@ Expected expected_self_contacts(const Solid& body, const std::vector<SolidVec>& 
         // The point of the triangle at rest, by the same weights.
         const auto& t = body.triangles[exit->triangle].vertex;
         const SolidVec a = body.positions[t[0]], e1 = sub(body.positions[t[1]], a), e2 = sub(body.positions[t[2]], a);
-        const SolidVec p{body.positions[v].x + exit->t * inward[v].x - a.x, body.positions[v].y + exit->t * inward[v].y - a.y,
+        const SolidVec p{body.positions[v].x + exit->t * inward[v].x - a.x,
+                         body.positions[v].y + exit->t * inward[v].y - a.y,
                          body.positions[v].z + exit->t * inward[v].z - a.z};
         const SolidVec n = cross(e1, e2);
         const long double u = dot(n, cross(p, e2)) / dot(n, n), w = dot(n, cross(e1, p)) / dot(n, n);
-        const auto at_rest = [&](long double SolidVec::* k) {
+        const auto at_rest = [&](long double SolidVec::*k) {
             return (1 - u - w) * rest.positions[t[0]].*k + u * rest.positions[t[1]].*k + w * rest.positions[t[2]].*k;
         };
         const SolidVec q{at_rest(&SolidVec::x), at_rest(&SolidVec::y), at_rest(&SolidVec::z)};
