@@ -261,7 +261,7 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         any_soft |= body.motion == Motion::deforming;
         any_given |= body.motion_of != nullptr;
         any_sheet |= body.collision.sheet && !body.motion_of;
-        any_free |= body.motion == Motion::rigid && !body.path;
+        any_free |= body.motion == Motion::rigid;
         any_soft_solid |= body.motion == Motion::deforming && !body.collision.sheet;
     }
     if (any_sheet && any_soft_solid) throw InputError("sheets are not simulated with solids that deform");
