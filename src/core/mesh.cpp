@@ -65,6 +65,25 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<
     return {std::move(offsets), std::move(corners)};
 }
 
+std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets, std::span<const Corner> corners) {
+    std::vector<std::uint32_t> fans(corners.size(), no_vertex);
+    for (std::size_t v = 0; v + 1 < corner_offsets.size(); ++v) {
+        const std::span<const Corner> at = corners.subspan(corner_offsets[v], corner_offsets[v + 1] - corner_offsets[v]);
+        std::vector<std::uint32_t> fan;
+        bool simple = at.size() >= 3;
+        for (std::uint32_t next = simple ? at[0].next : no_vertex; simple && fan.size() < at.size();) {
+            fan.push_back(next);
+            const auto follows = [&](const Corner& c) { return c.next == next; };
+            simple = std::ranges::count_if(at, follows) == 1;
+            if (simple) next = std::ranges::find_if(at, follows)->previous;
+            const bool closes = next == fan[0];
+            simple = simple && closes == (fan.size() == at.size());
+        }
+        if (simple) std::ranges::copy(fan, fans.begin() + corner_offsets[v]);
+    }
+    return fans;
+}
+
 void check_finite(const std::string& name, std::span<const Vec3f> positions) {
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!is_finite(positions[v])) throw InputError("'" + name + "': vertex " + std::to_string(v) + " is not finite");
@@ -86,6 +105,7 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     centroid_ = sum * (1.0 / static_cast<double>(data_.positions.size()));
     traits_ = traits_of(data_, centroid_);
     std::tie(corner_offsets_, corners_) = corners_of(data_.triangles, data_.positions.size());
+    fans_ = fans_of(corner_offsets_, corners_);
     std::vector<Vec3d> points;
     for (Vec3f p : data_.positions) points.push_back(to_double(p));
     patch_vertices_ = spatial_order(points);
@@ -125,6 +145,7 @@ MeshView Mesh::view() const {
             view_of(data_.triangles),
             view_of(corner_offsets_),
             view_of(corners_),
+            view_of(fans_),
             view_of(patch_vertices_),
             view_of(blocks_),
             view_of(patches_),

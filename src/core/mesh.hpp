@@ -115,6 +115,7 @@ struct MeshView {
     View<const Triangle> triangles;
     View<const std::uint32_t> corner_offsets;  ///< vertex_count + 1; of vertex v: corners[offsets[v]..offsets[v+1])
     View<const Corner> corners;
+    View<const std::uint32_t> fans;             ///< per corner, the vertices around each vertex (fans_of)
     View<const std::uint32_t> patch_vertices;   ///< all vertices, patch after patch, constants::patch_size each
     View<const PatchBlock> blocks;              ///< of the rest shape
     View<const Offsets> patches;                ///< per patch, its vertices relative to its centre; of the rest shape
@@ -158,6 +159,7 @@ private:
     std::vector<Vec3f> normals_;
     std::vector<std::uint32_t> corner_offsets_;
     std::vector<Corner> corners_;
+    std::vector<std::uint32_t> fans_;
     std::vector<std::uint32_t> patch_vertices_;
     std::vector<PatchBlock> blocks_;
     std::vector<Offsets> patches_;
@@ -180,6 +182,10 @@ MeshTraits traits_of(const MeshData& data, Vec3d origin);
 /// The corners of every vertex, in triangle order, and where each vertex's begin: vertex_count + 1 offsets.
 std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<const Triangle> triangles,
                                                                       std::size_t vertex_count);
+
+/// Per corner, the vertices around each vertex, one after the other as its triangles hang together, if those go around it
+/// once and none is left over; else no_vertex. A triangle at the vertex has two of them that follow each other.
+std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets, std::span<const Corner> corners);
 
 /// Throws InputError unless every position is finite.
 void check_finite(const std::string& name, std::span<const Vec3f> positions);

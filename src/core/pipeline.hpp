@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "pierce/core/edge_chords.hpp"
@@ -45,45 +46,14 @@ public:
     /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(), once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(executor_, stats);
-        const bool remembers = scene.plan->temporal != Temporal::off;
-        const bool complete = scene.plan->coverage == Coverage::complete;
         recall(scene);
         tools_.begin();
 
         time("bounds", [&] { bounds(scene); });
         time("pairs", [&] { pairs(scene); });
-        if (remembers) time("displacement", [&] { displacement(scene); });
-        time("vertex_cull", [&] { vertex_cull(scene); });
-        time("ray_gen", [&] { ray_gen(scene); });
-        if (complete) {
-            time("edges", [&] { edges_.cull(scene, view_of(directed_), view_of(blocks_)); });
-            time("update", [&] { tools_.update(scene.bodies, edges_.segments()); });
-            time("edges", [&] { edges_.cast(scene, view_of(directed_), batch_, routes_); });
-        }
-        if (remembers) time("walk", [&] { walk(scene); });
-        const Buffer<Ray>& full = remembers ? full_rays_ : batch_.rays;
-        time("update", [&] { tools_.update(scene.bodies, full); });
-        time("trace", [&] {
-            tools_.trace("trace", scene.bodies, full, remembers ? full_hits_ : batch_.hits);
-            if (remembers) scatter_hits();
-        });
-        if (scene.plan->velocity_rays) time("sheets", [&] { relate_to_layers(scene.bodies); });
-        time("classify", [&] { test_inside(scene.bodies); });
-        own_rays_.clear();
-        own_hits_.clear();
-        if (scene.plan->traces_own_exits) {
-            time("classify", [&] { generate_own_rays(scene.bodies); });
-            time("update", [&] { tools_.update(scene.bodies, own_rays_); });
-            time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
-        }
-        time("classify", [&] { test_own_exit(scene.bodies); });
-        if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
-        if (complete) time("separation", [&] { separation(scene); });
         if (scene.plan->sheets) time("sheets", [&] { sheets(scene); });
-        if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
-        time("contacts", [&] { contacts(scene); });
-        if (remembers) time("remember", [&] { remember(scene); });
-
+        forget_rays();
+        if (scene.plan->casts_rays) cast_rays(scene, time);
         time("stats", [&] { count(*scene.plan); });
     }
 
@@ -187,6 +157,50 @@ private:
     using Sum = typename E::template Sum<Value>;
     using Count = typename E::Count;
 
+    // The stages that cast rays. A scene of nothing but sheets has none.
+    void cast_rays(const Scene& scene, StageTimer<E>& time) {
+        const bool remembers = scene.plan->temporal != Temporal::off;
+        const bool complete = scene.plan->coverage == Coverage::complete;
+        if (remembers) time("displacement", [&] { displacement(scene); });
+        time("vertex_cull", [&] { vertex_cull(scene); });
+        time("ray_gen", [&] { ray_gen(scene); });
+        if (complete) {
+            time("edges", [&] { edges_.cull(scene, view_of(directed_), view_of(blocks_)); });
+            time("update", [&] { tools_.update(scene.bodies, edges_.segments()); });
+            time("edges", [&] { edges_.cast(scene, view_of(directed_), batch_, routes_); });
+        }
+        if (remembers) time("walk", [&] { walk(scene); });
+        const Buffer<Ray>& full = remembers ? full_rays_ : batch_.rays;
+        time("update", [&] { tools_.update(scene.bodies, full); });
+        time("trace", [&] {
+            tools_.trace("trace", scene.bodies, full, remembers ? full_hits_ : batch_.hits);
+            if (remembers) scatter_hits();
+        });
+        if (scene.plan->velocity_rays) time("sheets", [&] { relate_to_layers(scene.bodies); });
+        time("classify", [&] { test_inside(scene.bodies); });
+        if (scene.plan->traces_own_exits) {
+            time("classify", [&] { generate_own_rays(scene.bodies); });
+            time("update", [&] { tools_.update(scene.bodies, own_rays_); });
+            time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
+        }
+        time("classify", [&] { test_own_exit(scene.bodies); });
+        if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
+        if (complete) time("separation", [&] { separation(scene); });
+        if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
+        time("contacts", [&] { contacts(scene); });
+        if (remembers) time("remember", [&] { remember(scene); });
+    }
+
+    /// The last step's rays, and what came of them.
+    void forget_rays() {
+        batch_.clear();
+        own_rays_.clear();
+        own_hits_.clear();
+        contacts_.clear();
+        contact_keys_.clear();
+        ages_.clear();
+    }
+
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
         executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
@@ -248,7 +262,8 @@ private:
         executor_.for_each("keep_pair", overlapping,
                            stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(pair_keys_),
                                             view_of(values_)});
-        executor_.sort("pair_sort", total, 64, view_of(pair_keys_), view_of(values_));
+        const int bits = 32 + std::bit_width(bodies.size);
+        executor_.sort("pair_sort", total, bits, view_of(pair_keys_), view_of(values_));
         executor_.for_each(
             "link_pair", total,
             stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
@@ -439,7 +454,8 @@ private:
             "key_contacts", count_of(batch_.candidates),
             stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates), view_of(batch_.keep),
                                 view_of(offsets_), view_of(contact_keys_), view_of(order_)});
-        executor_.sort("contact_sort", total, 64, view_of(contact_keys_), view_of(order_));
+        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.size()));
+        executor_.sort("contact_sort", total, bits, view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
@@ -481,9 +497,7 @@ private:
     // Stage 12. What the step did; sums in contact order.
     void count(const Plan& plan) {
         executor_.reduce("count_contacts", count_of(contacts_), stages::CountContact{view_of(contacts_)}, contact_sums_);
-        if (plan.sheets)
-            executor_.reduce("count_sheet_contacts", count_of(sheets_.contacts()),
-                             stages::CountContact{view_of(sheets_.contacts())}, sheet_sums_);
+        if (plan.sheets) sheets_.add_up(sheet_sums_);
         executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, hit_sum_);
         executor_.reduce("count_own_rays", count_of(own_rays_), stages::CountTraced{view_of(own_rays_)}, own_ray_sum_);
         if (plan.temporal == Temporal::off) return;

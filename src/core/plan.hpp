@@ -15,6 +15,7 @@ struct Plan {
     std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
     bool moving = false;                ///< anything can touch at all
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
+    bool casts_rays = false;            ///< some body has an inside that others are looked for in, or rays along velocities
     bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
     bool meets_itself = false;          ///< some solid is looked for in itself
     bool sheets = false;                ///< some body is a sheet

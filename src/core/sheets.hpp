@@ -28,6 +28,11 @@ public:
     }
 
     const Buffer<Contact>& contacts() const { return contacts_; }
+    /// What its contacts add up to.
+    void add_up(typename E::template Sum<stages::ContactSums>& sums) {
+        executor_.reduce("count_sheet_contacts", count_of(contacts_),
+                         stages::CountSheetContact{view_of(keys_), view_of(records_), bits_}, sums);
+    }
     std::uint32_t triangle_pairs() const { return executor_.number(count_of(triangles_)); }
     std::uint32_t feature_pairs() const { return executor_.number(count_of(features_)); }
 
@@ -89,15 +94,14 @@ private:
             stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_), view_of(masks_)});
         const Count near = tools_.list("near_triangles", in_groups, stages::HasNear{view_of(masks_)}, rows_);
         counts_.resize(near);
-        executor_.for_each("cull_triangles", near,
-                           stages::CullTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(rows_),
-                                                 view_of(triangle_slabs_), view_of(block_offsets_), view_of(vertex_offsets_),
-                                                 view_of(flat_), view_of(masks_), view_of(counts_)});
-        triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
         executor_.for_each(
-            "list_triangles", near,
-            stages::ListTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(rows_),
-                                  view_of(block_offsets_), view_of(masks_), view_of(offsets_), view_of(triangles_)});
+            "cull_triangles", near,
+            stages::CullTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(rows_), view_of(placed_),
+                                  view_of(vertex_offsets_), view_of(flat_), view_of(masks_), view_of(counts_)});
+        triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
+        executor_.for_each("list_triangles", near,
+                           stages::ListTriangles{view_of(groups_), view_of(rows_), view_of(masks_), view_of(offsets_),
+                                                 view_of(triangles_)});
     }
 
     /// Boxes over the step, of the bodies that matter, and vertices around which nothing folds.
@@ -115,21 +119,20 @@ private:
         const stages::SheetBodies sheet_bodies = bodies_of(scene);
         flat_.resize(vertices);
         executor_.for_each("find_flat_stars", vertices, stages::FindFlatStars{sheet_bodies, view_of(flat_)});
-        const Count blocks = tools_.place("block_scan", block_counts_, block_offsets_);
+        const Count blocks = tools_.place("sheet_block_scan", block_counts_, block_offsets_);
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
         triangle_boxes_.resize(groups);
         group_boxes_.resize(blocks);
         // Blocks have their boxes in sixteens, too, the last of which may not be full.
         block_boxes_.resize(blocks);
         executor_.for_each("empty_boxes", blocks, stages::EmptyBoxes{view_of(block_boxes_)});
-        executor_.for_each("box_triangles", triangles,
-                           stages::BoxTriangles{sheet_bodies, view_of(block_offsets_), view_of(triangle_boxes_)});
-        triangle_slabs_.resize(triangles);
+        placed_.resize(triangles);
+        executor_.for_each(
+            "place_triangles", triangles,
+            stages::PlaceTriangles{sheet_bodies, view_of(block_offsets_), view_of(placed_), view_of(triangle_boxes_)});
         group_slabs_.resize(groups);
         block_slabs_.resize(blocks);
-        executor_.for_each("fit_slabs", triangles,
-                           stages::FitSlab{sheet_bodies, view_of(block_offsets_), view_of(triangle_slabs_)});
-        executor_.for_each("slabs_around", groups, stages::SlabAround{view_of(triangle_slabs_), view_of(group_slabs_)});
+        executor_.for_each("slabs_around", groups, stages::SlabOfTriangles{view_of(placed_), view_of(group_slabs_)});
         executor_.for_each("slabs_around", blocks, stages::SlabAround{view_of(group_slabs_), view_of(block_slabs_)});
         executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
         executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
@@ -141,16 +144,16 @@ private:
         masks_.resize(pair_count);
         counts_.resize(pair_count);
         executor_.for_each("mask_features", pair_count,
-                           stages::MaskFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(triangles_),
+                           stages::MaskFeatures{view_of(sheet_pairs_), view_of(placed_), view_of(triangles_),
                                                 view_of(masks_), view_of(counts_)});
         const Count open = tools_.list("open_list", pair_count, stages::IsOpen{view_of(masks_)}, rows_);
         executor_.for_each("mask_open_features", open,
-                           stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(triangles_),
-                                                    view_of(rows_), view_of(masks_), view_of(counts_)});
+                           stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(placed_),
+                                                    view_of(triangles_), view_of(rows_), view_of(masks_), view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
         executor_.for_each("list_features", pair_count,
-                           stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(triangles_), view_of(masks_),
-                                                view_of(offsets_), view_of(features_)});
+                           stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(placed_), view_of(triangles_),
+                                                view_of(masks_), view_of(offsets_), view_of(features_)});
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
         const Count count = count_of(features_);
         meetings_.resize(count);
@@ -179,16 +182,17 @@ private:
         contacts_.resize(kept);
         deepest_.resize(count_of(pairs));
         executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(deepest_)});
-        executor_.for_each("key_sheet_contacts", kept,
-                           stages::KeySheetContacts{view_of(features_), view_of(kept_), view_of(keys_), view_of(order_)});
-        executor_.sort("sheet_sort", kept, static_cast<int>(bits_), view_of(keys_), view_of(order_));
-        executor_.for_each("key_by_feature", kept,
-                           stages::KeyByFeature{view_of(features_), view_of(order_), bits_, view_of(keys_)});
+        executor_.for_each(
+            "key_sheet_contacts", kept,
+            stages::KeySheetContacts{view_of(features_), view_of(kept_), bits_, view_of(keys_), view_of(order_)});
         executor_.sort("sheet_sort", kept, pair_bits + 3 + static_cast<int>(bits_), view_of(keys_), view_of(order_));
+        executor_.for_each("remember_contact", kept,
+                           stages::RememberContact{view_of(pairs), view_of(features_), view_of(meetings_), view_of(order_),
+                                                   memory, view_of(records_)});
         executor_.for_each(
             "fill_sheet_contact", kept,
             stages::FillSheetContact{bodies_of(scene), scene.ids, view_of(pairs), view_of(features_), view_of(meetings_),
-                                     view_of(order_), memory, view_of(records_), view_of(deepest_), view_of(contacts_)});
+                                     view_of(order_), view_of(records_), view_of(deepest_), view_of(contacts_)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {
@@ -202,7 +206,8 @@ private:
     Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
-    Buffer<stages::Slab> triangle_slabs_, group_slabs_, block_slabs_;
+    Buffer<stages::PlacedTriangle> placed_;
+    Buffer<stages::Slab> group_slabs_, block_slabs_;
     Buffer<stages::ClosePair> blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;
     Buffer<stages::FeaturePair> features_;

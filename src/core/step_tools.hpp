@@ -28,6 +28,12 @@ struct RayBatch {
         meetings.resize(count);
     }
 
+    void clear() {
+        resize(0);
+        candidates.clear();
+        keep.clear();
+    }
+
     stages::RayResults results() const { return {view_of(rays), view_of(hits), view_of(meetings)}; }
 };
 

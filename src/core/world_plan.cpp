@@ -76,8 +76,6 @@ void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
     plan.revision = next_key++;
-    plan.temporal = settings.temporal;
-    if (plan.temporal == Temporal::certified && !backend->certificates_pay()) plan.temporal = Temporal::off;
     patch_items.clear();
     chunks.clear();
     ranges.clear();
@@ -88,15 +86,21 @@ void World::State::make_plan() {
     seen.assign(slots.size(), {});
     rotations.resize(slots.size());
 
+    bool solids = false;
     for (const auto& slot : slots) {
         if (!slot.used) continue;
         const Collision& collision = slot.thing.collision;
+        solids = solids || (!collision.sheet && mesh_of(slot.thing).traits().closed());
         plan.sheets = plan.sheets || collision.sheet;
         plan.velocity_rays =
             plan.velocity_rays ||
             (collision.sheet && (collision.self == SelfCollision::rays || collision.self == SelfCollision::published));
         plan.meets_itself = plan.meets_itself || (!collision.sheet && collision.self != SelfCollision::off);
     }
+    plan.casts_rays = solids || plan.velocity_rays;
+    // Where no rays are cast, nothing is to be remembered of them.
+    plan.temporal = plan.casts_rays ? settings.temporal : Temporal::off;
+    if (plan.temporal == Temporal::certified && !backend->certificates_pay()) plan.temporal = Temporal::off;
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
@@ -143,27 +147,26 @@ void World::State::make_plan() {
 
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
-    plan.coverage = settings.coverage;
+    plan.coverage = solids ? settings.coverage : Coverage::vertices;
     // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals say nothing about the
     // way.
-    const bool solids = std::ranges::any_of(views, [](const BodyView& v) { return v.mesh_key != 0 && v.is_solid(); });
-    plan.reprojects = settings.reproject || (plan.sheets && solids);
+    plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
-    plan.traces_own_exits = plan.deforming_bodies > 0 || complete;
+    plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || complete);
     const auto add = [&](bool needed, std::initializer_list<const char*> names) {
         if (needed) plan.stages.insert(plan.stages.end(), names.begin(), names.end());
     };
     add(true, {"bounds", "pairs"});
     add(remembers, {"displacement"});
-    add(true, {"vertex_cull", "ray_gen"});
+    add(plan.casts_rays, {"vertex_cull", "ray_gen"});
     add(complete, {"edges"});
     add(remembers, {"walk"});
-    add(true, {"update", "trace", "classify"});
+    add(plan.casts_rays, {"update", "trace", "classify"});
     add(complete, {"separation"});
     add(plan.meets_itself, {"self"});
     add(plan.sheets, {"sheets"});
     add(plan.reprojects, {"reproject"});
-    add(true, {"contacts"});
+    add(plan.casts_rays, {"contacts"});
     add(remembers, {"remember"});
     planned = true;
 }

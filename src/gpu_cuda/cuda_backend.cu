@@ -39,8 +39,11 @@ public:
     bool certificates_pay() const override { return false; }
 
     void step(const Scene& host, StepStats& stats) override {
-        if (mirror_.update(host)) tracer_.arrange(executor_, host.bodies);
-        if (tracer_.is_stale()) restart();
+        if (mirror_.update(host)) {
+            tracer_.arrange(executor_, host.bodies);
+            restart();
+        }
+        if (host.plan->casts_rays && tracer_.is_stale()) restart();
         bank_ = 1 - bank_;
         if (!can_repeat(*host.plan) || repeated_ < rehearsals) {
             exact_step(stats);

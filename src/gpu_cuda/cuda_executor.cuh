@@ -5,13 +5,12 @@
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
-#include <bit>
-#include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
-#include <vector>
+#include <map>
+#include <string_view>
 
 #include "pierce/core/executor.hpp"
 #include "pierce/gpu_cuda/device_buffer.hpp"
@@ -76,65 +75,63 @@ public:
     template <class F>
     void for_each(const char*, Count n, const F& stage) {
         if (n.bound == 0) return;
-        const std::uint32_t blocks = (n.bound - 1) / cuda::block_threads + 1;
-        cuda::run_stage<<<blocks, cuda::block_threads, 0, stream_>>>(stage, items(n));
+        const std::uint32_t threads = n.bound < cuda::many_items ? cuda::few_threads : cuda::block_threads;
+        cuda::run_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
         cuda::check(cudaGetLastError(), "a launch");
     }
 
-    Count exclusive_scan(const char*, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
-        if (n.bound == 0) return next_total_of_nothing();
+    Count exclusive_scan(const char* name, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+        if (n.bound == 0) return next_total_of_nothing(name);
         const cuda::CountAt count{items(n), in.data};
         if (n.bound <= cuda::short_list) {
-            const cuda::NoteTotal to = next_total(nullptr, count, 0xffffffffu);
+            const cuda::NoteTotal to = next_total(name, nullptr, count, 0xffffffffu);
             cuda::scan_short_list<<<1, cuda::scan_threads, 0, stream_>>>(count, out.data, to);
             cuda::check(cudaGetLastError(), "a launch");
-            return noted(to);
+            return noted(name, to);
         }
         const auto counts = thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), count);
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out.data, static_cast<int>(n.bound), stream_);
         });
-        return note_total(out.data, count, 0xffffffffu);
+        return note_total(name, out.data, count, 0xffffffffu);
     }
 
     template <class F>
-    Count select(const char*, Count n, const F& wanted, View<std::uint32_t> out) {
-        if (n.bound == 0) return next_total_of_nothing();
+    Count select(const char* name, Count n, const F& wanted, View<std::uint32_t> out) {
+        if (n.bound == 0) return next_total_of_nothing(name);
         const cuda::WantedAt<F> is_wanted{items(n), wanted};
         if (n.bound <= cuda::short_list) {
-            const cuda::NoteTotal to = next_total(nullptr, {items(n), nullptr}, n.bound);
+            const cuda::NoteTotal to = next_total(name, nullptr, {items(n), nullptr}, n.bound);
             cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data, to);
             cuda::check(cudaGetLastError(), "a launch");
-            return noted(to);
+            return noted(name, to);
         }
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0), out.data,
                                          next_total_place(), static_cast<int>(n.bound), is_wanted, stream_);
         });
-        return note_total(nullptr, {items(n), nullptr}, n.bound);
+        return note_total(name, nullptr, {items(n), nullptr}, n.bound);
     }
 
     void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         if (n.bound == 0) return;
-        if (n.bound <= cuda::very_short_list) {
-            const std::uint32_t threads = std::max(std::bit_ceil(n.bound) / 2, 32u);
-            cuda::sort_very_short_list<<<1, threads, 0, stream_>>>(items(n), keys.data, values.data);
-            return cuda::check(cudaGetLastError(), "a launch");
-        }
-        if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
-        if (n.bound <= cuda::short_list)
-            return with_scratch([&](void* scratch, std::size_t& bytes) {
-                return cub::DeviceMergeSort::StableSortPairs(scratch, bytes, keys.data, values.data,
-                                                             static_cast<int>(n.bound), cuda::Less{}, stream_);
-            });
         sorted_keys_.resize(n.bound);
         sorted_values_.resize(n.bound);
+        if (n.bound <= cuda::counted_list) {
+            const std::uint32_t blocks = (n.bound - 1) / cuda::counted_keys + 1;
+            cuda::sort_by_counting<<<blocks, cuda::counted_keys * cuda::counted_parts, 0, stream_>>>(
+                items(n), keys.data, values.data, sorted_keys_.data(), sorted_values_.data());
+            cuda::check(cudaGetLastError(), "a launch");
+            return take_sorted(n.bound, keys, values);
+        }
+        if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
+        cub::DoubleBuffer<std::uint64_t> both_keys(keys.data, sorted_keys_.data());
+        cub::DoubleBuffer<std::uint32_t> both_values(values.data, sorted_values_.data());
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys.data, sorted_keys_.data(), values.data,
-                                                   sorted_values_.data(), static_cast<int>(n.bound), 0, bits, stream_);
+            return cub::DeviceRadixSort::SortPairs(scratch, bytes, both_keys, both_values, static_cast<int>(n.bound), 0,
+                                                   bits, stream_);
         });
-        copy(keys.data, sorted_keys_.data(), n.bound, cudaMemcpyDeviceToDevice);
-        copy(values.data, sorted_values_.data(), n.bound, cudaMemcpyDeviceToDevice);
+        if (both_keys.Current() != keys.data) take_sorted(n.bound, keys, values);
     }
 
     template <class F, class T>
@@ -211,40 +208,45 @@ private:
     // Exact steps may have any number of totals: nobody reads them later.
     std::uint32_t* next_total_place() { return totals_.data() + bank_ * most_totals + next_ % most_totals; }
 
-    Count next_total_of_nothing() {
+    Count next_total_of_nothing(const char* name) {
         ++next_;
-        if (!bounded_) grow_bound(next_ - 1, spare_items);
+        if (!bounded_) grow_bound(name, spare_items);
         return 0;
     }
 
     /// Where the next total goes. `most`: what it can be at most.
-    cuda::NoteTotal next_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
+    cuda::NoteTotal next_total(const char* name, const std::uint32_t* offsets, const cuda::CountAt& last,
+                               std::uint32_t most) {
         if (bounded_ && next_ + 1 == most_totals) throw std::logic_error("a step has more totals than there is room for");
-        return {offsets, last, bounded_ ? min_of(bounds_.at(next_), most) : most, next_total_place(), overflow_.data()};
+        return {offsets, last, bounded_ ? min_of(bounds_.at(name), most) : most, next_total_place(), overflow_.data()};
     }
 
     /// A total that is, or will be, where it belongs.
-    Count noted(const cuda::NoteTotal& to) {
+    Count noted(const char* name, const cuda::NoteTotal& to) {
         ++next_;
         if (bounded_) return {to.room, to.total, 1};
         std::uint32_t* const host = host_totals_ + (to.total - totals_.data());
         copy_to_host(host, to.total, 1);
         wait();
-        grow_bound(next_ - 1, *host + *host / spare_share + spare_items);
+        grow_bound(name, *host + *host / spare_share + spare_items);
         return *host;
     }
 
     /// What a total may come to in bounded steps: what it has come to so far, in any exact step, and some more. A total that
     /// is small now and large then does not make every other step come twice.
-    void grow_bound(std::uint32_t total, std::uint32_t bound) {
-        if (bounds_.size() <= total) bounds_.resize(total + 1, 0);
-        bounds_[total] = max_of(bound, bounds_[total]);
+    void grow_bound(const char* name, std::uint32_t bound) {
+        std::uint32_t& known = bounds_[name];
+        known = max_of(bound, known);
     }
 
-    Count note_total(const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
-        const cuda::NoteTotal to = next_total(offsets, last, most);
+    Count note_total(const char* name, const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
+        const cuda::NoteTotal to = next_total(name, offsets, last, most);
         for_each("note_total", 1, to);
-        return noted(to);
+        return noted(name, to);
+    }
+
+    void take_sorted(std::uint32_t count, View<std::uint64_t> keys, View<std::uint32_t> values) {
+        for_each("take_sorted", count, cuda::CopySorted{sorted_keys_.data(), sorted_values_.data(), keys.data, values.data});
     }
 
     /// Calls a function of CUB's twice: for the size of its scratch memory, and with it.
@@ -259,7 +261,7 @@ private:
     cudaStream_t stream_ = nullptr;
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
-    std::vector<std::uint32_t> bounds_;  ///< of the totals of a step, in order
+    std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their operation
     Buffer<std::uint32_t> totals_, overflow_;
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;

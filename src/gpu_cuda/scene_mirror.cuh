@@ -107,6 +107,7 @@ private:
             m.triangles = add(m.triangles);
             m.corner_offsets = add(m.corner_offsets);
             m.corners = add(m.corners);
+            m.fans = add(m.fans);
             m.patch_vertices = add(m.patch_vertices);
             m.blocks = add(m.blocks);
             m.patches = add(m.patches);

@@ -11,10 +11,12 @@
 /// from and sorted by one block.
 namespace pierce::cuda {
 
-inline constexpr std::uint32_t block_threads = 64;
+/// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small ones would keep the GPU
+/// waiting for the next block to start: one starts in about 0.7 ns.
+inline constexpr std::uint32_t few_threads = 64, block_threads = 256, many_items = 1u << 18;
 
-/// Lists up to this long are scanned and selected from by one block, and merge sorted: launches cost more than the work.
-inline constexpr std::uint32_t short_list = 1u << 16;
+/// Lists up to this long are scanned and selected from by one block: launches cost more than the work.
+inline constexpr std::uint32_t short_list = 1u << 14;
 
 /// The number of items, on the device; none once a list of the step has outgrown its room, so that nobody writes past it.
 struct Items {
@@ -32,11 +34,11 @@ struct Items {
 };
 
 /// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room for each. A stage may
-/// say so (`static constexpr int blocks_at_once`).
+/// say how many threads (`static constexpr int threads_at_once`).
 template <class F>
 constexpr int blocks_at_once() {
-    if constexpr (requires { F::blocks_at_once; })
-        return F::blocks_at_once;
+    if constexpr (requires { F::threads_at_once; })
+        return F::threads_at_once / static_cast<int>(block_threads);
     else
         return 1;
 }
@@ -81,10 +83,6 @@ struct WantedAt {
     F wanted;
 
     __device__ bool operator()(std::uint32_t i) const { return i < items.count() && wanted(i); }
-};
-
-struct Less {
-    __device__ bool operator()(std::uint64_t a, std::uint64_t b) const { return a < b; }
 };
 
 struct Plus {
@@ -166,49 +164,49 @@ __global__ void __launch_bounds__(scan_threads)
     if (threadIdx.x == 0) to.note(sum);
 }
 
-inline constexpr std::uint32_t sort_threads = 1024;
+/// Lists up to this long are sorted by counting for each key those before it: as many comparisons as there are pairs, but on
+/// all of the GPU at once, where a sort by passes waits for one launch after the other.
+inline constexpr std::uint32_t counted_list = 1u << 14;
+inline constexpr std::uint32_t counted_keys = 32, counted_parts = 32;  ///< keys of a block, and threads that share a key
 
-/// Lists up to this long are sorted by one block.
-inline constexpr std::uint32_t very_short_list = 2 * sort_threads;
-
-/// Sorts keys and moves their values along, by exchanges in a fixed order (Batcher's bitonic network) of keys and where they
-/// have come from; stable. What is past the last key becomes the largest.
-inline __global__ void __launch_bounds__(sort_threads)
-    sort_very_short_list(const Items items, std::uint64_t* keys, std::uint32_t* values) {
-    __shared__ std::uint64_t key[very_short_list];
-    __shared__ std::uint16_t from[very_short_list];
+/// Writes keys and their values to where they belong; stable. What is past the last key becomes the largest.
+inline __global__ void __launch_bounds__(counted_keys* counted_parts)
+    sort_by_counting(const Items items, const std::uint64_t* keys, const std::uint32_t* values, std::uint64_t* sorted_keys,
+                     std::uint32_t* sorted_values) {
+    __shared__ std::uint32_t before[counted_keys];
     const std::uint32_t count = items.count();
-    std::uint32_t size = 1;
-    while (size < count) size *= 2;
-    for (std::uint32_t i = threadIdx.x; i < size; i += blockDim.x) {
-        key[i] = i < count ? keys[i] : ~std::uint64_t{0};
-        from[i] = static_cast<std::uint16_t>(i);
-    }
-    for (std::uint32_t run = 2; run <= size; run *= 2)
-        for (std::uint32_t apart = run / 2; apart > 0; apart /= 2) {
-            __syncthreads();
-            for (std::uint32_t t = threadIdx.x; t < size / 2; t += blockDim.x) {
-                const std::uint32_t i = 2 * t - (t & (apart - 1)), k = i + apart;
-                const std::uint64_t first = key[i], second = key[k];
-                const std::uint16_t of_first = from[i], of_second = from[k];
-                const bool in_order = first < second || (first == second && of_first < of_second);
-                if (in_order == ((i & run) == 0)) continue;
-                key[i] = second;
-                key[k] = first;
-                from[i] = of_second;
-                from[k] = of_first;
-            }
-        }
+    const std::uint32_t mine = threadIdx.x % counted_keys, i = blockIdx.x * counted_keys + mine;
+    const std::uint32_t part = threadIdx.x / counted_keys, size = (count + counted_parts - 1) / counted_parts;
+    if (part == 0) before[mine] = 0;
     __syncthreads();
-    std::uint32_t value[2];
-    for (std::uint32_t n = 0; n < 2; ++n)
-        if (const std::uint32_t i = n * blockDim.x + threadIdx.x; i < count) value[n] = values[from[i]];
-    __syncthreads();
-    for (std::uint32_t n = 0; n < 2; ++n) {
-        const std::uint32_t i = n * blockDim.x + threadIdx.x;
-        if (i < count) values[i] = value[n];
-        if (i < items.bound) keys[i] = i < count ? key[i] : ~std::uint64_t{0};
+    const std::uint64_t key = i < count ? keys[i] : 0;
+    const std::uint32_t begin = part * size, end = min_of(begin + size, count), middle = min_of(max_of(i, begin), end);
+    std::uint32_t sum = 0;
+    if (i < count) {
+#pragma unroll 8
+        for (std::uint32_t k = begin; k < middle; ++k) sum += keys[k] <= key;
+#pragma unroll 8
+        for (std::uint32_t k = middle; k < end; ++k) sum += keys[k] < key;
+        atomicAdd(&before[mine], sum);
     }
+    __syncthreads();
+    if (part != 0 || i >= items.bound) return;
+    const std::uint32_t place = i < count ? before[mine] : i;
+    sorted_keys[place] = i < count ? key : ~std::uint64_t{0};
+    sorted_values[place] = values[i];
 }
+
+/// Brings a sorted list back to where it came from.
+struct CopySorted {
+    const std::uint64_t* sorted_keys;
+    const std::uint32_t* sorted_values;
+    std::uint64_t* keys;
+    std::uint32_t* values;
+
+    __device__ void operator()(std::uint32_t i) const {
+        keys[i] = sorted_keys[i];
+        values[i] = sorted_values[i];
+    }
+};
 
 }  // namespace pierce::cuda

@@ -51,6 +51,42 @@ TEST(MeshTest, NormalsPointOutward) {
             EXPECT_NEAR(std::abs(box.normals()[v][k]), 1 / std::sqrt(3.0), 1e-6) << "weighted by angle, not by triangle";
 }
 
+TEST(MeshTest, FansHoldWhatIsAroundAVertexInOrder) {
+    test::Random random(9);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::uint32_t closed = 0, open = 0;
+    for (int i = 0; i < 12; ++i) {
+        const Mesh made("any", test::random_closed_mesh(random));
+        // Every fifth triangle away: borders, and vertices where two fans meet.
+        MeshData data{{made.positions().begin(), made.positions().end()}, {}};
+        for (std::size_t t = 0; t < made.triangles().size(); ++t)
+            if (i % 2 == 0 || t % 5 != 0) data.triangles.push_back(made.triangles()[t]);
+        const Mesh mesh("any", data);
+        const MeshView view = mesh.view();
+        ASSERT_EQ(view.fans.size, view.corners.size);
+        for (std::uint32_t v = 0; v < view.positions.size; ++v) {
+            const std::uint32_t begin = view.corner_offsets[v], end = view.corner_offsets[v + 1];
+            std::set<std::pair<std::uint32_t, std::uint32_t>> sides, expected;
+            std::set<std::uint32_t> nexts, previous;
+            for (std::uint32_t c = begin; c < end; ++c) {
+                expected.insert({view.corners[c].next, view.corners[c].previous});
+                nexts.insert(view.corners[c].next);
+                previous.insert(view.corners[c].previous);
+                sides.insert({view.fans[c], view.fans[c + 1 < end ? c + 1 : begin]});
+            }
+            if (begin < end && view.fans[begin] != no_vertex) {
+                EXPECT_EQ(sides, expected) << "vertex " << v;
+                ++closed;
+            } else {
+                ++open;
+                EXPECT_TRUE(end - begin < 3 || nexts != previous || i % 2 == 1) << "vertex " << v;
+            }
+        }
+    }
+    EXPECT_GT(closed, 500u);
+    EXPECT_GT(open, 100u);
+}
+
 TEST(MeshTest, StarClearanceIsALowerBoundThatIsAlmostReached) {
     test::Random random(8);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));

@@ -125,6 +125,7 @@ struct FitFrame {
         BodyView& body = bodies[range.body];
         if (!body.active) return;
         Moments m{{}, {}, {{{}, {}, {}}}};
+        PIERCE_OVERLAPPED_LOOP
         for (std::uint32_t c = range.first; c < range.last; ++c) {
             m.sum += moments[c].sum;
             m.rest_sum += moments[c].rest_sum;
@@ -267,6 +268,7 @@ struct JoinBounds {
         BodyView& body = bodies[range.body];
         if (!body.active) return;
         PartBounds all;
+        PIERCE_OVERLAPPED_LOOP
         for (std::uint32_t c = range.first; c < range.last; ++c) all.extend(bounds[c]);
         body.touch = constants::touch_tolerance * all.fit_box.extent();
         body.world_box = all.world_box.inflated(body.touch);

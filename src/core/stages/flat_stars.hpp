@@ -30,31 +30,31 @@ private:
     }
 
     PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
-        const MeshView& mesh = body.mesh;
-        const std::uint32_t begin = mesh.corner_offsets[v], end = mesh.corner_offsets[v + 1];
-        if (end - begin < 3) return false;
+        const std::uint32_t begin = body.mesh.corner_offsets[v], end = body.mesh.corner_offsets[v + 1];
+        if (begin == end || body.mesh.fans[begin] == no_vertex) return false;
         const MovingPoint at = body.vertex(v);
-        const auto way_to = [&](std::uint32_t w) {
-            const MovingPoint p = body.vertex(w);
+        const auto way_to = [&](std::uint32_t place) {
+            const MovingPoint p = body.vertex(body.mesh.fans[place]);
             return MovingPoint{p.start - at.start, p.end - at.end};
         };
+        const MovingPoint last = way_to(end - 1);
         Vec3d n;
         double size = 0;
+        MovingPoint u = last;
         for (std::uint32_t c = begin; c < end; ++c) {
-            const MovingPoint u = way_to(mesh.corners[c].next), w = way_to(mesh.corners[c].previous);
+            const MovingPoint w = way_to(c);
             n += cross(u.start, w.start) + cross(u.end, w.end);
             size = max_of(size, max_of(length_squared(u.start), length_squared(u.end)));
+            u = w;
         }
         const double least = constants::motion_rounding * length(n) * size;
-        const Vec3d first = way_to(mesh.corners[begin].next).start;
         std::uint32_t turns = 0;
+        u = last;
         for (std::uint32_t c = begin; c < end; ++c) {
-            const MovingPoint u = way_to(mesh.corners[c].next), w = way_to(mesh.corners[c].previous);
+            const MovingPoint w = way_to(c);
             if (!(facing(u, w, n) > least)) return false;
-            turns += dot(n, cross(u.start, first)) >= 0 && dot(n, cross(first, w.start)) > 0;
-            std::uint32_t before = 0;
-            for (std::uint32_t d = begin; d < end; ++d) before += mesh.corners[d].previous == mesh.corners[c].next;
-            if (before != 1) return false;  // a border, or more than a fan
+            turns += dot(n, cross(u.start, last.start)) >= 0 && dot(n, cross(last.start, w.start)) > 0;
+            u = w;
         }
         return turns == 1;
     }

@@ -2,6 +2,7 @@
 
 #include "pierce/core/body.hpp"
 #include "pierce/core/moving_point.hpp"
+#include "pierce/core/quick_vec3.hpp"
 #include "pierce/core/whole.hpp"
 
 /// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs around triangles, groups of sixteen
@@ -167,24 +168,50 @@ struct MoveVertices {
     }
 };
 
-/// Per place of a group: the box of its triangle over the step.
-struct BoxTriangles {
+/// A triangle during the step, in world space, at its place in a group.
+struct alignas(16) PlacedTriangle {
+    Vec3f start[3], end[3];
+    std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no part
+    std::uint32_t own = 0;                 ///< TriangleFeatures::own
+
+    PIERCE_HD Vec3d end_normal() const {
+        const Vec3d a = to_double(end[0]);
+        return cross(to_double(end[1]) - a, to_double(end[2]) - a);
+    }
+};
+
+/// Per place of a group: its triangle over the step, and the box of that.
+struct PlaceTriangles {
     SheetBodies bodies;
     View<const std::uint32_t> block_offsets;  ///< per body
-    View<Boxes> boxes;                        ///< per group
+    View<PlacedTriangle> placed;
+    View<Boxes> boxes;  ///< per group
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t group = i / constants::group_size;
         const OwnedItem block = owned_item(block_offsets, group / constants::group_size);
         const SheetBody body = bodies[block.owner];
         const std::uint32_t place = i - block_offsets[block.owner] * triangles_per_block;
-        boxes[group].set(i % constants::group_size, place < body.mesh.triangles.size && body.view.active
-                                                        ? MovingTriangle(body, body.mesh.group_triangles[place], {}).box()
-                                                        : Box{});
+        PlacedTriangle p;
+        Box box;
+        if (place < body.mesh.triangles.size && body.view.active) {
+            p.triangle = body.mesh.group_triangles[place];
+            p.own = body.mesh.features[p.triangle].own;
+            const Triangle t = body.mesh.triangles[p.triangle];
+            for (int k = 0; k < 3; ++k) {
+                const MovingVertex v = read_whole(body.vertices[t.vertex[k]]);
+                p.start[k] = v.start;
+                p.end[k] = v.end;
+                box.extend(to_double(v.start));
+                box.extend(to_double(v.end));
+            }
+        }
+        write_whole(placed[i], p);
+        boxes[group].set(i % constants::group_size, box);
     }
 };
 
-/// A triangle, or a group or a block of them, over the step, between two planes along its mean normal and within a rectangle
+/// A group or a block of triangles over the step, between two planes along its mean normal and within a rectangle
 /// across it: float32, not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of
 /// many others; slabs do not.
 struct alignas(16) Slab {
@@ -194,7 +221,7 @@ struct alignas(16) Slab {
     float rounding = 0;  ///< [length] by how much sums of the above may be wrong
 
     /// False for one that stands for nothing. Where it is one of several, those after it do so, too.
-    PIERCE_HD bool holds_something() const { return dot(axis[0], axis[0]) > 0; }
+    PIERCE_HD bool holds_something() const { return quick_dot(axis[0], axis[0]) > 0; }
 
     /// True if nothing of the two comes closer than `margin`. False says nothing.
     PIERCE_HD bool is_apart(const Slab& other, float margin) const {
@@ -205,8 +232,8 @@ struct alignas(16) Slab {
     PIERCE_HD bool is_above_or_below(const Slab& other, float margin) const {
         const Vec3f n = axis[0];
         float reach = half[0] + margin + rounding + other.rounding;
-        for (int k = 0; k < 3; ++k) reach += other.half[k] * std::fabs(dot(n, other.axis[k]));
-        return std::fabs(dot(n, other.center - center)) > reach;
+        for (int k = 0; k < 3; ++k) reach += other.half[k] * std::fabs(quick_dot(n, other.axis[k]));
+        return std::fabs(quick_dot(n, other.center - center)) > reach;
     }
 
     /// True if along the line between the centres the other one is further away than `margin`.
@@ -214,8 +241,8 @@ struct alignas(16) Slab {
         const Vec3f d = other.center - center;
         float reach = (margin + rounding + other.rounding) * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
         for (int k = 0; k < 3; ++k)
-            reach += half[k] * std::fabs(dot(d, axis[k])) + other.half[k] * std::fabs(dot(d, other.axis[k]));
-        return dot(d, d) > reach;
+            reach += half[k] * std::fabs(quick_dot(d, axis[k])) + other.half[k] * std::fabs(quick_dot(d, other.axis[k]));
+        return quick_dot(d, d) > reach;
     }
 };
 
@@ -257,30 +284,29 @@ struct SlabFrame {
     }
 };
 
-/// Per triangle, by its place: its slab.
-struct FitSlab {
-    SheetBodies bodies;
-    View<const std::uint32_t> block_offsets;  ///< per body
+/// Per group: the slab around its triangles.
+struct SlabOfTriangles {
+    View<const PlacedTriangle> placed;
     View<Slab> slabs;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const OwnedItem block = owned_item(block_offsets, i / triangles_per_block);
-        const SheetBody body = bodies[block.owner];
-        const std::uint32_t place = i - block_offsets[block.owner] * triangles_per_block;
-        Slab slab;
-        if (place < body.mesh.triangles.size && body.view.active) {
-            const std::uint32_t t = body.mesh.group_triangles[place];
-            const Vec3d origin = body.vertex(body.mesh.triangles[t].vertex[0]).end;
-            const MovingTriangle triangle(body, t, origin);
-            const SlabFrame frame(triangle.end_normal());
-            Box extent;
-            for (const MovingPoint& p : triangle.corner) {
-                extent.extend(frame.along(p.start));
-                extent.extend(frame.along(p.end));
+        const PlacedTriangle* const part = placed.data + i * constants::group_size;
+        std::uint32_t count = 0;
+        Vec3d normal;
+        for (; count < constants::group_size && part[count].triangle != no_triangle; ++count)
+            normal += read_whole(part[count]).end_normal();
+        if (count == 0) return write_whole(slabs[i], {});
+        const Vec3d origin = to_double(part[0].end[0]);
+        const SlabFrame frame(normal);
+        Box extent;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const PlacedTriangle t = read_whole(part[k]);
+            for (int c = 0; c < 3; ++c) {
+                extent.extend(frame.along(to_double(t.start[c]) - origin));
+                extent.extend(frame.along(to_double(t.end[c]) - origin));
             }
-            slab = frame.slab(extent, origin);
         }
-        write_whole(slabs[i], slab);
+        write_whole(slabs[i], frame.slab(extent, origin));
     }
 };
 

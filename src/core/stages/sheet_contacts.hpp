@@ -6,6 +6,7 @@
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/contact.hpp"
 #include "pierce/core/continuous.hpp"
+#include "pierce/core/stages/count.hpp"
 #include "pierce/core/stages/sheet_memory.hpp"
 
 /// Sheets, third part: which of the features found are contacts, and on which side.
@@ -46,7 +47,7 @@ struct MeetFeatures {
     View<SheetMeeting> meetings;
     View<std::uint32_t> verdicts;
 
-    static constexpr int blocks_at_once = searching ? 1 : 8;  // of 64 threads; measured: with 6 a quarter slower
+    static constexpr int threads_at_once = searching ? 256 : 512;  // measured: with 384 a quarter slower
 
     PIERCE_HD void operator()(std::uint32_t item) const {
         const std::uint32_t i = searching ? undecided[item] : item;
@@ -292,37 +293,74 @@ struct HasVerdict {
     PIERCE_HD bool operator()(std::uint32_t i) const { return verdicts[i] == static_cast<std::uint32_t>(verdict); }
 };
 
-/// Per kept contact: what it is sorted by.
+/// Per kept contact: what it is sorted by. Those of one feature stay in the order in which they were found: that of the
+/// places of the other's triangles.
 struct KeySheetContacts {
     View<const FeaturePair> features;
     View<const std::uint32_t> kept;
-    View<std::uint64_t> keys;  ///< by the other feature
+    std::uint32_t bits = 0;  ///< of a feature's number
+    View<std::uint64_t> keys;
     View<std::uint32_t> order;
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        keys[i] = features[kept[i]].other;
+        const FeaturePair f = read_whole(features[kept[i]]);
+        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
         order[i] = kept[i];
     }
 };
 
-/// Per contact, sorted by the other feature: what it is sorted by next.
-struct KeyByFeature {
+/// Per contact in their order: what the next step will know of it. Reads the memory of the last step.
+struct RememberContact {
+    View<const Pair> pairs;
     View<const FeaturePair> features;
+    View<const SheetMeeting> meetings;
     View<const std::uint32_t> order;
-    std::uint32_t bits = 0;  ///< of a feature's number
-    View<std::uint64_t> keys;
+    SheetMemory memory;
+    View<SheetRecord> records;
 
-    static constexpr bool is_cheap = true;
+    static constexpr int threads_at_once = 1536;  // it waits for memory, looking for the same contact in the last step
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const FeaturePair f = read_whole(features[order[i]]);
-        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
+        const SheetMeeting& m = meetings[order[i]];
+        SheetRecord record;
+        record.other = f.other;
+        record.age = memory.age(f);
+        record.side = m.distance < 0 ? m.side : std::int8_t{0};
+        record.found = m.found;
+        record.is_self = pairs[f.pair].is_self();
+        record.is_edge = f.kind != FeatureKind::vertex_of_a && f.kind != FeatureKind::vertex_of_b;
+        record.distance = m.distance;
+        records[i] = record;
     }
 };
 
-/// Per contact of a sheet: everything in it, and what is remembered of it.
+/// What a contact adds to the sums, by its record.
+struct CountSheetContact {
+    View<const std::uint64_t> keys;
+    View<const SheetRecord> records;
+    std::uint32_t bits = 0;  ///< of the keys
+
+    PIERCE_HD ContactSums operator()(std::uint32_t i) const {
+        const SheetRecord r = records[i];
+        const bool first = i == 0 || pair_of(keys[i - 1], bits) != pair_of(keys[i], bits);
+        const double depth = max_of(-r.distance, 0.0);
+        return {first,
+                r.is_edge,
+                0,
+                0,
+                r.is_self,
+                r.found == Found::crossing,
+                r.found == Found::remembered,
+                r.found == Found::tangled,
+                depth,
+                depth};
+    }
+};
+
+/// Per contact of a sheet: everything in it.
 struct FillSheetContact {
     SheetBodies bodies;
     View<const BodyId> ids;
@@ -330,8 +368,7 @@ struct FillSheetContact {
     View<const FeaturePair> features;
     View<const SheetMeeting> meetings;
     View<const std::uint32_t> order;
-    SheetMemory memory;
-    View<SheetRecord> records;
+    View<const SheetRecord> records;
     View<std::uint32_t> deepest;  ///< per pair
     View<Contact> contacts;
 
@@ -349,7 +386,7 @@ struct FillSheetContact {
         c.found = m.found;
         c.unknown_side = m.unknown;
         c.time = m.time;
-        c.age = memory.age(f);
+        c.age = records[i].age;
         c.distance = m.distance;
         const bool is_vertex = f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b;
         Vec3d p;
@@ -384,7 +421,6 @@ struct FillSheetContact {
         c.normal = from_b ? m.out : -m.out;
         c.face_normal = normalized(face.end_normal());
         write_whole(contacts[i], c);
-        records[i] = {f.other, c.age, m.distance < 0 ? m.side : 0};
         if (is_vertex && m.distance < 0)
             atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.view.range))));
     }

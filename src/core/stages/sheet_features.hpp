@@ -2,97 +2,11 @@
 
 #include <limits>
 
+#include "pierce/core/stages/quick_triangle.hpp"
 #include "pierce/core/stages/sheet_search.hpp"
 
 /// Sheets, second part: which vertices and triangles, and which edges, of two triangles may meet or come close.
 namespace pierce::stages {
-
-/// A point during the step, float32, relative to some place near it.
-struct QuickPoint {
-    Vec3f start, end;
-};
-
-/// What is known of how two features, or two triangles, get along.
-struct Company {
-    bool separate = false;  ///< they do not meet during the step
-    bool distant = false;   ///< at its end they are no contact, unless they have met: too far apart, or not over each other
-
-    PIERCE_HD bool is_settled() const { return separate && distant; }
-    PIERCE_HD void learn(const Company& more) {
-        separate |= more.separate;
-        distant |= more.distant;
-    }
-};
-
-/// How far some points reach along a direction, at the start of the step and at its end.
-struct Reach {
-    float low[2], high[2];
-
-    template <int count>
-    PIERCE_HD Reach(Vec3f n, const QuickPoint (&points)[count]) {
-        for (int k = 0; k < count; ++k) {
-            const float at[2] = {dot(n, points[k].start), dot(n, points[k].end)};
-            for (int when = 0; when < 2; ++when) {
-                low[when] = k == 0 ? at[when] : quick_min(at[when], low[when]);
-                high[when] = k == 0 ? at[when] : quick_max(at[when], high[when]);
-            }
-        }
-    }
-};
-
-/// How much of what is said along `n` float32 may have made up. `size`: no coordinate is larger.
-PIERCE_HD inline float made_up_along(Vec3f n, float size) {
-    return constants::quick_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
-}
-
-/// True if something `ahead` along `n`, of any length, is further away than `margin`. Roots take long.
-PIERCE_HD inline bool is_beyond(float margin, float ahead, Vec3f n) {
-    return ahead > 0 && ahead * ahead > margin * margin * dot(n, n);
-}
-
-/// What `n`, of any length, says about two convex things: differences of corners are linear in time, so that one stays ahead
-/// if it is ahead at the start and at the end.
-template <int mine, int others>
-PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin,
-                                float size) {
-    const Reach of_a(n, a), of_b(n, b);
-    const float made_up = made_up_along(n, size);
-    const float ahead = of_a.low[1] - of_b.high[1], behind = of_b.low[1] - of_a.high[1];
-    return {quick_max(quick_min(of_a.low[0] - of_b.high[0], ahead), quick_min(of_b.low[0] - of_a.high[0], behind)) > made_up,
-            is_beyond(margin, quick_max(ahead, behind) - made_up, n)};
-}
-
-/// A triangle during the step, float32, relative to `origin`.
-struct QuickTriangle {
-    QuickPoint corner[3];
-
-    QuickTriangle() = default;
-    PIERCE_HD QuickTriangle(const SheetBody& body, const Triangle& t, Vec3f origin) {
-        for (int k = 0; k < 3; ++k) {
-            const MovingVertex v = read_whole(body.vertices[t.vertex[k]]);
-            corner[k] = {v.start - origin, v.end - origin};
-        }
-    }
-    PIERCE_HD Vec3f start_normal() const {
-        return cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
-    }
-    PIERCE_HD Vec3f end_normal() const { return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
-    /// No coordinate is larger at the start of the step, or at its end.
-    PIERCE_HD float start_size() const {
-        float size = 0;
-        for (const QuickPoint& p : corner)
-            for (int axis = 0; axis < 3; ++axis) size = quick_max(std::fabs(p.start[axis]), size);
-        return size;
-    }
-    PIERCE_HD float end_size() const {
-        float size = 0;
-        for (const QuickPoint& p : corner)
-            for (int axis = 0; axis < 3; ++axis) size = quick_max(std::fabs(p.end[axis]), size);
-        return size;
-    }
-    /// A corner without an index that only the running thread knows: such arrays do not stay in registers.
-    PIERCE_HD QuickPoint pick(std::uint32_t k) const { return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2]; }
-};
 
 /// How much of a product of four lengths float32 may have made up. Let u be half an ulp and no coordinate be above `size`.
 /// Differences of coordinates are below 2 size and off by 4 u size; their cross product is below 8 size^2 and off by 48 u
@@ -111,7 +25,7 @@ struct QuickPrism {
     PIERCE_HD QuickPrism(const QuickTriangle& t, float reach, float size) : normal(t.end_normal()), margin(reach) {
         for (int k = 0; k < 3; ++k) {
             at[k] = t.corner[k].end;
-            inward[k] = cross(normal, t.corner[k == 2 ? 0 : k + 1].end - at[k]);
+            inward[k] = quick_cross(normal, t.corner[k == 2 ? 0 : k + 1].end - at[k]);
         }
         made_up = made_up_of_four(size);
         made_up_along_normal = made_up_along(normal, size);
@@ -119,22 +33,23 @@ struct QuickPrism {
 
     /// False if a point is outside for certain.
     PIERCE_HD bool may_hold(Vec3f p) const {
-        return !(dot(inward[0], p - at[0]) < -made_up) && !(dot(inward[1], p - at[1]) < -made_up) &&
-               !(dot(inward[2], p - at[2]) < -made_up) &&
-               !is_beyond(margin, std::fabs(dot(normal, p - at[0])) - made_up_along_normal, normal);
+        return !(quick_dot(inward[0], p - at[0]) < -made_up) && !(quick_dot(inward[1], p - at[1]) < -made_up) &&
+               !(quick_dot(inward[2], p - at[2]) < -made_up) &&
+               !is_beyond(margin, std::fabs(quick_dot(normal, p - at[0])) - made_up_along_normal, normal);
     }
 };
 
 /// False if the points of two segments where their lines are closest are not within both for certain, or for certain
 /// further apart than `margin` [length].
 PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float margin, float size) {
-    const Vec3f d = q - p, e = s - r, n = cross(d, e), way = r - p;
+    const Vec3f d = q - p, e = s - r, n = quick_cross(d, e), way = r - p;
     const float made_up = made_up_of_four(size);
     // The place along the first, times |n|^2, is way . (e x n); one less if `way` comes from the second end. The place along
     // the second is way . (d x n).
-    const Vec3f beside_e = cross(e, n), beside_d = cross(d, n);
-    return !(dot(way, beside_e) < -made_up) && !(dot(r - q, beside_e) > made_up) && !(dot(way, beside_d) < -made_up) &&
-           !(dot(s - p, beside_d) > made_up) && !is_beyond(margin, std::fabs(dot(n, way)) - made_up_along(n, size), n);
+    const Vec3f beside_e = quick_cross(e, n), beside_d = quick_cross(d, n);
+    return !(quick_dot(way, beside_e) < -made_up) && !(quick_dot(r - q, beside_e) > made_up) &&
+           !(quick_dot(way, beside_d) < -made_up) && !(quick_dot(s - p, beside_d) > made_up) &&
+           !is_beyond(margin, std::fabs(quick_dot(n, way)) - made_up_along(n, size), n);
 }
 
 /// What two features are.
@@ -179,62 +94,69 @@ struct FeatureBits {
 
 /// Two triangles, ready to have their features looked at.
 struct QuickPair {
-    SheetBody a, b;
-    const Triangle &ta, &tb;
-    std::uint32_t own_a, own_b;
+    PlacedTriangle a, b;
     QuickTriangle qa, qb;
     float thickness, margin, end_size, size;
 
-    PIERCE_HD QuickPair(const SheetBodies& bodies, const SheetPair& pair, const TrianglePair& t)
-        : a(bodies[pair.first]),
-          b(bodies[pair.second]),
-          ta(a.mesh.triangles[t.first]),
-          tb(b.mesh.triangles[t.second]),
-          own_a(a.mesh.features[t.first].own),
-          own_b(b.mesh.features[t.second].own),
-          qa(a, ta, a.vertices[ta.vertex[0]].end),
-          qb(b, tb, a.vertices[ta.vertex[0]].end),
+    PIERCE_HD QuickPair(View<const PlacedTriangle> placed, const SheetPair& pair, const TrianglePair& t)
+        : a(read_whole(placed[t.first])),
+          b(read_whole(placed[t.second])),
+          qa(a, a.end[0]),
+          qb(b, a.end[0]),
           thickness(round_up(pair.thickness)),
           margin(round_up(pair.margin)),
           end_size(quick_max(qa.end_size(), qb.end_size())),
           size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size()))) {}
 };
 
-/// Per pair of triangles: which of their features may be contacts, and their number, if a direction separates the triangles
-/// as wholes, as it does nearly always; otherwise that it is open.
+/// Per pair of triangles: which of their features may be contacts, and their number, if it is known that the triangles do
+/// not meet, as it is nearly always; otherwise that it is open.
 struct MaskFeatures {
-    SheetBodies bodies;
     View<const SheetPair> pairs;
+    View<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<std::uint32_t> masks, counts;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
-        masks[i] = mask(QuickPair(bodies, pairs[t.pair], t));
+        masks[i] = t.separate ? mask(QuickPair(placed, pairs[t.pair], t)) : FeatureBits::open;
         counts[i] = bit_count(masks[i] & FeatureBits::all);
     }
 
 private:
+    // A triangle owns half a vertex and one and a half edges: loops over those that are there are shorter than all there
+    // might be.
     PIERCE_HD static std::uint32_t mask(const QuickPair& p) {
-        Company company = company_along(p.qb.end_normal(), p.qa.corner, p.qb.corner, p.margin, p.size);
-        if (!company.is_settled())
-            company.learn(company_along(p.qa.end_normal(), p.qa.corner, p.qb.corner, p.margin, p.size));
-        if (company.is_settled()) return 0;
-        if (!company.separate) return FeatureBits::open;
-
-        const QuickPrism over_a(p.qa, p.margin, p.end_size), over_b(p.qb, p.margin, p.end_size);
-        std::uint32_t bits = 0;
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            if (p.own_a >> k & 1 && over_b.may_hold(p.qa.corner[k].end)) bits |= 1u << (FeatureBits::vertex_of_first + k);
-            if (p.own_b >> k & 1 && over_a.may_hold(p.qb.corner[k].end)) bits |= 1u << (FeatureBits::vertex_of_second + k);
+        std::uint32_t bits = vertices_over(p.qa, p.a.own, p.qb, p) << FeatureBits::vertex_of_first |
+                             vertices_over(p.qb, p.b.own, p.qa, p) << FeatureBits::vertex_of_second;
+        for (std::uint32_t left = edge_pairs(p.a.own, p.b.own); left != 0; left &= left - 1) {
+            const std::uint32_t pair = lowest_bit(left), k = pair / 3, l = pair % 3;
+            if (may_cross_over(p.qa.pick(k).end, p.qa.pick(after(k)).end, p.qb.pick(l).end, p.qb.pick(after(l)).end,
+                               p.thickness, p.end_size))
+                bits |= 1u << (FeatureBits::edges + pair);
         }
-        for (std::uint32_t k = 0; k < 3; ++k)
-            for (std::uint32_t l = 0; l < 3; ++l)
-                if (p.own_a >> (3 + k) & 1 && p.own_b >> (3 + l) & 1 &&
-                    may_cross_over(p.qa.corner[k].end, p.qa.corner[k == 2 ? 0 : k + 1].end, p.qb.corner[l].end,
-                                   p.qb.corner[l == 2 ? 0 : l + 1].end, p.thickness, p.end_size))
-                    bits |= 1u << (FeatureBits::edges + 3 * k + l);
         return bits == 0 ? 0 : bits | FeatureBits::separate;
+    }
+
+    PIERCE_HD static std::uint32_t after(std::uint32_t k) { return k == 2 ? 0 : k + 1; }
+
+    /// A bit for each own corner of `t` that may be over the other triangle.
+    PIERCE_HD static std::uint32_t vertices_over(const QuickTriangle& t, std::uint32_t own, const QuickTriangle& other,
+                                                 const QuickPair& p) {
+        std::uint32_t bits = own & 7;
+        if (bits == 0) return 0;
+        const QuickPrism prism(other, p.margin, p.end_size);
+        for (std::uint32_t left = bits; left != 0; left &= left - 1) {
+            const std::uint32_t k = lowest_bit(left);
+            if (!prism.may_hold(t.pick(k).end)) bits &= ~(1u << k);
+        }
+        return bits;
+    }
+
+    /// Three bits for each own edge of the first triangle: the second's own edges.
+    PIERCE_HD static std::uint32_t edge_pairs(std::uint32_t first, std::uint32_t second) {
+        const std::uint32_t others = second >> 3;
+        return (first >> 3 & 1) * others | (first >> 4 & 1) * others << 3 | (first >> 5 & 1) * others << 6;
     }
 };
 
@@ -249,6 +171,7 @@ struct IsOpen {
 struct MaskOpenFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
+    View<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<const std::uint32_t> open;
     View<std::uint32_t> masks, counts;  ///< of all pairs of triangles
@@ -256,7 +179,7 @@ struct MaskOpenFeatures {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[open[i]]);
         const SheetPair& pair = pairs[t.pair];
-        const QuickPair p(bodies, pair, t);
+        const OpenPair p(QuickPair(placed, pair, t), bodies[pair.first], bodies[pair.second]);
         std::uint32_t bits = 0;
         for (std::uint32_t k = 0; k < 3; ++k) bits |= mask(p, k, pair.first == pair.second);
         masks[open[i]] = bits;
@@ -264,33 +187,46 @@ struct MaskOpenFeatures {
     }
 
 private:
+    /// Two triangles and their bodies.
+    struct OpenPair : QuickPair {
+        SheetBody of_a, of_b;
+        const Triangle &ta, &tb;
+
+        PIERCE_HD OpenPair(const QuickPair& pair, const SheetBody& body_a, const SheetBody& body_b)
+            : QuickPair(pair),
+              of_a(body_a),
+              of_b(body_b),
+              ta(body_a.mesh.triangles[a.triangle]),
+              tb(body_b.mesh.triangles[b.triangle]) {}
+    };
+
     /// Of corner k, and edge k, of each of them, and the other triangle's features.
-    PIERCE_HD static std::uint32_t mask(const QuickPair& p, std::uint32_t k, bool self) {
+    PIERCE_HD static std::uint32_t mask(const OpenPair& p, std::uint32_t k, bool self) {
         const std::uint32_t next = k == 2 ? 0 : k + 1;
         const QuickPoint corner_a = p.qa.pick(k), corner_b = p.qb.pick(k), after_a = p.qa.pick(next),
                          after_b = p.qb.pick(next);
         std::uint32_t bits = 0;
-        if (p.own_a >> k & 1 && !(self && has_vertex(p.tb, p.ta.vertex[k])) && may_touch(corner_a, p.qb, p))
+        if (p.a.own >> k & 1 && !(self && has_vertex(p.tb, p.ta.vertex[k])) && may_touch(corner_a, p.qb, p))
             bits |= 1u << (FeatureBits::vertex_of_first + k);
-        if (p.own_b >> k & 1 && !(self && has_vertex(p.ta, p.tb.vertex[k])) && may_touch(corner_b, p.qa, p))
+        if (p.b.own >> k & 1 && !(self && has_vertex(p.ta, p.tb.vertex[k])) && may_touch(corner_b, p.qa, p))
             bits |= 1u << (FeatureBits::vertex_of_second + k);
-        if (p.own_a >> (3 + k) & 1) {
+        if (p.a.own >> (3 + k) & 1) {
             const std::uint32_t v = p.ta.vertex[k], w = p.ta.vertex[next];
             const QuickPoint mine[2] = {corner_a, after_a};
             for (std::uint32_t l = 0; l < 3; ++l) {
-                if (!(p.own_b >> (3 + l) & 1)) continue;
+                if (!(p.b.own >> (3 + l) & 1)) continue;
                 const std::uint32_t after = l == 2 ? 0 : l + 1, x = p.tb.vertex[l], y = p.tb.vertex[after];
                 if (self && (v == x || v == y || w == x || w == y)) continue;
                 const QuickPoint others[2] = {p.qb.pick(l), p.qb.pick(after)};
                 if (may_touch(mine, others, p)) bits |= 1u << (FeatureBits::edges + 3 * k + l);
             }
             if (!(self && (has_vertex(p.tb, v) || has_vertex(p.tb, w))) &&
-                may_pierce(corner_a.end, after_a.end, p.qb, p.end_size) && stays_pierced(p.a, v, w, p.b, p.tb))
+                may_pierce(corner_a.end, after_a.end, p.qb, p.end_size) && stays_pierced(p.of_a, v, w, p.of_b, p.tb))
                 bits |= 1u << (FeatureBits::piercing_first + k);
         }
-        if (p.own_b >> (3 + k) & 1 && !(self && (has_vertex(p.ta, p.tb.vertex[k]) || has_vertex(p.ta, p.tb.vertex[next]))) &&
+        if (p.b.own >> (3 + k) & 1 && !(self && (has_vertex(p.ta, p.tb.vertex[k]) || has_vertex(p.ta, p.tb.vertex[next]))) &&
             may_pierce(corner_b.end, after_b.end, p.qa, p.end_size) &&
-            stays_pierced(p.b, p.tb.vertex[k], p.tb.vertex[next], p.a, p.ta))
+            stays_pierced(p.of_b, p.tb.vertex[k], p.tb.vertex[next], p.of_a, p.ta))
             bits |= 1u << (FeatureBits::piercing_second + k);
         return bits;
     }
@@ -306,11 +242,11 @@ private:
     }
 
     PIERCE_HD static bool may_touch(const QuickPoint (&a)[2], const QuickPoint (&b)[2], const QuickPair& p) {
-        const Vec3f directions[5] = {cross(a[1].end - a[0].end, b[1].end - b[0].end),
+        const Vec3f directions[5] = {quick_cross(a[1].end - a[0].end, b[1].end - b[0].end),
                                      {1, 0, 0},
                                      {0, 1, 0},
                                      {0, 0, 1},
-                                     cross(a[1].start - a[0].start, b[1].start - b[0].start)};
+                                     quick_cross(a[1].start - a[0].start, b[1].start - b[0].start)};
         Company company;
         company.distant = !may_cross_over(a[0].end, a[1].end, b[0].end, b[1].end, p.thickness, p.end_size);
         for (int k = 0; k < 5 && !company.is_settled(); ++k)
@@ -322,7 +258,7 @@ private:
     PIERCE_HD static bool may_pierce(Vec3f p, Vec3f q, const QuickTriangle& face, float size) {
         const Vec3f n = face.end_normal();
         const float room = made_up_along(n, size);
-        const float from = dot(n, p - face.corner[0].end), to = dot(n, q - face.corner[0].end);
+        const float from = quick_dot(n, p - face.corner[0].end), to = quick_dot(n, q - face.corner[0].end);
         return !(from > room && to > room) && !(from < -room && to < -room);
     }
 
@@ -339,6 +275,7 @@ private:
 struct ListFeatures {
     View<const BodyView> bodies;
     View<const SheetPair> pairs;
+    View<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<const std::uint32_t> masks, offsets;
     View<FeaturePair> features;
@@ -347,33 +284,33 @@ struct ListFeatures {
         std::uint32_t place = offsets[i];
         for (std::uint32_t mask = masks[i] & FeatureBits::all; mask != 0; mask &= mask - 1) {
             const TrianglePair t = read_whole(triangles[i]);
-            FeaturePair f = feature(t, pairs[t.pair], lowest_bit(mask));
+            FeaturePair f = feature(t.pair, placed[t.first].triangle, placed[t.second].triangle, lowest_bit(mask));
             f.separate = (masks[i] & FeatureBits::separate) != 0;
             write_whole(features[place++], f);
         }
     }
 
 private:
-    PIERCE_HD FeaturePair feature(const TrianglePair& t, const SheetPair& pair, std::uint32_t bit) const {
+    /// `a`, `b`: triangles of the pair's bodies.
+    PIERCE_HD FeaturePair feature(std::uint32_t p, std::uint32_t a, std::uint32_t b, std::uint32_t bit) const {
+        const SheetPair& pair = pairs[p];
         const MeshView &first = bodies[pair.first].mesh, &second = bodies[pair.second].mesh;
         // In a body itself, which of the two it is matters to nobody.
         const bool self = pair.first == pair.second;
-        if (bit < FeatureBits::vertex_of_second)
-            return {t.pair, first.triangles[t.first].vertex[bit], t.second, FeatureKind::vertex_of_a};
+        if (bit < FeatureBits::vertex_of_second) return {p, first.triangles[a].vertex[bit], b, FeatureKind::vertex_of_a};
         if (bit < FeatureBits::edges)
-            return {t.pair, second.triangles[t.second].vertex[bit - FeatureBits::vertex_of_second], t.first,
+            return {p, second.triangles[b].vertex[bit - FeatureBits::vertex_of_second], a,
                     self ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b};
         if (bit >= FeatureBits::piercing_second)
-            return {t.pair, second.features[t.second].edge[bit - FeatureBits::piercing_second], t.first,
+            return {p, second.features[b].edge[bit - FeatureBits::piercing_second], a,
                     self ? FeatureKind::piercing_edge_of_a : FeatureKind::piercing_edge_of_b};
         if (bit >= FeatureBits::piercing_first)
-            return {t.pair, first.features[t.first].edge[bit - FeatureBits::piercing_first], t.second,
-                    FeatureKind::piercing_edge_of_a};
-        const std::uint32_t e = first.features[t.first].edge[(bit - FeatureBits::edges) / 3],
-                            f = second.features[t.second].edge[(bit - FeatureBits::edges) % 3];
+            return {p, first.features[a].edge[bit - FeatureBits::piercing_first], b, FeatureKind::piercing_edge_of_a};
+        const std::uint32_t e = first.features[a].edge[(bit - FeatureBits::edges) / 3],
+                            f = second.features[b].edge[(bit - FeatureBits::edges) % 3];
         // The smaller one first where both are of one body: the same two are always the same.
         const bool turn = self && f < e;
-        return {t.pair, turn ? f : e, turn ? e : f, FeatureKind::edges};
+        return {p, turn ? f : e, turn ? e : f, FeatureKind::edges};
     }
 };
 

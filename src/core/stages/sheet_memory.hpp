@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pierce/core/contact.hpp"
 #include "pierce/core/stages/sheet_features.hpp"
 
 /// What steps remember of sheets' contacts: their ages, and the sides of vertices that are through.
@@ -12,13 +13,21 @@ namespace pierce::stages {
 struct SheetRecord {
     std::uint32_t other = 0;  ///< the triangle, or the edge of b
     std::uint32_t age = 0;
-    std::int32_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of the triangle's normal
+    std::int8_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of the triangle's normal
+    Found found = Found::near;
+    bool is_self = false;
+    bool is_edge = false;
+    std::uint32_t padding = 0;
+    double distance = 0;  ///< of the contact, for what contacts add up to
 };
 
 /// The key of a feature: sheets' contacts and records are sorted by it, then by the other feature.
 /// `bits`: as many as a feature's number has at most.
 PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item, std::uint32_t bits) {
     return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;
+}
+PIERCE_HD inline std::uint32_t pair_of(std::uint64_t key, std::uint32_t bits) {
+    return static_cast<std::uint32_t>(key >> (bits + 3));
 }
 static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 

@@ -5,7 +5,7 @@
 #include "pierce/core/atomics.hpp"
 #include "pierce/core/bits.hpp"
 #include "pierce/core/stages/pairs.hpp"
-#include "pierce/core/stages/sheet_bounds.hpp"
+#include "pierce/core/stages/quick_triangle.hpp"
 #include "pierce/core/whole.hpp"
 
 /// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet during the step or come
@@ -126,7 +126,7 @@ struct FindGroups {
     View<const Slab> slabs;       ///< of groups
     View<std::uint32_t> masks, counts;
 
-    static constexpr int blocks_at_once = 12;  // of 64 threads; measured: with 8 a fifth slower
+    static constexpr int threads_at_once = 768;  // measured: with 512 a fifth slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
@@ -163,12 +163,6 @@ struct ListGroups {
     }
 };
 
-/// The triangle at a place of a group; `first_block`: where its body's blocks begin.
-PIERCE_HD inline std::uint32_t triangle_at(const BodyView& body, std::uint32_t first_block, std::uint32_t group,
-                                           std::uint32_t k) {
-    return body.mesh.group_triangles[(group - first_block * constants::group_size) * constants::group_size + k];
-}
-
 /// Per triangle of a near group: a bit for each triangle of the other group whose box is near.
 struct FindTriangles {
     View<const SheetPair> pairs;
@@ -176,7 +170,7 @@ struct FindTriangles {
     View<const Boxes> boxes;      ///< of triangles, per group
     View<std::uint32_t> masks;
 
-    static constexpr int blocks_at_once = 24;  // of 64 threads; measured: with 7 a quarter slower
+    static constexpr int threads_at_once = 1536;  // measured: with 448 a quarter slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
@@ -193,35 +187,46 @@ struct HasNear {
     PIERCE_HD bool operator()(std::uint32_t i) const { return masks[i] != 0; }
 };
 
-/// Per triangle with another one near: leaves out those that a slab separates, and those that hang together where nothing
-/// folds; and counts the rest.
+/// Per triangle with another one near: leaves out those that a normal of the two keeps apart, and those that hang together
+/// where nothing folds; and counts the rest.
 struct CullTriangles {
     View<const BodyView> bodies;
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< groups
     View<const std::uint32_t> rows;
-    View<const Slab> slabs;                                   ///< of triangles
-    View<const std::uint32_t> block_offsets, vertex_offsets;  ///< per body
+    View<const PlacedTriangle> placed;
+    View<const std::uint32_t> vertex_offsets;  ///< per body
     View<const std::uint32_t> flat;
     View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
+
+    static constexpr std::uint32_t separate_shift = constants::group_size;  ///< of the bits for those that do not meet
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const ClosePair c = read_whole(close[rows[i] / constants::group_size]);
         const SheetPair& pair = pairs[c.pair];
         const std::uint32_t k = rows[i] % constants::group_size;
-        std::uint32_t mask = keep_near(c, round_up(pair.margin), k, masks[rows[i]]);
+        std::uint32_t separate = 0;
+        std::uint32_t mask = keep_near(c, round_up(pair.margin), k, masks[rows[i]], separate);
         if (mask != 0 && pair.first == pair.second) mask = keep_folding(c, pair, k, mask);
-        masks[rows[i]] = mask;
+        masks[rows[i]] = mask | separate << separate_shift;
         counts[i] = bit_count(mask);
     }
 
 private:
-    PIERCE_HD std::uint32_t keep_near(const ClosePair& c, float margin, std::uint32_t k, std::uint32_t mask) const {
-        const Slab mine = read_whole(slabs[c.first * constants::group_size + k]);
+    PIERCE_HD std::uint32_t keep_near(const ClosePair& c, float margin, std::uint32_t k, std::uint32_t mask,
+                                      std::uint32_t& separate) const {
+        const PlacedTriangle mine = read_whole(placed[c.first * constants::group_size + k]);
+        const QuickTriangle a(mine, mine.end[0]);
+        const float size = quick_max(a.start_size(), a.end_size());
+        const Vec3f normal = a.end_normal();
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {
             const std::uint32_t bit = lowest_bit(left);
-            const Slab other = read_whole(slabs[c.second * constants::group_size + bit]);
-            if (mine.is_above_or_below(other, margin) || other.is_above_or_below(mine, margin)) mask &= ~(1u << bit);
+            const QuickTriangle b(read_whole(placed[c.second * constants::group_size + bit]), mine.end[0]);
+            const float larger = quick_max(size, quick_max(b.start_size(), b.end_size()));
+            Company company = company_along(normal, a.corner, b.corner, margin, larger);
+            if (!company.is_settled()) company.learn(company_along(b.end_normal(), a.corner, b.corner, margin, larger));
+            if (company.is_settled()) mask &= ~(1u << bit);
+            separate |= static_cast<std::uint32_t>(company.separate) << bit;
         }
         return mask;
     }
@@ -229,12 +234,11 @@ private:
     PIERCE_HD std::uint32_t keep_folding(const ClosePair& c, const SheetPair& pair, std::uint32_t k,
                                          std::uint32_t mask) const {
         const BodyView& body = bodies[pair.first];
-        const std::uint32_t first_block = block_offsets[pair.first];
         const std::uint32_t* const is_flat = flat.data + vertex_offsets[pair.first];
-        const Triangle t = body.mesh.triangles[triangle_at(body, first_block, c.first, k)];
+        const Triangle t = body.mesh.triangles[placed[c.first * constants::group_size + k].triangle];
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {
             const std::uint32_t bit = lowest_bit(left);
-            const Triangle other = body.mesh.triangles[triangle_at(body, first_block, c.second, bit)];
+            const Triangle other = body.mesh.triangles[placed[c.second * constants::group_size + bit].triangle];
             for (std::uint32_t v : t.vertex)
                 if (has_vertex(other, v) && is_flat[v]) mask &= ~(1u << bit);
         }
@@ -245,29 +249,29 @@ private:
 /// Two triangles whose features are to be tested.
 struct alignas(16) TrianglePair {
     std::uint32_t pair = 0;
-    std::uint32_t first = 0, second = 0;  ///< triangles of the pair's first and second body
-    std::uint32_t padding = 0;
+    std::uint32_t first = 0, second = 0;  ///< places of triangles of the pair's first and second body
+    std::uint32_t separate = 0;           ///< 1: it is known that they do not meet
 };
 
 /// Per triangle with another one near: lists the triangles of its mask.
 struct ListTriangles {
-    View<const BodyView> bodies;
-    View<const SheetPair> pairs;
     View<const ClosePair> close;
     View<const std::uint32_t> rows;
-    View<const std::uint32_t> block_offsets;
     View<const std::uint32_t> masks, offsets;
     View<TrianglePair> found;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
-        std::uint32_t mask = masks[rows[i]], place = offsets[i];
+        const std::uint32_t separate = masks[rows[i]] >> CullTriangles::separate_shift;
+        std::uint32_t mask = masks[rows[i]] & ((1u << CullTriangles::separate_shift) - 1), place = offsets[i];
         if (mask == 0) return;
         const ClosePair c = read_whole(close[rows[i] / constants::group_size]);
-        const SheetPair& pair = pairs[c.pair];
-        const BodyView &a = bodies[pair.first], &b = bodies[pair.second];
-        const std::uint32_t t = triangle_at(a, block_offsets[pair.first], c.first, rows[i] % constants::group_size);
-        for (; mask != 0; mask &= mask - 1)
-            write_whole(found[place++], {c.pair, t, triangle_at(b, block_offsets[pair.second], c.second, lowest_bit(mask))});
+        const std::uint32_t first = c.first * constants::group_size + rows[i] % constants::group_size;
+        for (; mask != 0; mask &= mask - 1) {
+            const std::uint32_t bit = lowest_bit(mask);
+            write_whole(found[place++], {c.pair, first, c.second * constants::group_size + bit, separate >> bit & 1});
+        }
     }
 };
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "pierce/core/vec3.hpp"
+
+/// float32 arithmetic for bounds that hold however products are rounded: on a GPU a product and a sum are one instruction,
+/// and its last bits differ from the host's. Nothing that a contact says may come from here.
+namespace pierce {
+
+/// a * b + c.
+PIERCE_HD inline float quick_fma(float a, float b, float c) {
+#if defined(__CUDA_ARCH__)
+    return __fmaf_rn(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
+PIERCE_HD inline float quick_dot(Vec3f a, Vec3f b) { return quick_fma(a.x, b.x, quick_fma(a.y, b.y, a.z * b.z)); }
+
+PIERCE_HD inline Vec3f quick_cross(Vec3f a, Vec3f b) {
+    return {quick_fma(a.y, b.z, -(a.z * b.y)), quick_fma(a.z, b.x, -(a.x * b.z)), quick_fma(a.x, b.y, -(a.y * b.x))};
+}
+
+}  // namespace pierce
