@@ -19,9 +19,10 @@ struct Box {
         upper = {max_of(p.x, upper.x), max_of(p.y, upper.y), max_of(p.z, upper.z)};
     }
 
+    /// An empty one changes nothing.
     PIERCE_HD void extend(const Box& b) {
-        extend(b.lower);
-        extend(b.upper);
+        lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y), min_of(b.lower.z, lower.z)};
+        upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y), max_of(b.upper.z, upper.z)};
     }
 
     PIERCE_HD bool empty() const { return !(lower.x <= upper.x); }

@@ -58,34 +58,26 @@ private:
 
         counts_.resize(pair_count);
         executor_.for_each("count_rows", pair_count,
-                           stages::CountRows{view_of(sheet_pairs_), view_of(block_counts_), view_of(counts_)});
+                           stages::CountRows{view_of(sheet_pairs_), view_of(section_counts_), view_of(counts_)});
         executor_.assign(row_offsets_, static_cast<std::uint32_t>(pairs.size()), ~std::uint32_t{0});
         const Count rows = tools_.place("row_scan", counts_, row_offsets_);
         counts_.resize(rows);
-        stages::FindBlocks find_blocks{view_of(sheet_pairs_),
-                                       view_of(row_offsets_),
-                                       view_of(block_offsets_),
-                                       view_of(block_counts_),
-                                       view_of(block_boxes_),
-                                       view_of(block_slabs_),
-                                       view_of(counts_),
-                                       {},
-                                       {}};
-        executor_.for_each("find_blocks", rows, find_blocks);
-        blocks_.resize(tools_.place("block_pair_scan", counts_, offsets_));
-        find_blocks.offsets = view_of(offsets_);
-        find_blocks.found = view_of(blocks_);
-        if (!blocks_.empty()) executor_.for_each("list_blocks", rows, find_blocks);
+        stages::ListSections list_sections{view_of(sheet_pairs_),
+                                           view_of(row_offsets_),
+                                           view_of(section_offsets_),
+                                           view_of(section_counts_),
+                                           view_of(counts_),
+                                           {},
+                                           {}};
+        executor_.for_each("count_sections", rows, list_sections);
+        sections_.resize(tools_.place("section_scan", counts_, offsets_));
+        list_sections.offsets = view_of(offsets_);
+        list_sections.found = view_of(sections_);
+        if (!sections_.empty()) executor_.for_each("list_sections", rows, list_sections);
 
-        const Count in_blocks = constants::group_size * count_of(blocks_);
-        masks_.resize(in_blocks);
-        counts_.resize(in_blocks);
-        executor_.for_each("find_groups", in_blocks,
-                           stages::FindGroups{view_of(sheet_pairs_), view_of(blocks_), view_of(group_boxes_),
-                                              view_of(group_slabs_), view_of(masks_), view_of(counts_)});
-        groups_.resize(tools_.place("group_scan", counts_, offsets_));
-        executor_.for_each("list_groups", in_blocks,
-                           stages::ListGroups{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(groups_)});
+        find_parts("find_blocks", "block_pair_scan", sections_, {view_of(section_begins_)}, block_boxes_, block_slabs_,
+                   blocks_);
+        find_parts("find_groups", "group_scan", blocks_, {}, group_boxes_, group_slabs_, groups_);
 
         const Count in_groups = constants::group_size * count_of(groups_);
         masks_.resize(in_groups);
@@ -94,24 +86,39 @@ private:
             stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_), view_of(masks_)});
         const Count near = tools_.list("near_triangles", in_groups, stages::HasNear{view_of(masks_)}, rows_);
         counts_.resize(near);
-        executor_.for_each(
-            "cull_triangles", near,
-            stages::CullTriangles{scene.bodies, view_of(sheet_pairs_), view_of(groups_), view_of(rows_), view_of(placed_),
-                                  view_of(vertex_offsets_), view_of(flat_), view_of(masks_), view_of(counts_)});
+        executor_.for_each("cull_triangles", near,
+                           stages::CullTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(rows_), view_of(placed_),
+                                                 view_of(masks_), view_of(counts_)});
         triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
         executor_.for_each("list_triangles", near,
                            stages::ListTriangles{view_of(groups_), view_of(rows_), view_of(masks_), view_of(offsets_),
                                                  view_of(triangles_)});
     }
 
+    /// Of things that may be close, the parts that may be.
+    void find_parts(const char* name, const char* scan, const Buffer<stages::ClosePair>& close, stages::Parts parts,
+                    const Buffer<stages::Boxes>& boxes, const Buffer<stages::Slab>& slabs,
+                    Buffer<stages::ClosePair>& found) {
+        const Count count = constants::group_size * count_of(close);
+        masks_.resize(count);
+        counts_.resize(count);
+        executor_.for_each(name, count,
+                           stages::FindParts{view_of(sheet_pairs_), view_of(close), parts, view_of(boxes), view_of(slabs),
+                                             view_of(masks_), view_of(counts_)});
+        found.resize(tools_.place(scan, counts_, offsets_));
+        executor_.for_each("list_parts", count,
+                           stages::ListParts{view_of(close), parts, view_of(masks_), view_of(offsets_), view_of(found)});
+    }
+
     /// Boxes over the step, of the bodies that matter, and vertices around which nothing folds.
     void bound(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
+        section_counts_.resize(bodies);
         block_counts_.resize(bodies);
         counts_.resize(bodies);
-        executor_.for_each(
-            "count_sheet_items", bodies,
-            stages::CountSheetItems{scene.bodies, view_of(wanted_), view_of(block_counts_), view_of(counts_)});
+        executor_.for_each("count_sheet_items", bodies,
+                           stages::CountSheetItems{scene.bodies, view_of(wanted_), view_of(section_counts_),
+                                                   view_of(block_counts_), view_of(counts_)});
         const Count vertices = tools_.place("vertex_scan", counts_, vertex_offsets_);
         vertices_.resize(vertices);
         executor_.for_each("move_vertices", vertices,
@@ -119,23 +126,25 @@ private:
         const stages::SheetBodies sheet_bodies = bodies_of(scene);
         flat_.resize(vertices);
         executor_.for_each("find_flat_stars", vertices, stages::FindFlatStars{sheet_bodies, view_of(flat_)});
+        const Count sections = tools_.place("sheet_section_scan", section_counts_, section_offsets_);
         const Count blocks = tools_.place("sheet_block_scan", block_counts_, block_offsets_);
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
         triangle_boxes_.resize(groups);
         group_boxes_.resize(blocks);
-        // Blocks have their boxes in sixteens, too, the last of which may not be full.
-        block_boxes_.resize(blocks);
-        executor_.for_each("empty_boxes", blocks, stages::EmptyBoxes{view_of(block_boxes_)});
         placed_.resize(triangles);
-        executor_.for_each(
-            "place_triangles", triangles,
-            stages::PlaceTriangles{sheet_bodies, view_of(block_offsets_), view_of(placed_), view_of(triangle_boxes_)});
+        executor_.for_each("place_triangles", triangles,
+                           stages::PlaceTriangles{sheet_bodies, view_of(block_offsets_), view_of(flat_), view_of(placed_),
+                                                  view_of(triangle_boxes_)});
         group_slabs_.resize(groups);
         block_slabs_.resize(blocks);
-        executor_.for_each("slabs_around", groups, stages::SlabOfTriangles{view_of(placed_), view_of(group_slabs_)});
+        executor_.for_each("bound_groups", groups,
+                           stages::BoundGroups{view_of(placed_), view_of(group_slabs_), view_of(group_boxes_)});
         executor_.for_each("slabs_around", blocks, stages::SlabAround{view_of(group_slabs_), view_of(block_slabs_)});
-        executor_.for_each("box_groups", groups, stages::BoxAround{view_of(triangle_boxes_), view_of(group_boxes_)});
-        executor_.for_each("box_blocks", blocks, stages::BoxAround{view_of(group_boxes_), view_of(block_boxes_)});
+        block_boxes_.resize(sections);
+        section_begins_.resize(sections);
+        executor_.for_each("place_blocks", constants::group_size * sections,
+                           stages::PlaceBlocks{view_of(section_offsets_), view_of(block_offsets_), view_of(block_counts_),
+                                               view_of(group_boxes_), view_of(block_boxes_), view_of(section_begins_)});
     }
 
     /// Their features, and which of those are contacts.
@@ -151,9 +160,10 @@ private:
                            stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(placed_),
                                                     view_of(triangles_), view_of(rows_), view_of(masks_), view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
-        executor_.for_each("list_features", pair_count,
-                           stages::ListFeatures{scene.bodies, view_of(sheet_pairs_), view_of(placed_), view_of(triangles_),
-                                                view_of(masks_), view_of(offsets_), view_of(features_)});
+        executor_.for_each(
+            "list_features", pair_count,
+            stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_), view_of(placed_),
+                                 view_of(triangles_), view_of(masks_), view_of(offsets_), view_of(features_)});
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
         const Count count = count_of(features_);
         meetings_.resize(count);
@@ -186,13 +196,12 @@ private:
             "key_sheet_contacts", kept,
             stages::KeySheetContacts{view_of(features_), view_of(kept_), bits_, view_of(keys_), view_of(order_)});
         executor_.sort("sheet_sort", kept, pair_bits + 3 + static_cast<int>(bits_), view_of(keys_), view_of(order_));
-        executor_.for_each("remember_contact", kept,
-                           stages::RememberContact{view_of(pairs), view_of(features_), view_of(meetings_), view_of(order_),
-                                                   memory, view_of(records_)});
-        executor_.for_each(
-            "fill_sheet_contact", kept,
-            stages::FillSheetContact{bodies_of(scene), scene.ids, view_of(pairs), view_of(features_), view_of(meetings_),
-                                     view_of(order_), view_of(records_), view_of(deepest_), view_of(contacts_)});
+        ages_.resize(kept);
+        executor_.for_each("find_age", kept, stages::FindAge{view_of(features_), view_of(order_), memory, view_of(ages_)});
+        executor_.for_each("fill_sheet_contact", kept,
+                           stages::FillSheetContact{bodies_of(scene), scene.ids, view_of(pairs), view_of(features_),
+                                                    view_of(meetings_), view_of(order_), view_of(ages_), view_of(records_),
+                                                    view_of(deepest_), view_of(contacts_)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {
@@ -203,12 +212,13 @@ private:
     E& executor_;
     Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
-    Buffer<std::uint32_t> wanted_, block_counts_, block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
-    Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_;
+    Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, block_counts_, block_offsets_,
+        vertex_offsets_, row_offsets_, rows_, flat_;
+    Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_, ages_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
     Buffer<stages::PlacedTriangle> placed_;
     Buffer<stages::Slab> group_slabs_, block_slabs_;
-    Buffer<stages::ClosePair> blocks_, groups_;
+    Buffer<stages::ClosePair> sections_, blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;
     Buffer<stages::FeaturePair> features_;
     Buffer<stages::SheetMeeting> meetings_;

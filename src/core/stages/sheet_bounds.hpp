@@ -41,12 +41,21 @@ struct SheetBodies {
     PIERCE_HD SheetBody operator[](std::uint32_t body) const {
         return {views[body], views[body].mesh, vertices.data + vertex_offsets[body]};
     }
+
+    /// A vertex by its place among those of all bodies.
+    PIERCE_HD MovingPoint vertex(std::uint32_t place) const {
+        const MovingVertex m = read_whole(vertices[place]);
+        return {to_double(m.start), to_double(m.end)};
+    }
 };
 
 /// A triangle during the step, in world space, relative to `origin`.
 struct MovingTriangle {
     MovingPoint corner[3];
 
+    PIERCE_HD MovingTriangle(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, Vec3d origin)
+        : corner{
+              {a.start - origin, a.end - origin}, {b.start - origin, b.end - origin}, {c.start - origin, c.end - origin}} {}
     PIERCE_HD MovingTriangle(const SheetBody& body, std::uint32_t triangle, Vec3d origin) {
         const Triangle& t = body.mesh.triangles[triangle];
         for (int k = 0; k < 3; ++k) {
@@ -173,10 +182,21 @@ struct alignas(16) PlacedTriangle {
     Vec3f start[3], end[3];
     std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no part
     std::uint32_t own = 0;                 ///< TriangleFeatures::own
+    /// Its vertices around which nothing folds (flat_stars.hpp); no_vertex for the others.
+    std::uint32_t flat[3] = {no_vertex, no_vertex, no_vertex};
+    std::uint32_t padding = 0;
 
     PIERCE_HD Vec3d end_normal() const {
         const Vec3d a = to_double(end[0]);
         return cross(to_double(end[1]) - a, to_double(end[2]) - a);
+    }
+
+    /// True if another triangle of the same body hangs together with it around such a vertex.
+    PIERCE_HD bool shares_flat_star(const PlacedTriangle& other) const {
+        bool shares = false;
+        for (std::uint32_t v : flat)
+            shares |= v != no_vertex && (v == other.flat[0] || v == other.flat[1] || v == other.flat[2]);
+        return shares;
     }
 };
 
@@ -184,6 +204,7 @@ struct alignas(16) PlacedTriangle {
 struct PlaceTriangles {
     SheetBodies bodies;
     View<const std::uint32_t> block_offsets;  ///< per body
+    View<const std::uint32_t> flat;           ///< per vertex
     View<PlacedTriangle> placed;
     View<Boxes> boxes;  ///< per group
 
@@ -200,6 +221,7 @@ struct PlaceTriangles {
             const Triangle t = body.mesh.triangles[p.triangle];
             for (int k = 0; k < 3; ++k) {
                 const MovingVertex v = read_whole(body.vertices[t.vertex[k]]);
+                if (flat[bodies.vertex_offsets[block.owner] + t.vertex[k]]) p.flat[k] = t.vertex[k];
                 p.start[k] = v.start;
                 p.end[k] = v.end;
                 box.extend(to_double(v.start));
@@ -284,17 +306,27 @@ struct SlabFrame {
     }
 };
 
-/// Per group: the slab around its triangles.
-struct SlabOfTriangles {
+/// Per group: the slab and the box around its triangles.
+struct BoundGroups {
     View<const PlacedTriangle> placed;
     View<Slab> slabs;
+    View<Boxes> boxes;  ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const PlacedTriangle* const part = placed.data + i * constants::group_size;
         std::uint32_t count = 0;
         Vec3d normal;
-        for (; count < constants::group_size && part[count].triangle != no_triangle; ++count)
-            normal += read_whole(part[count]).end_normal();
+        Box box;
+        for (; count < constants::group_size; ++count) {
+            const PlacedTriangle t = read_whole(part[count]);
+            if (t.triangle == no_triangle) break;
+            normal += t.end_normal();
+            for (int c = 0; c < 3; ++c) {
+                box.extend(to_double(t.start[c]));
+                box.extend(to_double(t.end[c]));
+            }
+        }
+        boxes[i / constants::group_size].set(i % constants::group_size, box);
         if (count == 0) return write_whole(slabs[i], {});
         const Vec3d origin = to_double(part[0].end[0]);
         const SlabFrame frame(normal);
@@ -340,22 +372,28 @@ struct SlabAround {
     }
 };
 
-/// Per sixteen boxes: none.
-struct EmptyBoxes {
-    View<Boxes> boxes;
+/// Where the parts of sections, or blocks, begin among all blocks, or groups.
+struct Parts {
+    View<const std::uint32_t> begins;  ///< empty: one after the other, sixteen each
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        for (std::uint32_t k = 0; k < constants::group_size; ++k) boxes[i].set(k, {});
+    PIERCE_HD std::uint32_t begin(std::uint32_t whole) const {
+        return begins.size > 0 ? begins[whole] : whole * constants::group_size;
     }
 };
 
-/// Per sixteen boxes: the box around them, one of sixteen itself.
-struct BoxAround {
-    View<const Boxes> parts;
-    View<Boxes> boxes;
+/// Per place of a section: the box of its block; an empty one if there is none. And where the section's blocks begin.
+struct PlaceBlocks {
+    View<const std::uint32_t> section_offsets, block_offsets, blocks;  ///< per body
+    View<const Boxes> boxes;                                           ///< of groups, per block
+    View<Boxes> in_sections;
+    View<std::uint32_t> begins;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        boxes[i / constants::group_size].set(i % constants::group_size, parts[i].all());
+        const std::uint32_t section = i / constants::group_size, k = i % constants::group_size;
+        const OwnedItem item = owned_item(section_offsets, section);
+        const std::uint32_t place = item.index * constants::group_size + k, block = block_offsets[item.owner] + place;
+        if (k == 0) begins[section] = block;
+        in_sections[section].set(k, place < blocks[item.owner] ? boxes[block].all() : Box{});
     }
 };
 

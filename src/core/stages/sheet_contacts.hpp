@@ -8,6 +8,7 @@
 #include "pierce/core/continuous.hpp"
 #include "pierce/core/stages/count.hpp"
 #include "pierce/core/stages/sheet_memory.hpp"
+#include "pierce/core/warp.hpp"
 
 /// Sheets, third part: which of the features found are contacts, and on which side.
 ///
@@ -27,8 +28,9 @@ struct alignas(16) SheetMeeting {
     Found found = Found::near;
     std::int8_t side = 0;
     bool unknown = false;
-    std::uint8_t padding[13] = {};
+    std::uint8_t padding[5] = {};
 };
+static_assert(sizeof(SheetMeeting) == 80);
 
 /// What is said of two features.
 enum class Verdict : std::uint32_t { nothing, contact, undecided };
@@ -52,16 +54,23 @@ struct MeetFeatures {
     PIERCE_HD void operator()(std::uint32_t item) const {
         const std::uint32_t i = searching ? undecided[item] : item;
         const FeaturePair f = read_whole(features[i]);
+        const SheetPair pair = read_whole(sheet_pairs[f.pair]);
+        // Whatever they are, their vertices are read side by side; places of one body or the other are not looked up again.
+        MovingPoint p[4];
+        for (int k = 0; k < 4; ++k) p[k] = bodies.vertex(f.vertex[k]);
         SheetMeeting m;
         Verdict verdict = Verdict::nothing;
         if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
-            verdict = vertex_and_triangle(f, m);
+            verdict = vertex_and_triangle(f, pair, p, m);
         else if (f.kind == FeatureKind::edges)
-            verdict = two_edges(f, m);
+            verdict = two_edges(f, pair, p, m);
         else
-            verdict = said(piercing(f, m));
+            verdict = said(piercing(f, pair, m));
         verdicts[i] = static_cast<std::uint32_t>(verdict);
-        if (verdict == Verdict::contact) write_whole(meetings[i], m);
+        if constexpr (searching)
+            write_whole(meetings[i], m);
+        else
+            write_side_by_side(meetings.data, i, m);
     }
 
 private:
@@ -77,17 +86,16 @@ private:
 
     PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
 
-    PIERCE_HD Verdict vertex_and_triangle(const FeaturePair& f, SheetMeeting& m) const {
-        const SheetBody of_vertex = holder(f), of_face = target(f);
-        const Vec3d origin = of_face.vertex(of_face.mesh.triangles[f.other].vertex[0]).end;
-        const MovingTriangle face(of_face, f.other, origin);
-        const MovingPoint p = relative(of_vertex.vertex(f.item), origin);
+    PIERCE_HD Verdict vertex_and_triangle(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
+                                          SheetMeeting& m) const {
+        const Vec3d origin = point[1].end;
+        const MovingTriangle face(point[1], point[2], point[3], origin);
+        const MovingPoint p = relative(point[0], origin);
         const Vec3d normal = normalized(face.end_normal());
         const double height = dot(normal, p.end - face.corner[0].end);
         const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
 
-        // Looking into the memory takes longer than all the rest: only where it matters.
-        const bool close = above && std::fabs(height) < sheet_pairs[f.pair].margin;
+        const bool close = above && std::fabs(height) < pair.margin;
         const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) != (height < 0);
         Impact impact;
         bool met = false;
@@ -97,15 +105,15 @@ private:
                  (!f.separate && !vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2])))
             return Verdict::undecided;
         if (!met && !close) return Verdict::nothing;
-        const std::int32_t remembered = memory.side(f, of_face.mesh.triangles);
+        // Looking into the memory takes longer than all the rest: only where it matters.
+        const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles) : 0;
         m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
         // What is inside a solid is pushed out along a ray.
-        if (of_face.view.is_solid() && m.side < 0) return Verdict::nothing;
+        if (pair.is_solid[1 - side_of(f.kind)] && m.side < 0) return Verdict::nothing;
 
         const double gap = m.side * height;
-        const bool through = above && remembered != 0 && gap < 0 && -gap < sheet_pairs[f.pair].margin;
-        const double thickness = sheet_pairs[f.pair].thickness;
-        const bool near = above && std::fabs(height) < thickness && gap < proximity(f, thickness, of_vertex, of_face);
+        const bool through = above && remembered != 0 && gap < 0 && -gap < pair.margin;
+        const bool near = above && std::fabs(height) < pair.thickness && gap < proximity_of_vertex(f, pair);
         if (!met && !near && !through) return Verdict::nothing;
         m.out = static_cast<double>(m.side) * normal;
         m.distance = gap;
@@ -163,7 +171,7 @@ private:
         const Vec3d origin = of_face.vertex(of_face.mesh.triangles[f.other].vertex[0]).end;
         for (std::uint32_t neighbor : of_face.mesh.neighbors[f.other].across) {
             if (neighbor == no_triangle) continue;
-            if (pairs[f.pair].is_self() && has_vertex(of_face.mesh.triangles[neighbor], f.item)) continue;
+            if (sheet_pairs[f.pair].is_self() && has_vertex(of_face.mesh.triangles[neighbor], f.item)) continue;
             const MovingTriangle face(of_face, neighbor, origin);
             Impact impact;
             if (vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact)) return true;
@@ -172,33 +180,29 @@ private:
     }
 
     /// How close counts as near: the thickness; of a body to itself, no more than half of how close the two are at rest.
-    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const SheetBody& of_vertex,
-                               const SheetBody& of_face) const {
-        if (!pairs[f.pair].is_self()) return thickness;
-        const Triangle& t = of_face.mesh.triangles[f.other];
-        const Vec3d p = to_double(of_vertex.mesh.positions[f.item]);
-        const Vec3d q = closest_on_triangle(p, to_double(of_face.mesh.positions[t.vertex[0]]),
-                                            to_double(of_face.mesh.positions[t.vertex[1]]),
-                                            to_double(of_face.mesh.positions[t.vertex[2]]));
-        return min_of(thickness, 0.5 * length(p - q));
+    PIERCE_HD double proximity_of_vertex(const FeaturePair& f, const SheetPair& pair) const {
+        if (!pair.is_self()) return pair.thickness;
+        Vec3d rest[4];
+        at_rest(f, pair, rest);
+        return min_of(pair.thickness, 0.5 * length(rest[0] - closest_on_triangle(rest[0], rest[1], rest[2], rest[3])));
+    }
+    PIERCE_HD double proximity_of_edges(const FeaturePair& f, const SheetPair& pair) const {
+        if (!pair.is_self()) return pair.thickness;
+        Vec3d rest[4];
+        at_rest(f, pair, rest);
+        return min_of(pair.thickness, 0.5 * segment_distance(rest[0], rest[1], rest[2], rest[3]));
+    }
+    PIERCE_HD void at_rest(const FeaturePair& f, const SheetPair& pair, Vec3d (&rest)[4]) const {
+        const View<const Vec3f> positions = bodies.views[pair.first].mesh.positions;
+        const std::uint32_t offset = bodies.vertex_offsets[pair.first];
+        for (int k = 0; k < 4; ++k) rest[k] = to_double(positions[f.vertex[k] - offset]);
     }
 
-    PIERCE_HD double proximity(const FeaturePair& f, double thickness, const SheetBody& a, const Edge& ea,
-                               const SheetBody& b, const Edge& eb) const {
-        if (!pairs[f.pair].is_self()) return thickness;
-        return min_of(
-            thickness,
-            0.5 * segment_distance(to_double(a.mesh.positions[ea.vertex[0]]), to_double(a.mesh.positions[ea.vertex[1]]),
-                                   to_double(b.mesh.positions[eb.vertex[0]]), to_double(b.mesh.positions[eb.vertex[1]])));
-    }
-
-    PIERCE_HD Verdict two_edges(const FeaturePair& f, SheetMeeting& m) const {
-        const SheetBody a = bodies[pairs[f.pair].a], b = bodies[pairs[f.pair].b];
-        const Edge &ea = a.mesh.edges[f.item], &eb = b.mesh.edges[f.other];
-        const MovingPoint first = a.vertex(ea.vertex[0]);
-        const Vec3d origin = first.end;
-        const MovingPoint p = relative(first, origin), q = relative(a.vertex(ea.vertex[1]), origin),
-                          r = relative(b.vertex(eb.vertex[0]), origin), s = relative(b.vertex(eb.vertex[1]), origin);
+    PIERCE_HD Verdict two_edges(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
+                                SheetMeeting& m) const {
+        const Vec3d origin = point[0].end;
+        const MovingPoint p = relative(point[0], origin), q = relative(point[1], origin), r = relative(point[2], origin),
+                          s = relative(point[3], origin);
         const SegmentPlaces at = closest_points_of_segments(p.end, q.end, r.end, s.end);
         const bool between = at.first > 0 && at.first < 1 && at.second > 0 && at.second < 1;
         Vec3d way = p.end + at.first * (q.end - p.end) - r.end - at.second * (s.end - r.end);
@@ -211,8 +215,7 @@ private:
         else if (!f.separate && !edges_surely_miss(p, q, r, s))
             return Verdict::undecided;
         if (!met) {
-            if (!between || !(m.distance > 0) || !(m.distance < proximity(f, sheet_pairs[f.pair].thickness, a, ea, b, eb)))
-                return Verdict::nothing;
+            if (!between || !(m.distance > 0) || !(m.distance < proximity_of_edges(f, pair))) return Verdict::nothing;
             m.out = normalized(way);
             set_places(m, at.first, at.second);
             return Verdict::contact;
@@ -245,16 +248,15 @@ private:
 
     /// An edge that has been through a triangle since before the step began: a contact only if nobody knows which way it
     /// came. Moving it along the gradient of the contour's length makes the two part (Volino and Magnenat-Thalmann 2006).
-    PIERCE_HD bool piercing(const FeaturePair& f, SheetMeeting& m) const {
+    PIERCE_HD bool piercing(const FeaturePair& f, const SheetPair& pair, SheetMeeting& m) const {
+        if (pair.is_solid[0] || pair.is_solid[1]) return false;
         const SheetBody of_edge = holder(f), of_face = target(f);
         const View<const Triangle> triangles = of_face.mesh.triangles;
         const FeatureKind vertices =
-            side_of(f.kind) == 0 || pairs[f.pair].is_self() ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
+            side_of(f.kind) == 0 || pair.is_self() ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
         const Edge& e = of_edge.mesh.edges[f.item];
         for (std::uint32_t v : e.vertex)
-            if (memory.knows(f.pair, vertices, v, f.other, triangles)) return false;
-        if (of_face.view.is_solid() || of_edge.view.is_solid()) return false;
-
+            if (pair.was_through && memory.knows(f.pair, vertices, v, f.other, triangles)) return false;
         const Triangle& t = triangles[f.other];
         const Vec3d a = of_face.vertex(t.vertex[0]).end, b = of_face.vertex(t.vertex[1]).end - a,
                     c = of_face.vertex(t.vertex[2]).end - a;
@@ -311,30 +313,16 @@ struct KeySheetContacts {
     }
 };
 
-/// Per contact in their order: what the next step will know of it. Reads the memory of the last step.
-struct RememberContact {
-    View<const Pair> pairs;
+/// Per contact in their order: for how many steps it has been one. Reads the memory of the last step.
+struct FindAge {
     View<const FeaturePair> features;
-    View<const SheetMeeting> meetings;
     View<const std::uint32_t> order;
     SheetMemory memory;
-    View<SheetRecord> records;
+    View<std::uint32_t> ages;
 
-    static constexpr int threads_at_once = 1536;  // it waits for memory, looking for the same contact in the last step
+    static constexpr int threads_at_once = 1536;  // it waits for memory
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const FeaturePair f = read_whole(features[order[i]]);
-        const SheetMeeting& m = meetings[order[i]];
-        SheetRecord record;
-        record.other = f.other;
-        record.age = memory.age(f);
-        record.side = m.distance < 0 ? m.side : std::int8_t{0};
-        record.found = m.found;
-        record.is_self = pairs[f.pair].is_self();
-        record.is_edge = f.kind != FeatureKind::vertex_of_a && f.kind != FeatureKind::vertex_of_b;
-        record.distance = m.distance;
-        records[i] = record;
-    }
+    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[order[i]])); }
 };
 
 /// What a contact adds to the sums, by its record.
@@ -360,17 +348,19 @@ struct CountSheetContact {
     }
 };
 
-/// Per contact of a sheet: everything in it.
+/// Per contact of a sheet: everything in it, and what the next step will know of it.
 struct FillSheetContact {
     SheetBodies bodies;
     View<const BodyId> ids;
     View<const Pair> pairs;
     View<const FeaturePair> features;
     View<const SheetMeeting> meetings;
-    View<const std::uint32_t> order;
-    View<const SheetRecord> records;
+    View<const std::uint32_t> order, ages;
+    View<SheetRecord> records;
     View<std::uint32_t> deepest;  ///< per pair
     View<Contact> contacts;
+
+    static constexpr int threads_at_once = 512;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const FeaturePair f = read_whole(features[order[i]]);
@@ -386,13 +376,14 @@ struct FillSheetContact {
         c.found = m.found;
         c.unknown_side = m.unknown;
         c.time = m.time;
-        c.age = records[i].age;
+        c.age = ages[i];
         c.distance = m.distance;
         const bool is_vertex = f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b;
-        Vec3d p;
+        Vec3d p, corner[3];
         if (is_vertex) {
             c.vertex = f.item;
-            p = source.vertex(f.item).end;
+            p = bodies.vertex(f.vertex[0]).end;
+            for (int k = 0; k < 3; ++k) corner[k] = bodies.vertex(f.vertex[k + 1]).end;
         } else {
             const Edge& edge = source.mesh.edges[f.item];
             c.edge = f.item;
@@ -413,14 +404,24 @@ struct FillSheetContact {
             c.triangle = f.other;
             for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight[k];
         }
-        const MovingTriangle face(target, c.triangle, {});
+        if (!is_vertex)
+            for (int k = 0; k < 3; ++k) corner[k] = target.vertex(target.mesh.triangles[c.triangle].vertex[k]).end;
         Vec3d q;
-        for (int k = 0; k < 3; ++k) q += c.barycentric[k] * face.corner[k].end;
+        for (int k = 0; k < 3; ++k) q += c.barycentric[k] * corner[k];
         c.point_a = from_b ? q : p;
         c.point_b = from_b ? p : q;
         c.normal = from_b ? m.out : -m.out;
-        c.face_normal = normalized(face.end_normal());
-        write_whole(contacts[i], c);
+        c.face_normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+        write_side_by_side(contacts.data, i, c);
+        SheetRecord record;
+        record.other = f.other;
+        record.age = c.age;
+        record.side = m.distance < 0 ? m.side : std::int8_t{0};
+        record.found = m.found;
+        record.is_self = pair.is_self();
+        record.is_edge = !is_vertex;
+        record.distance = m.distance;
+        records[i] = record;
         if (is_vertex && m.distance < 0)
             atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.view.range))));
     }

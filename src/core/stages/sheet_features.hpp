@@ -69,6 +69,9 @@ struct alignas(16) FeaturePair {
     FeatureKind kind = FeatureKind::vertex_of_a;
     bool separate = false;  ///< it is known that they do not meet
     std::uint8_t padding[2] = {};
+    /// Their vertices, by their places among those of all bodies: of a vertex and a triangle, itself and the corners; of
+    /// edges, the ends of both. Of others nothing.
+    std::uint32_t vertex[4] = {};
 };
 
 /// True if a segment runs through a triangle, from one side to the other. Strictly: touching is not piercing.
@@ -274,6 +277,7 @@ private:
 /// Per pair of triangles: lists the features of its mask.
 struct ListFeatures {
     View<const BodyView> bodies;
+    View<const std::uint32_t> vertex_offsets;  ///< per body
     View<const SheetPair> pairs;
     View<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
@@ -293,24 +297,50 @@ struct ListFeatures {
 private:
     /// `a`, `b`: triangles of the pair's bodies.
     PIERCE_HD FeaturePair feature(std::uint32_t p, std::uint32_t a, std::uint32_t b, std::uint32_t bit) const {
-        const SheetPair& pair = pairs[p];
+        const SheetPair pair = read_whole(pairs[p]);
         const MeshView &first = bodies[pair.first].mesh, &second = bodies[pair.second].mesh;
+        const std::uint32_t at_first = vertex_offsets[pair.first], at_second = vertex_offsets[pair.second];
         // In a body itself, which of the two it is matters to nobody.
-        const bool self = pair.first == pair.second;
-        if (bit < FeatureBits::vertex_of_second) return {p, first.triangles[a].vertex[bit], b, FeatureKind::vertex_of_a};
-        if (bit < FeatureBits::edges)
-            return {p, second.triangles[b].vertex[bit - FeatureBits::vertex_of_second], a,
-                    self ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b};
-        if (bit >= FeatureBits::piercing_second)
-            return {p, second.features[b].edge[bit - FeatureBits::piercing_second], a,
-                    self ? FeatureKind::piercing_edge_of_a : FeatureKind::piercing_edge_of_b};
-        if (bit >= FeatureBits::piercing_first)
-            return {p, first.features[a].edge[bit - FeatureBits::piercing_first], b, FeatureKind::piercing_edge_of_a};
-        const std::uint32_t e = first.features[a].edge[(bit - FeatureBits::edges) / 3],
-                            f = second.features[b].edge[(bit - FeatureBits::edges) % 3];
-        // The smaller one first where both are of one body: the same two are always the same.
-        const bool turn = self && f < e;
-        return {p, turn ? f : e, turn ? e : f, FeatureKind::edges};
+        const bool self = pair.is_self();
+        FeaturePair f;
+        f.pair = p;
+        if (bit < FeatureBits::vertex_of_second) {
+            f.item = first.triangles[a].vertex[bit];
+            f.other = b;
+            f.kind = FeatureKind::vertex_of_a;
+            set_vertices(f, at_first + f.item, second.triangles[b], at_second);
+        } else if (bit < FeatureBits::edges) {
+            f.item = second.triangles[b].vertex[bit - FeatureBits::vertex_of_second];
+            f.other = a;
+            f.kind = self ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
+            set_vertices(f, at_second + f.item, first.triangles[a], at_first);
+        } else if (bit < FeatureBits::piercing_first) {
+            const std::uint32_t mine = first.features[a].edge[(bit - FeatureBits::edges) / 3],
+                                others = second.features[b].edge[(bit - FeatureBits::edges) % 3];
+            // The smaller one first where both are of one body: the same two are always the same.
+            const bool turn = self && others < mine;
+            f.item = turn ? others : mine;
+            f.other = turn ? mine : others;
+            f.kind = FeatureKind::edges;
+            for (int k = 0; k < 2; ++k) {
+                f.vertex[k] = at_first + first.edges[f.item].vertex[k];
+                f.vertex[2 + k] = at_second + second.edges[f.other].vertex[k];
+            }
+        } else if (bit < FeatureBits::piercing_second) {
+            f.item = first.features[a].edge[bit - FeatureBits::piercing_first];
+            f.other = b;
+            f.kind = FeatureKind::piercing_edge_of_a;
+        } else {
+            f.item = second.features[b].edge[bit - FeatureBits::piercing_second];
+            f.other = a;
+            f.kind = self ? FeatureKind::piercing_edge_of_a : FeatureKind::piercing_edge_of_b;
+        }
+        return f;
+    }
+
+    PIERCE_HD static void set_vertices(FeaturePair& f, std::uint32_t vertex, const Triangle& t, std::uint32_t offset) {
+        f.vertex[0] = vertex;
+        for (int k = 0; k < 3; ++k) f.vertex[k + 1] = offset + t.vertex[k];
     }
 };
 
