@@ -15,6 +15,9 @@ namespace detail {
 struct AnyStage {
     PIERCE_HD void operator()(std::uint32_t) const {}
 };
+struct AnyWork {
+    void operator()() const {}
+};
 struct AnyTest {
     PIERCE_HD bool operator()(std::uint32_t) const { return true; }
 };
@@ -44,6 +47,8 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
     executor.settle();
+    executor.beside(detail::AnyWork{});
+    executor.join();
 };
 
 /// A vector whose new elements are left as they are: every stage writes all it reads.
@@ -113,6 +118,13 @@ public:
 
     /// Stages are over when their call is.
     void settle() const {}
+
+    /// Work that needs nothing of what comes until join(), nor is needed by it.
+    template <class Work>
+    void beside(const Work& work) {
+        work();
+    }
+    void join() {}
 
     template <class T>
     T first(const HostBuffer<T>& buffer) const {

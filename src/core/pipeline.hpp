@@ -49,8 +49,13 @@ public:
         recall(scene);
         tools_.begin();
 
+        // On a device sheets are placed before it is known which have a partner; where there are others, those would be,
+        // too.
+        if (!E::runs_on_host && scene.plan->sheets && !scene.plan->casts_rays)
+            time("sheets", [&] { executor_.beside([&] { sheets_.bound_all(scene); }); });
         time("bounds", [&] { bounds(scene); });
         time("pairs", [&] { pairs(scene); });
+        executor_.join();
         if (scene.plan->sheets) time("sheets", [&] { sheets(scene); });
         forget_rays();
         if (scene.plan->casts_rays) cast_rays(scene, time);

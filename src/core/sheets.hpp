@@ -20,6 +20,13 @@ public:
 
     explicit Sheets(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
+    /// Where all bodies are over the step; find() need not find it out then.
+    void bound_all(const Scene& scene) {
+        executor_.assign(wanted_, scene.bodies.size, 1u);
+        bound(scene);
+        is_bound_ = true;
+    }
+
     /// All contacts of sheets, sorted by pair, kind and feature. `links`: which of last step's pairs each pair was.
     void find(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         bits_ = scene.plan->feature_bits;
@@ -50,11 +57,12 @@ private:
         const Count pair_count = count_of(pairs);
         const std::uint32_t bodies = scene.bodies.size;
         sheet_pairs_.resize(pair_count);
-        executor_.assign(wanted_, bodies, 0u);
+        if (!is_bound_) executor_.assign(wanted_, bodies, 0u);
         executor_.for_each("plan_sheet_pair", pair_count,
                            stages::PlanSheetPair{scene.bodies, view_of(pairs), links, view_of(last_deepest_),
                                                  view_of(sheet_pairs_), view_of(wanted_)});
-        bound(scene);
+        if (!is_bound_) bound(scene);
+        is_bound_ = false;
 
         counts_.resize(pair_count);
         executor_.for_each("count_rows", pair_count,
@@ -210,6 +218,7 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
+    bool is_bound_ = false;  ///< bound_all() was called in this step
     Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, block_counts_, block_offsets_,

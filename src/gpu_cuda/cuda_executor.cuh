@@ -31,7 +31,10 @@ public:
 
     CudaExecutor() {
         using cuda::check;
-        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "a stream");
+        for (cudaStream_t* stream : {&stream_, &side_.stream})
+            check(cudaStreamCreateWithFlags(stream, cudaStreamNonBlocking), "a stream");
+        for (cudaEvent_t* event : {&forked_, &joined_})
+            check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
         totals_.resize(2 * most_totals);
         overflow_.resize(1);
         check(cudaHostAlloc(&host_totals_, (2 * most_totals + 1) * sizeof(std::uint32_t), cudaHostAllocDefault),
@@ -42,7 +45,8 @@ public:
     CudaExecutor(const CudaExecutor&) = delete;
     ~CudaExecutor() {
         cudaFreeHost(host_totals_);
-        cudaStreamDestroy(stream_);
+        for (cudaEvent_t event : {forked_, joined_}) cudaEventDestroy(event);
+        for (cudaStream_t stream : {stream_, side_.stream}) cudaStreamDestroy(stream);
     }
 
     cudaStream_t stream() const { return stream_; }
@@ -72,10 +76,28 @@ public:
         return false;
     }
 
+    /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own.
+    template <class Work>
+    void beside(const Work& work) {
+        if (!bounded_) return work();
+        cuda::check(cudaEventRecord(forked_, stream_), "an event");
+        cuda::check(cudaStreamWaitEvent(side_.stream, forked_), "an event");
+        swap_sides();
+        work();
+        swap_sides();
+        cuda::check(cudaEventRecord(joined_, side_.stream), "an event");
+        is_forked_ = true;
+    }
+    void join() {
+        if (is_forked_) cuda::check(cudaStreamWaitEvent(stream_, joined_), "an event");
+        is_forked_ = false;
+    }
+
     template <class F>
     void for_each(const char*, Count n, const F& stage) {
         if (n.bound == 0) return;
-        const std::uint32_t threads = n.bound < cuda::many_items ? cuda::few_threads : cuda::block_threads;
+        const std::uint32_t threads =
+            n.bound < cuda::many_items || cuda::is_uneven<F>() ? cuda::few_threads : cuda::block_threads;
         cuda::run_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
         cuda::check(cudaGetLastError(), "a launch");
     }
@@ -245,6 +267,13 @@ private:
         return noted(name, to);
     }
 
+    void swap_sides() {
+        std::swap(stream_, side_.stream);
+        std::swap(scratch_, side_.scratch);
+        std::swap(sorted_keys_, side_.sorted_keys);
+        std::swap(sorted_values_, side_.sorted_values);
+    }
+
     void take_sorted(std::uint32_t count, View<std::uint64_t> keys, View<std::uint32_t> values) {
         for_each("take_sorted", count, cuda::CopySorted{sorted_keys_.data(), sorted_values_.data(), keys.data, values.data});
     }
@@ -267,6 +296,15 @@ private:
     Buffer<std::byte> scratch_;
     Buffer<std::uint64_t> sorted_keys_;
     Buffer<std::uint32_t> sorted_values_;
+    /// What work beside the rest has of its own.
+    struct {
+        cudaStream_t stream = nullptr;
+        Buffer<std::byte> scratch;
+        Buffer<std::uint64_t> sorted_keys;
+        Buffer<std::uint32_t> sorted_values;
+    } side_;
+    cudaEvent_t forked_ = nullptr, joined_ = nullptr;
+    bool is_forked_ = false;
 };
 
 static_assert(Executor<CudaExecutor>);

@@ -43,6 +43,16 @@ constexpr int blocks_at_once() {
         return 1;
 }
 
+/// True for a stage whose threads take very different times (`static constexpr bool is_uneven = true`): a small block makes
+/// room for the next one sooner.
+template <class F>
+constexpr bool is_uneven() {
+    if constexpr (requires { F::is_uneven; })
+        return F::is_uneven;
+    else
+        return false;
+}
+
 template <class F>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     run_stage(const __grid_constant__ F stage, const Items items) {

@@ -20,6 +20,7 @@ struct Trace {
     View<const Candidates> candidates;
     View<Hit> hits;
 
+    static constexpr bool is_uneven = true;
     static constexpr int threads_at_once = 512;  // measured: 384 and 768 are a tenth and a quarter slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {

@@ -24,6 +24,8 @@ struct FindCandidates {
     View<Candidates> candidates;
     View<TreeWork> work;  ///< per tree
 
+    static constexpr bool is_uneven = true;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Ray ray = rays[i];
         if (!(ray.t_max >= 0)) return;

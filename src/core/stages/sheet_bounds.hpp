@@ -3,7 +3,7 @@
 #include "pierce/core/body.hpp"
 #include "pierce/core/moving_point.hpp"
 #include "pierce/core/quick_vec3.hpp"
-#include "pierce/core/whole.hpp"
+#include "pierce/core/warp.hpp"
 
 /// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs around triangles, groups of sixteen
 /// triangles and blocks of sixteen groups.
@@ -228,7 +228,7 @@ struct PlaceTriangles {
                 box.extend(to_double(v.end));
             }
         }
-        write_whole(placed[i], p);
+        write_side_by_side(placed.data, i, p);
         boxes[group].set(i % constants::group_size, box);
     }
 };

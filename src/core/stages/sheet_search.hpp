@@ -204,6 +204,7 @@ struct CullTriangles {
     View<const PlacedTriangle> placed;
     View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
 
+    static constexpr int threads_at_once = 768;
     static constexpr std::uint32_t separate_shift = constants::group_size;  ///< of the bits for those that do not meet
 
     PIERCE_HD void operator()(std::uint32_t i) const {
