@@ -291,6 +291,53 @@ TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
     }
 }
 
+TEST_P(SheetsTest, SheetsOfSeveralSectionsAreSearchedWhole) {
+    // 6272 triangles each, where a section has 4096; every vertex against every triangle of the other, by definition.
+    constexpr double thickness = 0.04, doubt = 1e-9;
+    test::Random random(12);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::vector<MeshData> sheets;
+    std::vector<BodyId> bodies;
+    for (int s = 0; s < 2; ++s) {
+        sheets.push_back(
+            flat(56, 0.1f, {0.03f * static_cast<float>(s), 0.02f * static_cast<float>(s), 0.042f * static_cast<float>(s)}));
+        for (Vec3f& p : sheets.back().positions) p.z += static_cast<float>(random.uniform(0, 0.02));
+        bodies.push_back(add_sheet(world_, sheets.back(), thickness, SelfCollision::off));
+        world_.set_motion(bodies.back(), sheets.back().positions, sheets.back().positions);
+    }
+    world_.detect();
+    std::set<std::tuple<int, std::uint32_t, std::uint32_t>> found;
+    for (const Contact& c : world_.contacts())
+        if (!c.is_edge()) found.insert({static_cast<int>(c.source), c.vertex, c.triangle});
+
+    std::size_t expected = 0, doubtful = 0;
+    for (int side = 0; side < 2; ++side) {
+        const MeshData &from = sheets[static_cast<std::size_t>(side)], &onto = sheets[static_cast<std::size_t>(1 - side)];
+        for (std::uint32_t t = 0; t < onto.triangles.size(); ++t) {
+            Vec3d corner[3];
+            for (int k = 0; k < 3; ++k) corner[k] = to_double(onto.positions[onto.triangles[t].vertex[k]]);
+            const Vec3d n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+            for (std::uint32_t v = 0; v < from.positions.size(); ++v) {
+                const Vec3d p = to_double(from.positions[v]);
+                double inside = thickness - std::fabs(dot(normalized(n), p - corner[0]));
+                if (inside < -doubt) continue;
+                for (int k = 0; k < 3; ++k)
+                    inside = std::min(inside, dot(n, cross(corner[(k + 1) % 3] - corner[k], p - corner[k])) / dot(n, n));
+                const bool has = found.contains({side, v, t});
+                if (std::fabs(inside) < doubt) {
+                    doubtful += has;
+                    continue;
+                }
+                ASSERT_EQ(has, inside > 0) << "side " << side << ", vertex " << v << ", triangle " << t;
+                expected += has;
+            }
+        }
+    }
+    EXPECT_EQ(found.size(), expected + doubtful);
+    EXPECT_GT(expected, 1000u);
+    EXPECT_LT(expected, 6000u) << "some are too far apart";
+}
+
 TEST_P(SheetsTest, ASheetMeetsRigidBodiesThatMove) {
     const MeshData mesh = flat(6, 0.2f, {-0.6f, -0.6f, 0});
     const BodyId body = add_sheet(world_, mesh, 0.02, SelfCollision::off);
