@@ -157,14 +157,14 @@ void World::State::make_plan() {
         if (needed) plan.stages.insert(plan.stages.end(), names.begin(), names.end());
     };
     add(true, {"bounds", "pairs"});
+    add(plan.sheets, {"sheets"});
     add(remembers, {"displacement"});
     add(plan.casts_rays, {"vertex_cull", "ray_gen"});
     add(complete, {"edges"});
     add(remembers, {"walk"});
     add(plan.casts_rays, {"update", "trace", "classify"});
-    add(complete, {"separation"});
     add(plan.meets_itself, {"self"});
-    add(plan.sheets, {"sheets"});
+    add(complete, {"separation"});
     add(plan.reprojects, {"reproject"});
     add(plan.casts_rays, {"contacts"});
     add(remembers, {"remember"});

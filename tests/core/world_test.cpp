@@ -212,6 +212,28 @@ TEST(WorldTest, ThePlanFollowsTheBodies) {
     EXPECT_EQ(world.plan().rigid_bodies, 0u);
 }
 
+TEST(WorldTest, SheetsAloneCastNoRays) {
+    World world;
+    const MeshId grid = world.add_mesh("sheet", scenes::grid(1, 1, 4, 4));
+    const BodyId sheet = world.add_deforming_body(grid);
+    world.set_collision(sheet, {SelfCollision::on, true, 0.1});
+    const BodyId box = world.add_rigid_body(world.add_mesh("box", unit_box()), at(0, 0, 0.05));
+    world.detect();
+    EXPECT_TRUE(world.plan().casts_rays);
+    EXPECT_GT(world.contacts().size(), 0u);
+
+    world.remove_body(box);
+    EXPECT_FALSE(world.plan().casts_rays);
+    EXPECT_THAT(world.plan().stages, testing::ElementsAre("bounds", "pairs", "sheets"));
+    world.detect();
+    EXPECT_EQ(world.contacts().size(), 0u) << "nothing is left of the rays before";
+    EXPECT_EQ(world.stats().rays, 0u);
+    EXPECT_EQ(world.stats().hits, 0u);
+
+    world.set_collision(sheet, {SelfCollision::rays, true, 0.1});
+    EXPECT_TRUE(world.plan().casts_rays);
+}
+
 TEST(WorldTest, CastsRaysAtBodies) {
     TwoBoxes scene(0);
     scene.world.detect();
