@@ -5,6 +5,7 @@
 #include <cub/block/block_scan.cuh>
 
 #include "pierce/core/float_rules.hpp"
+#include "pierce/core/warp.hpp"
 #include "pierce/gpu_cuda/device_count.hpp"
 
 /// What the executor launches: a thread an item, lists continued past their end for CUB, and short lists scanned, selected
@@ -13,7 +14,7 @@ namespace pierce::cuda {
 
 /// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small ones would keep the GPU
 /// waiting for the next block to start: one starts in about 0.7 ns.
-inline constexpr std::uint32_t few_threads = 64, block_threads = 256, many_items = 1u << 18;
+inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads, many_items = 1u << 18;
 
 /// Lists up to this long are scanned and selected from by one block: launches cost more than the work.
 inline constexpr std::uint32_t short_list = 1u << 14;
