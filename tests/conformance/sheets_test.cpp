@@ -334,6 +334,14 @@ TEST_P(SheetsTest, SheetsOfSeveralSectionsAreSearchedWhole) {
         }
     }
     EXPECT_EQ(found.size(), expected + doubtful);
+    // What the step says of itself is what its contacts add up to.
+    const auto contacts = world_.contacts();
+    const StepStats& stats = world_.stats();
+    EXPECT_EQ(stats.contacts, contacts.size());
+    EXPECT_EQ(stats.touching_pairs, 1u);
+    EXPECT_EQ(stats.self_contacts, 0u);
+    EXPECT_EQ(stats.crossings, 0u);
+    EXPECT_EQ(stats.edge_contacts, std::ranges::count_if(contacts, &Contact::is_edge));
     EXPECT_GT(expected, 1000u);
     EXPECT_LT(expected, 6000u) << "some are too far apart";
 }
