@@ -94,9 +94,6 @@ inline constexpr std::uint32_t block_size = 16;
 /// sixteen are near.
 inline constexpr std::uint32_t group_size = 16;
 
-/// Blocks per work item when a deforming body is measured; fixed, so that sums never depend on the thread count.
-inline constexpr std::uint32_t chunk_blocks = 1;
-
 /// Cells along the longest side of a clearance grid. Measured on 100 tori: 96 and 128 save rays, but cost as
 /// much in cache misses, and up to eight times the memory.
 inline constexpr std::uint32_t grid_resolution = 64;

@@ -49,8 +49,8 @@ public:
         recall(scene);
         tools_.begin();
 
-        // On a device sheets are placed before it is known which have a partner; where there are others, those would be,
-        // too.
+        // On a device all bodies are placed while their pairs are looked for; not where there are solids, too, most of which
+        // have no sheet near.
         if (!E::runs_on_host && scene.plan->sheets && !scene.plan->casts_rays)
             time("sheets", [&] { executor_.beside([&] { sheets_.bound_all(scene); }); });
         time("bounds", [&] { bounds(scene); });
@@ -220,21 +220,22 @@ private:
     }
 
     void measure_deformation(const Scene& scene) {
-        moments_.resize(scene.chunks.size);
+        moments_.resize(scene.block_items.size);
         patch_bounds_.resize(scene.patch_items.size);
-        chunk_bounds_.resize(scene.chunks.size);
+        block_bounds_.resize(scene.block_items.size);
         executor_.for_each("measure_patches", scene.patch_items.size,
                            stages::MeasurePatch{scene.bodies, scene.patch_items, scene.blocks, scene.patches});
-        executor_.for_each("sum_moments", scene.chunks.size,
-                           stages::SumMoments{scene.bodies, scene.chunks, scene.blocks, view_of(moments_)});
+        executor_.for_each("sum_moments", scene.block_items.size,
+                           stages::SumMoments{scene.bodies, scene.block_items, scene.blocks, view_of(moments_)});
         executor_.for_each("fit_frame", scene.ranges.size,
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
         executor_.for_each("measure_bounds", scene.patch_items.size,
                            stages::MeasureBounds{scene.bodies, scene.patch_items, scene.seen, view_of(patch_bounds_)});
-        executor_.for_each("join_patches", scene.chunks.size,
-                           stages::JoinPatches{scene.chunks, scene.bodies, view_of(patch_bounds_), view_of(chunk_bounds_)});
+        executor_.for_each(
+            "join_patches", scene.block_items.size,
+            stages::JoinPatches{scene.block_items, scene.bodies, view_of(patch_bounds_), view_of(block_bounds_)});
         executor_.for_each("join_bounds", scene.ranges.size,
-                           stages::JoinBounds{scene.bodies, scene.ranges, view_of(chunk_bounds_)});
+                           stages::JoinBounds{scene.bodies, scene.ranges, view_of(block_bounds_)});
     }
 
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
@@ -521,7 +522,7 @@ private:
     Sheets<E, T> sheets_;
 
     Buffer<stages::Moments> moments_;
-    Buffer<stages::PartBounds> patch_bounds_, chunk_bounds_;
+    Buffer<stages::PartBounds> patch_bounds_, block_bounds_;
     Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
     Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, no_links_, ages_,
         last_ages_;

@@ -13,8 +13,8 @@ struct Scene {
     View<const BodyId> ids;
     View<Quaternion> rotations;                 ///< per body, last fitted rotation
     View<const stages::PatchItem> patch_items;  ///< of deforming bodies
-    View<const stages::Chunk> chunks;           ///< of deforming bodies
-    View<const stages::ChunkRange> ranges;      ///< per deforming body, its chunks
+    View<const stages::BlockItem> block_items;  ///< of deforming bodies
+    View<const stages::BlockRange> ranges;      ///< per deforming body, its blocks
     View<const View<PatchBlock>> blocks;        ///< per body, where a deforming body's spheres go
     View<const View<Offsets>> patches;          ///< per body, where its vertices' offsets go
     View<const View<SeenPatch>> seen;           ///< per body, where its shape of the last step is kept; empty: nowhere

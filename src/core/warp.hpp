@@ -12,18 +12,20 @@ namespace pierce {
 /// Threads of a warp, and warps of the largest block on a GPU.
 inline constexpr std::uint32_t warp_threads = 32, block_warps = 8;
 
-/// Asks test(item, bit) for every bit of `mask`, which has sixteen; the answer has two bits. Returns the first ones in the
-/// low half, the second ones in the high half. The test may depend on nothing but its arguments: on a GPU the bits of a
+/// Bits of a mask that is asked about.
+inline constexpr std::uint32_t asked_bits = 16;
+
+/// Asks test(item, bit) for every bit of `mask`, which has `asked_bits`; the answer has two bits. Returns the first ones in
+/// the low half, the second ones in the high half. The test may depend on nothing but its arguments: on a GPU the bits of a
 /// warp's items are shared out evenly, as a warp would otherwise wait for the item with the most.
 template <class Test>
 PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const Test& test) {
-    constexpr std::uint32_t half = 16;
 #if defined(__CUDA_ARCH__)
     if (__activemask() == 0xffffffffu) {
         struct Job {
             std::uint8_t lane, bit;
         };
-        __shared__ Job jobs_of[block_warps][warp_threads * half];
+        __shared__ Job jobs_of[block_warps][warp_threads * asked_bits];
         __shared__ std::uint32_t answers_of[block_warps][warp_threads], items_of[block_warps][warp_threads];
         const std::uint32_t lane = threadIdx.x % warp_threads, mine = threadIdx.x / warp_threads;
         const std::uint32_t count = bit_count(mask);
@@ -42,7 +44,7 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
         for (std::uint32_t k = lane; k < total; k += warp_threads) {
             const Job job = jobs_of[mine][k];
             const std::uint32_t answer = test(items_of[mine][job.lane], std::uint32_t{job.bit});
-            const std::uint32_t bits = (answer & 1) << job.bit | (answer >> 1) << (job.bit + half);
+            const std::uint32_t bits = (answer & 1) << job.bit | (answer >> 1) << (job.bit + asked_bits);
             if (bits != 0) atomicOr(&answers_of[mine][job.lane], bits);
         }
         __syncwarp();
@@ -54,7 +56,7 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
     std::uint32_t answers = 0;
     for (std::uint32_t left = mask; left != 0; left &= left - 1) {
         const std::uint32_t bit = lowest_bit(left), answer = test(item, bit);
-        answers |= (answer & 1) << bit | (answer >> 1) << (bit + half);
+        answers |= (answer & 1) << bit | (answer >> 1) << (bit + asked_bits);
     }
     return answers;
 }

@@ -223,7 +223,7 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.ids)),
                       view_of(s.rotations),
                       view_of(std::as_const(s.patch_items)),
-                      view_of(std::as_const(s.chunks)),
+                      view_of(std::as_const(s.block_items)),
                       view_of(std::as_const(s.ranges)),
                       view_of(std::as_const(s.blocks)),
                       view_of(std::as_const(s.patches)),

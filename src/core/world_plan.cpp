@@ -7,14 +7,12 @@
 
 namespace pierce {
 
-void World::State::add_chunks(std::uint32_t body) {
-    const std::uint32_t count = block_count(views[body].mesh);
-    stages::ChunkRange range{body, static_cast<std::uint32_t>(chunks.size()), 0};
-    for (std::uint32_t b = 0; b < count; b += constants::chunk_blocks)
-        chunks.push_back({body, b, std::min(b + constants::chunk_blocks, count),
-                          static_cast<std::uint32_t>(patch_items.size()) + b * constants::block_size});
+void World::State::add_blocks(std::uint32_t body) {
+    stages::BlockRange range{body, static_cast<std::uint32_t>(block_items.size()), 0};
+    for (std::uint32_t b = 0; b < block_count(views[body].mesh); ++b)
+        block_items.push_back({body, b, static_cast<std::uint32_t>(patch_items.size()) + b * constants::block_size});
     for (std::uint32_t p = 0; p < patch_count(views[body].mesh); ++p) patch_items.push_back({body, p});
-    range.last = static_cast<std::uint32_t>(chunks.size());
+    range.last = static_cast<std::uint32_t>(block_items.size());
     ranges.push_back(range);
 }
 
@@ -77,7 +75,7 @@ void World::State::make_plan() {
     plan = {};
     plan.revision = next_key++;
     patch_items.clear();
-    chunks.clear();
+    block_items.clear();
     ranges.clear();
     views.assign(slots.size(), {});
     ids.assign(slots.size(), {});
@@ -131,7 +129,7 @@ void World::State::make_plan() {
             view.patches = patches[i] = view_of(body.patches);
             body.seen.resize(plan.temporal == Temporal::off ? 0 : patch_count(view.mesh));
             seen[i] = view_of(body.seen);
-            add_chunks(i);
+            add_blocks(i);
         } else {
             view.positions = view.mesh.positions;
             view.blocks = view.mesh.blocks;
@@ -148,8 +146,7 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     plan.coverage = solids ? settings.coverage : Coverage::vertices;
-    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals say nothing about the
-    // way.
+    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals know nothing of the way.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
     const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
     plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || complete);

@@ -55,8 +55,8 @@ struct World::State {
     std::vector<BodyId> ids;
     std::vector<Quaternion> rotations;
     std::vector<stages::PatchItem> patch_items;
-    std::vector<stages::Chunk> chunks;
-    std::vector<stages::ChunkRange> ranges;
+    std::vector<stages::BlockItem> block_items;
+    std::vector<stages::BlockRange> ranges;
     std::vector<View<PatchBlock>> blocks;
     std::vector<View<Offsets>> patches;
     std::vector<View<SeenPatch>> seen;
@@ -71,7 +71,7 @@ struct World::State {
 
     /// What does not change between steps.
     void make_plan();
-    void add_chunks(std::uint32_t body);
+    void add_blocks(std::uint32_t body);
     void describe(const BodyEntry& body, const Mesh& mesh);
     /// A body is about to get a new place: where it is, is where the next step begins.
     void begin_motion(BodyEntry& body) const;

@@ -17,9 +17,10 @@
 #include "pierce/gpu_cuda/stage_kernels.cuh"
 
 namespace pierce {
-/// Stages on the GPU, one thread an item, on one stream. In exact steps totals come back to the host, which waits for each.
-/// In bounded steps they stay on the device: launches and buffers are sized by what the last exact step came to, with room
-/// to grow, so that the host waits for nothing and the step can be captured as a graph. A step that would not fit says so.
+/// Stages on the GPU, one thread an item, on one stream, and a second for what beside() is given. In exact steps totals come
+/// back to the host, which waits for each. In bounded steps they stay on the device: launches and buffers are sized by what
+/// the last exact step came to, with room to grow, so that the host waits for nothing and the step can be captured as a
+/// graph. A step that would not fit says so.
 class CudaExecutor {
 public:
     using Count = cuda::DeviceCount;

@@ -188,15 +188,15 @@ private:
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
         executor_.upload(std::span<const Quaternion>(host.rotations.begin(), host.rotations.end()), rotations_);
         executor_.upload(std::span<const stages::PatchItem>(host.patch_items.begin(), host.patch_items.end()), patch_items_);
-        executor_.upload(std::span<const stages::Chunk>(host.chunks.begin(), host.chunks.end()), chunks_);
-        executor_.upload(std::span<const stages::ChunkRange>(host.ranges.begin(), host.ranges.end()), ranges_);
+        executor_.upload(std::span<const stages::BlockItem>(host.block_items.begin(), host.block_items.end()), block_items_);
+        executor_.upload(std::span<const stages::BlockRange>(host.ranges.begin(), host.ranges.end()), ranges_);
         sent_version_.assign(host.bodies.size, 0);
         revision_ = host.plan->revision;
         scene_ = {view_of(bodies_),
                   view_of(std::as_const(ids_)),
                   view_of(rotations_),
                   view_of(std::as_const(patch_items_)),
-                  view_of(std::as_const(chunks_)),
+                  view_of(std::as_const(block_items_)),
                   view_of(std::as_const(ranges_)),
                   view_of(std::as_const(block_views_)),
                   view_of(std::as_const(patch_views_)),
@@ -250,8 +250,8 @@ private:
     DeviceBuffer<BodyId> ids_;
     DeviceBuffer<Quaternion> rotations_;
     DeviceBuffer<stages::PatchItem> patch_items_;
-    DeviceBuffer<stages::Chunk> chunks_;
-    DeviceBuffer<stages::ChunkRange> ranges_;
+    DeviceBuffer<stages::BlockItem> block_items_;
+    DeviceBuffer<stages::BlockRange> ranges_;
 };
 
 }  // namespace pierce::cuda

@@ -9,7 +9,7 @@
 #include "pierce/gpu_cuda/device_count.hpp"
 
 /// What the executor launches: a thread an item, lists continued past their end for CUB, and short lists scanned, selected
-/// from and sorted by one block.
+/// from by one block, and sorted by counting.
 namespace pierce::cuda {
 
 /// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small ones would keep the GPU

@@ -7,7 +7,7 @@
 #include "pierce/core/settings.hpp"
 
 /// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
-/// Deforming bodies are measured patch by patch and added up in chunks of constants::chunk_blocks blocks, so sums are the
+/// Deforming bodies are measured patch by patch and added up block by block, so sums are the
 /// same on any machine.
 namespace pierce::stages {
 
@@ -17,20 +17,19 @@ struct PatchItem {
     std::uint32_t patch = 0;
 };
 
-/// A chunk of a deforming body's blocks.
-struct Chunk {
+/// A block of a deforming body's patches.
+struct BlockItem {
     std::uint32_t body = 0;
-    std::uint32_t first_block = 0;
-    std::uint32_t last_block = 0;  ///< one past the end
+    std::uint32_t block = 0;
     std::uint32_t first_item = 0;  ///< where its patches begin among all patches of deforming bodies
 
-    PIERCE_HD std::uint32_t first_patch() const { return first_block * constants::block_size; }
+    PIERCE_HD std::uint32_t first_patch() const { return block * constants::block_size; }
     PIERCE_HD std::uint32_t last_patch(const MeshView& mesh) const {
-        return min_of(last_block * constants::block_size, patch_count(mesh));
+        return min_of((block + 1) * constants::block_size, patch_count(mesh));
     }
 };
 
-/// Sums over a chunk from which the best-fitting rotation follows.
+/// Sums over a block from which the best-fitting rotation follows.
 struct Moments {
     Vec3d sum;            ///< of patch centres, relative to the body's first vertex
     Vec3d rest_sum;       ///< of the rest shape's patch centres, relative to the rest centroid
@@ -53,24 +52,23 @@ struct MeasurePatch {
     }
 };
 
-/// Per chunk: completes its blocks and adds up the moments of its patches' centres, the patches standing for their vertices.
+/// Per block: completes it and adds up the moments of its patches' centres, the patches standing for their vertices.
 struct SumMoments {
     View<const BodyView> bodies;
-    View<const Chunk> chunks;
+    View<const BlockItem> items;
     View<const View<PatchBlock>> blocks;  ///< per body
     View<Moments> moments;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const Chunk chunk = chunks[i];
-        const BodyView& body = bodies[chunk.body];
+        const BlockItem item = items[i];
+        const BodyView& body = bodies[item.body];
         Moments m{{}, {}, {{{}, {}, {}}}};
         if (body.active) {
             const Vec3d base = to_double(body.positions[0]);
-            for (std::uint32_t b = chunk.first_block; b < chunk.last_block; ++b)
-                finish_block(body.mesh, body.positions, b, blocks[chunk.body][b]);
+            finish_block(body.mesh, body.positions, item.block, blocks[item.body][item.block]);
             PIERCE_OVERLAPPED_LOOP
-            for (std::uint32_t p = chunk.first_patch(); p < chunk.last_patch(body.mesh); ++p) {
-                const Vec3d x = patch_center(blocks[chunk.body], p) - base;
+            for (std::uint32_t p = item.first_patch(); p < item.last_patch(body.mesh); ++p) {
+                const Vec3d x = patch_center(blocks[item.body], p) - base;
                 const Vec3d rest = patch_center(body.mesh.blocks, p) - body.mesh.centroid;
                 m.sum += x;
                 m.rest_sum += rest;
@@ -106,8 +104,8 @@ PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a, Quaternion start)
     return q;
 }
 
-/// The chunks of one deforming body, and the rotation it was last fitted with.
-struct ChunkRange {
+/// The blocks of one deforming body, and the rotation it was last fitted with.
+struct BlockRange {
     std::uint32_t body = 0;
     std::uint32_t first = 0;
     std::uint32_t last = 0;
@@ -116,20 +114,19 @@ struct ChunkRange {
 /// Per deforming body: fits a frame. Reads moments and the last rotation; writes the body's fit and that rotation.
 struct FitFrame {
     View<BodyView> bodies;
-    View<const ChunkRange> ranges;
+    View<const BlockRange> ranges;
     View<const Moments> moments;
     View<Quaternion> rotations;  ///< per body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ChunkRange range = ranges[i];
+        const BlockRange range = ranges[i];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
         Moments m{{}, {}, {{{}, {}, {}}}};
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t c = range.first; c < range.last; ++c) {
-            m.sum += moments[c].sum;
-            m.rest_sum += moments[c].rest_sum;
-            for (int r = 0; r < 3; ++r) m.correlation.row[r] += moments[c].correlation.row[r];
+        for (std::uint32_t b = range.first; b < range.last; ++b) {
+            m.sum += moments[b].sum;
+            m.rest_sum += moments[b].rest_sum;
+            for (int r = 0; r < 3; ++r) m.correlation.row[r] += moments[b].correlation.row[r];
         }
         const double per_patch = 1.0 / patch_count(body.mesh);
         const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
@@ -140,7 +137,7 @@ struct FitFrame {
     }
 };
 
-/// What a patch, or a chunk of them, adds to its body's bounds.
+/// What a patch, or a block of them, adds to its body's bounds.
 struct PartBounds {
     Box fit_box, world_box;
     double deviation = 0;
@@ -240,36 +237,36 @@ private:
     }
 };
 
-/// Per chunk: joins its patches' bounds.
+/// Per block: joins its patches' bounds.
 struct JoinPatches {
-    View<const Chunk> chunks;
+    View<const BlockItem> items;
     View<const BodyView> bodies;
     View<const PartBounds> patches;
     View<PartBounds> bounds;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const Chunk chunk = chunks[i];
-        const std::uint32_t count = chunk.last_patch(bodies[chunk.body].mesh) - chunk.first_patch();
+        const BlockItem item = items[i];
+        const std::uint32_t count = item.last_patch(bodies[item.body].mesh) - item.first_patch();
         PartBounds all;
         PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t p = 0; p < count; ++p) all.extend(patches[chunk.first_item + p]);
+        for (std::uint32_t p = 0; p < count; ++p) all.extend(patches[item.first_item + p]);
         bounds[i] = all;
     }
 };
 
-/// Per deforming body: joins its chunks' bounds. Writes the body's boxes, deviation and touch tolerance.
+/// Per deforming body: joins its blocks' bounds. Writes the body's boxes, deviation and touch tolerance.
 struct JoinBounds {
     View<BodyView> bodies;
-    View<const ChunkRange> ranges;
+    View<const BlockRange> ranges;
     View<const PartBounds> bounds;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ChunkRange range = ranges[i];
+        const BlockRange range = ranges[i];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
         PartBounds all;
         PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t c = range.first; c < range.last; ++c) all.extend(bounds[c]);
+        for (std::uint32_t b = range.first; b < range.last; ++b) all.extend(bounds[b]);
         body.touch = constants::touch_tolerance * all.fit_box.extent();
         body.world_box = all.world_box.inflated(body.touch);
         body.fit_box = all.fit_box.inflated(body.touch);

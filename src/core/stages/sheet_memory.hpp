@@ -21,7 +21,7 @@ struct SheetRecord {
     double distance = 0;  ///< of the contact, for what contacts add up to
 };
 
-/// The key of a feature: sheets' contacts and records are sorted by it, then by the other feature.
+/// The key of a feature: sheets' contacts and records are sorted by it.
 /// `bits`: as many as a feature's number has at most.
 PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item, std::uint32_t bits) {
     return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;

@@ -10,8 +10,8 @@
 
 /// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet during the step or come
 /// closer than the thickness. Boxes around triangles, groups of them and blocks of groups, over the whole step, are compared
-/// sixteen at a time, from the largest to the smallest; no tree, as all of them change in every step. Nothing that meets is
-/// left out.
+/// sixteen at a time, from the largest to the smallest, section by section (sixteen blocks); no tree, as all of them change
+/// in every step. Nothing that meets is left out.
 namespace pierce::stages {
 
 /// How a pair with a sheet is searched.
@@ -205,7 +205,8 @@ struct CullTriangles {
     View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
 
     static constexpr int threads_at_once = 768;
-    static constexpr std::uint32_t separate_shift = constants::group_size;  ///< of the bits for those that do not meet
+    static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
+    static_assert(asked_bits == constants::group_size);
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t row = rows[i];
