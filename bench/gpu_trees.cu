@@ -1,5 +1,6 @@
 // Trees on the GPU: how fast they are built, refitted and traced, and how good they are. Prints CSV.
-//   pierce_gpu_trees COUNT...      COUNT tori of 600 triangles, a tree each; or mesh:LEVELS for one sphere
+//   pierce_gpu_trees COUNT...      COUNT tori of 600 triangles, out of shape, a tree each; rest:COUNT of such at rest, whose
+//                                  rays leave through a vertex each; or mesh:LEVELS for one sphere
 // `inward` traces the inward rays of all vertices. Floors: the fewest bytes each must move, over what a copy moves.
 #include <cuda_runtime.h>
 
@@ -90,28 +91,48 @@ double copy_rate(CudaExecutor& executor, Timer& time) {
     return 2.0 * words * sizeof(float4) / (ms * 1e-3);
 }
 
-void run(const std::string& name, const MeshData& data, std::uint32_t count, double bytes_per_second, CudaExecutor& executor,
-         Timer& time) {
+/// A shape as a soft body in a pile has it, without symmetries; the body's number says which way.
+std::vector<Vec3f> out_of_shape(const std::vector<Vec3f>& shape, std::uint32_t body) {
+    constexpr float size = 0.06f;
+    const float phase = 0.7f * static_cast<float>(body);
+    std::vector<Vec3f> bent;
+    for (const Vec3f& p : shape)
+        bent.push_back(p + size * Vec3f{std::sin(3 * p.y + 1.3f * p.z + phase),
+                                        std::sin(2.1f * p.x + 1.7f * p.z + 2 * phase),
+                                        std::sin(2.7f * p.x + 1.1f * p.y + 3 * phase)});
+    return bent;
+}
+
+void run(const std::string& name, const MeshData& data, std::uint32_t count, bool bent, double bytes_per_second,
+         CudaExecutor& executor, Timer& time) {
     const Mesh mesh("mesh", data);
     const MeshView host = mesh.view();
     const std::uint32_t vertices = host.positions.size, triangles = host.triangles.size;
     cuda::DeviceBuffer<Vec3f> positions, normals;
     cuda::DeviceBuffer<Triangle> corners;
+    cuda::DeviceBuffer<bvh::Leaf> leaves;
     std::vector<Vec3f> all;
-    for (std::uint32_t b = 0; b < count; ++b) all.insert(all.end(), data.positions.begin(), data.positions.end());
+    std::vector<Box> boxes(count);
+    for (std::uint32_t b = 0; b < count; ++b) {
+        const std::vector<Vec3f> shape = bent ? out_of_shape(data.positions, b) : data.positions;
+        all.insert(all.end(), shape.begin(), shape.end());
+        for (const Vec3f& p : shape) boxes[b].extend(to_double(p));
+    }
     executor.upload(std::span<const Vec3f>(all), positions);
     executor.upload(std::span<const Vec3f>(mesh.normals()), normals);
     executor.upload(mesh.triangles(), corners);
+    executor.upload(std::span<const bvh::Leaf>(host.leaves.begin(), host.leaves.end()), leaves);
     std::vector<BodyView> bodies(count);
     for (std::uint32_t b = 0; b < count; ++b) {
         BodyView& body = bodies[b];
         body.mesh = host;
         body.mesh.triangles = view_of(std::as_const(corners));
+        body.mesh.leaves = view_of(std::as_const(leaves));
         body.mesh.normals = view_of(std::as_const(normals));
         body.positions = {positions.data() + std::size_t{b} * vertices, vertices};
         body.motion = Motion::deforming;
         body.mesh_key = 1;
-        body.world_box = body.fit_box = host.box;
+        body.world_box = body.fit_box = boxes[b];
         body.touch = constants::touch_tolerance * host.box.extent();
         body.positions_version = 1;
     }
@@ -130,7 +151,8 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, dou
     hits.resize(ray_count);
     executor.assign(wanted, count, 1u);
 
-    const double leaves = static_cast<double>(count) * triangles;
+    const double all_triangles = static_cast<double>(count) * triangles;
+    const double all_leaves = static_cast<double>(count) * host.leaves.size;
     for (const auto& [builder, label] : {std::pair{TreeBuilder::lbvh, "lbvh"}, std::pair{TreeBuilder::hlbvh, "hlbvh"},
                                          std::pair{TreeBuilder::trbvh, "trbvh"}, std::pair{TreeBuilder::ploc, "ploc"}}) {
         BvhTracer<CudaExecutor> tracer(builder);
@@ -142,11 +164,12 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, dou
         const double trace = time(9, [&] {
             tracer.closest_hits(executor, "trace", views, ray_count, view_of(std::as_const(rays)), view_of(hits));
         });
-        // A leaf: its corners, half a vertex, a node. A ray: itself and its hit.
-        const double build_floor = leaves * (sizeof(Triangle) + 6 + sizeof(bvh::Node)) / bytes_per_second * 1e3;
+        // A triangle: half a vertex. A leaf: a node; its corners are its mesh's. A ray: itself and its hit.
+        const double bytes = all_triangles * 0.5 * sizeof(Vec3f) + all_leaves * sizeof(bvh::Node);
+        const double build_floor = bytes / bytes_per_second * 1e3;
         const double trace_floor = ray_count * static_cast<double>(sizeof(Ray) + sizeof(Hit)) / bytes_per_second * 1e3;
-        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f\n", name.c_str(), leaves, label, build,
-                    leaves / build * 1e-3, build_floor, refit, leaves / refit * 1e-3, ray_count, trace,
+        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f\n", name.c_str(), all_triangles, label, build,
+                    all_triangles / build * 1e-3, build_floor, refit, all_triangles / refit * 1e-3, ray_count, trace,
                     ray_count / trace * 1e-6, trace_floor);
         std::fflush(stdout);
     }
@@ -167,9 +190,12 @@ int main(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         const std::string scene = argv[i];
         if (scene.starts_with("mesh:"))
-            pierce::run(scene, pierce::scenes::sphere(1, std::stoi(scene.substr(5))), 1, rate, executor, time);
-        else
-            pierce::run("tori:" + scene, pierce::scenes::torus(2, 0.5, 30, 10),
-                        static_cast<std::uint32_t>(std::stoul(scene)), rate, executor, time);
+            pierce::run(scene, pierce::scenes::sphere(1, std::stoi(scene.substr(5))), 1, false, rate, executor, time);
+        else {
+            const bool rests = scene.starts_with("rest:");
+            pierce::run(rests ? scene : "tori:" + scene, pierce::scenes::torus(2, 0.5, 30, 10),
+                        static_cast<std::uint32_t>(std::stoul(rests ? scene.substr(5) : scene)), !rests, rate, executor,
+                        time);
+        }
     }
 }

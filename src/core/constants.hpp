@@ -17,16 +17,21 @@ inline constexpr double touch_tolerance = 8 * float_ulp;
 /// (half an ulp for the origin, half an ulp per unit of length for the direction) and its slab test rounds again.
 inline constexpr double tree_margin = 4 * float_ulp;
 
-/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by half an ulp; difference,
-/// reciprocal, direction and product each add half an ulp of a distance of up to two coordinates: four and a half in all.
+/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by half an ulp, its product
+/// with the reciprocal by another half, the box's by as much; direction, reciprocal and sum each add half an ulp of a
+/// distance of up to two coordinates: four and a half in all.
 inline constexpr double slab_margin = 8 * float_ulp;
+
+/// Directions are taken to run along an axis by no less than the first, and by no less than the second times the largest
+/// coordinate [1]: so no product with a reciprocal overflows, and within a box a ray is off by less than slab_margin.
+inline constexpr float smallest_slope = 0x1p-60f, slope_per_coordinate = 0x1p-120f;
 
 /// Places of a traversal's stack.
 inline constexpr std::uint32_t traversal_stack = 64;
 
-/// Cost of visiting a node of a tree and of testing a triangle, for reports [1] (Karras and Aila 2013).
+/// Cost of visiting a node of a tree and of testing a leaf, for reports [1] (Karras and Aila 2013).
 inline constexpr double node_cost = 1.2;
-inline constexpr double triangle_cost = 1.0;
+inline constexpr double leaf_cost = 1.0;
 
 /// Parts of a treelet. The best tree over n parts is found in 3^n / 2 steps; seven are enough (Karras and Aila 2013).
 inline constexpr std::uint32_t treelet_parts = 7;

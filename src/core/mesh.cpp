@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "pierce/core/bvh/leaves.hpp"
 #include "pierce/core/constants.hpp"
 #include "pierce/core/edges.hpp"
 #include "pierce/core/error.hpp"
@@ -113,6 +114,7 @@ Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std:
     for (const Triangle& t : data_.triangles)
         middles.push_back((1.0 / 3) * (points[t.vertex[0]] + points[t.vertex[1]] + points[t.vertex[2]]));
     group_triangles_ = spatial_order(middles);
+    leaves_ = bvh::leaves_of(data_.positions, data_.triangles);
     MeshEdges edges = edges_of(view());
     edges_ = std::move(edges.edges);
     edge_offsets_ = std::move(edges.offsets);
@@ -154,6 +156,7 @@ MeshView Mesh::view() const {
             view_of(edge_reach_),
             view_of(features_),
             view_of(group_triangles_),
+            view_of(leaves_),
             view_of(parts_),
             view_of(neighbors_),
             view_of(rings_),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pierce/core/box.hpp"
+#include "pierce/core/bvh/leaf.hpp"
 #include "pierce/core/clearance_grid.hpp"
 #include "pierce/core/constants.hpp"
 #include "pierce/core/ids.hpp"
@@ -124,6 +125,7 @@ struct MeshView {
     View<const float> edge_reach;               ///< per patch, its longest edge; of the rest shape
     View<const TriangleFeatures> features;      ///< per triangle
     View<const std::uint32_t> group_triangles;  ///< all triangles, group after group, constants::group_size each
+    View<const bvh::Leaf> leaves;               ///< all triangles, by ones and twos
     View<const std::uint32_t> parts;            ///< one vertex of every connected part
     View<const Neighbors> neighbors;            ///< per triangle
     View<const TriangleRing> rings;             ///< per triangle; of the rest shape
@@ -168,6 +170,7 @@ private:
     std::vector<float> edge_reach_;
     std::vector<TriangleFeatures> features_;
     std::vector<std::uint32_t> group_triangles_;
+    std::vector<bvh::Leaf> leaves_;
     std::vector<std::uint32_t> parts_;
     std::vector<Neighbors> neighbors_;
     std::vector<TriangleRing> rings_;

@@ -47,19 +47,23 @@ public:
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(executor_, stats);
         recall(scene);
-        tools_.begin();
 
         // On a device all bodies are placed while their pairs are looked for; not where there are solids, too, most of which
         // have no sheet near.
         if (!E::runs_on_host && scene.plan->sheets && !scene.plan->casts_rays)
             time("sheets", [&] { executor_.beside([&] { sheets_.bound_all(scene); }); });
         time("bounds", [&] { bounds(scene); });
+        if (scene.plan->casts_rays) time("update", [&] { tools_.update_all(scene.bodies); });
         time("pairs", [&] { pairs(scene); });
-        executor_.join();
+        if (!scene.plan->casts_rays) executor_.join();
         if (scene.plan->sheets) time("sheets", [&] { sheets(scene); });
         forget_rays();
-        if (scene.plan->casts_rays) cast_rays(scene, time);
+        if (scene.plan->casts_rays)
+            cast_rays(scene, time);
+        else
+            count_rays();
         time("stats", [&] { count(*scene.plan); });
+        executor_.join();
     }
 
     /// What the last step did and found.
@@ -192,6 +196,7 @@ private:
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
         if (complete) time("separation", [&] { separation(scene); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
+        time("stats", [&] { executor_.beside([&] { count_rays(); }); });
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });
     }
@@ -504,13 +509,16 @@ private:
     void count(const Plan& plan) {
         executor_.reduce("count_contacts", count_of(contacts_), stages::CountContact{view_of(contacts_)}, contact_sums_);
         if (plan.sheets) sheets_.add_up(sheet_sums_);
-        executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, hit_sum_);
-        executor_.reduce("count_own_rays", count_of(own_rays_), stages::CountTraced{view_of(own_rays_)}, own_ray_sum_);
         if (plan.temporal == Temporal::off) return;
         executor_.reduce("count_walks", count_of(walk_counts_), stages::CountWalk{view_of(walk_counts_)}, walk_sums_);
         executor_.reduce("count_skipped", count_of(routes_), stages::CountSkipped{view_of(routes_)}, skipped_sum_);
         executor_.reduce("count_predicted", count_of(records_), stages::CountPredicted{view_of(records_)}, predicted_sum_);
         executor_.reduce("count_full_passes", count_of(pairs_), stages::CountFullPass{view_of(memory_)}, full_pass_sum_);
+    }
+
+    void count_rays() {
+        executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, hit_sum_);
+        executor_.reduce("count_own_rays", count_of(own_rays_), stages::CountTraced{view_of(own_rays_)}, own_ray_sum_);
     }
 
     E& executor_;

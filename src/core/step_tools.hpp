@@ -62,19 +62,26 @@ public:
         return found;
     }
 
+    /// Stage 7 on a device, as soon as it is known where bodies are: trees of all, beside what comes until update(). A refit
+    /// of all is over before it is known which are wanted.
+    void update_all(View<const BodyView> bodies) {
+        if constexpr (!E::runs_on_host)
+            executor.beside([&] {
+                wanted_.resize(bodies.size);
+                executor.for_each("mark_targets", bodies.size, stages::MarkTargets{bodies, view_of(wanted_)});
+                tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
+            });
+    }
+
     /// Stage 7. Trees of the bodies these rays are aimed at, and of no others.
     void update(View<const BodyView> bodies, const Buffer<Ray>& rays) { update(bodies, count_of(rays), view_of(rays)); }
 
     void update(View<const BodyView> bodies, Count count, View<const Ray> rays) {
-        // On a device a refit of all is over before it is known which are wanted.
-        if constexpr (!E::runs_on_host) return update_all(bodies);
+        if constexpr (!E::runs_on_host) return executor.join();
         executor.assign(wanted_, bodies.size, 0u);
         executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
         tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
     }
-
-    /// A new step begins: nothing fits any more.
-    void begin() { fits_ = false; }
 
     /// The triangle each ray crosses first.
     void trace(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<Hit>& hits) {
@@ -92,16 +99,6 @@ public:
     T& tracer;
 
 private:
-    void update_all(View<const BodyView> bodies) {
-        if (!fits_) {
-            wanted_.resize(bodies.size);
-            executor.for_each("mark_targets", bodies.size, stages::MarkTargets{bodies, view_of(wanted_)});
-            tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
-        }
-        fits_ = true;
-    }
-
-    bool fits_ = false;
     Buffer<std::uint32_t> wanted_;
 };
 

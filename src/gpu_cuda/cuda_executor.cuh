@@ -37,11 +37,11 @@ public:
         for (cudaEvent_t* event : {&forked_, &joined_})
             check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
         totals_.resize(2 * most_totals);
-        overflow_.resize(1);
+        overflow_.resize(2);
         check(cudaHostAlloc(&host_totals_, (2 * most_totals + 1) * sizeof(std::uint32_t), cudaHostAllocDefault),
               "allocation of pinned memory");
         check(cudaMemset(totals_.data(), 0, 2 * most_totals * sizeof(std::uint32_t)), "clearing device memory");
-        check(cudaMemset(overflow_.data(), 0, sizeof(std::uint32_t)), "clearing device memory");
+        check(cudaMemset(overflow_.data(), 0, 2 * sizeof(std::uint32_t)), "clearing device memory");
     }
     CudaExecutor(const CudaExecutor&) = delete;
     ~CudaExecutor() {
@@ -77,14 +77,17 @@ public:
         return false;
     }
 
-    /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own.
+    /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own. It
+    /// is done as a whole also where a list outgrows its room meanwhile.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
         cuda::check(cudaEventRecord(forked_, stream_), "an event");
         cuda::check(cudaStreamWaitEvent(side_.stream, forked_), "an event");
         swap_sides();
+        is_beside_ = true;
         work();
+        is_beside_ = false;
         swap_sides();
         cuda::check(cudaEventRecord(joined_, side_.stream), "an event");
         is_forked_ = true;
@@ -223,7 +226,7 @@ public:
 private:
     static constexpr std::uint32_t most_totals = 64;
 
-    cuda::Items items(const Count& n) const { return {n, overflow_.data()}; }
+    cuda::Items items(const Count& n) const { return {n, overflow_.data() + is_beside_}; }
 
     // How much more than in the exact step may come, before a bounded step must be repeated.
     static constexpr std::uint32_t spare_share = 8, spare_items = 1024;
@@ -292,7 +295,8 @@ private:
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
     std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their operation
-    Buffer<std::uint32_t> totals_, overflow_;
+    Buffer<std::uint32_t> totals_;
+    Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, for work beside the rest, no
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;
     Buffer<std::uint64_t> sorted_keys_;
@@ -305,7 +309,7 @@ private:
         Buffer<std::uint32_t> sorted_values;
     } side_;
     cudaEvent_t forked_ = nullptr, joined_ = nullptr;
-    bool is_forked_ = false;
+    bool is_forked_ = false, is_beside_ = false;
 };
 
 static_assert(Executor<CudaExecutor>);

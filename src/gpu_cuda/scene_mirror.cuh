@@ -116,6 +116,7 @@ private:
             m.edge_reach = add(m.edge_reach);
             m.features = add(m.features);
             m.group_triangles = add(m.group_triangles);
+            m.leaves = add(m.leaves);
             m.parts = add(m.parts);
             m.neighbors = add(m.neighbors);
             m.rings = add(m.rings);

@@ -1,5 +1,7 @@
 #include "pierce/scenes/ray_probe.hpp"
 
+#include "pierce/core/bvh/leaves.hpp"
+
 namespace pierce::scenes {
 namespace {
 
@@ -14,9 +16,11 @@ double extent_of(const MeshData& mesh) {
 }  // namespace
 
 std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Motion motion) {
+    const std::vector<bvh::Leaf> leaves = bvh::leaves_of(mesh.positions, mesh.triangles);
     BodyView body;
     body.mesh.positions = body.positions = view_of(mesh.positions);
     body.mesh.triangles = view_of(mesh.triangles);
+    body.mesh.leaves = view_of(leaves);
     body.mesh_key = body.positions_version = next_key_++;
     body.motion = motion;
     for (Vec3f p : mesh.positions) body.fit_box.extend(to_double(p));

@@ -10,6 +10,7 @@
 
 #include "pierce/core/brute_force_tracer.hpp"
 #include "pierce/core/bvh/bvh_tracer.hpp"
+#include "pierce/core/bvh/leaves.hpp"
 #include "pierce/core/bvh/sah.hpp"
 #include "pierce/cpu_embree/tbb_executor.hpp"
 #include "pierce/scenes/shapes.hpp"
@@ -47,8 +48,11 @@ std::string builder_name(const testing::TestParamInfo<TreeBuilder>& info) {
 /// Deforming bodies, one per mesh, as stages see them.
 class Bodies {
 public:
-    explicit Bodies(std::vector<MeshData> meshes) : meshes_(std::move(meshes)), views_(meshes_.size()) {
+    explicit Bodies(std::vector<MeshData> meshes)
+        : meshes_(std::move(meshes)), leaves_(meshes_.size()), views_(meshes_.size()) {
         for (std::size_t b = 0; b < views_.size(); ++b) {
+            leaves_[b] = bvh::leaves_of(meshes_[b].positions, meshes_[b].triangles);
+            views_[b].mesh.leaves = view_of(std::as_const(leaves_[b]));
             views_[b].motion = Motion::deforming;
             views_[b].mesh_key = b + 1;
         }
@@ -78,6 +82,7 @@ public:
 
 private:
     std::vector<MeshData> meshes_;
+    std::vector<std::vector<bvh::Leaf>> leaves_;
     std::vector<BodyView> views_;
 };
 
@@ -127,14 +132,14 @@ Trees build(TreeBuilder how, View<const BodyView> bodies) {
 
 bool same(const BoxF& a, const BoxF& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// Checks links and boxes; returns the box of all. Boxes are exactly those around the triangles.
+/// Checks links and boxes; returns the box of all. Boxes are exactly those around the leaves.
 void expect_tree(const Trees& trees, const Tree& tree, const BodyView& body) {
     struct Open {
         Item item;
         Place place;
         BoxF box;  ///< that the node above has
     };
-    std::vector<std::uint32_t> node_seen(trees.nodes.size()), triangle_seen(tree.count);
+    std::vector<std::uint32_t> node_seen(trees.nodes.size()), leaf_seen(tree.count);
     std::vector<std::uint32_t> order;
     std::vector<Open> open{{tree.root, {}, {}}};
     std::vector<BoxF> box(trees.nodes.size());
@@ -143,7 +148,7 @@ void expect_tree(const Trees& trees, const Tree& tree, const BodyView& body) {
         open.pop_back();
         if (now.item.is_leaf()) {
             ASSERT_LT(now.item.index(), tree.count);
-            ++triangle_seen[now.item.index()];
+            ++leaf_seen[now.item.index()];
             EXPECT_EQ(trees.leaf_places[tree.first + now.item.index()].code, now.place.code);
             continue;
         }
@@ -156,15 +161,14 @@ void expect_tree(const Trees& trees, const Tree& tree, const BodyView& body) {
         for (std::uint32_t side = 0; side < 2; ++side)
             open.push_back({trees.nodes[n].child[side], Place::at(n, side), trees.nodes[n].box[side]});
     }
-    EXPECT_EQ(std::ranges::count(triangle_seen, 1u), tree.count) << "every triangle exactly once";
+    EXPECT_EQ(std::ranges::count(leaf_seen, 1u), tree.count) << "every leaf exactly once";
     if (!body.active) return;
     std::ranges::reverse(order);
     for (std::uint32_t n : order) {
         const Node& node = trees.nodes[n];
         for (int side = 0; side < 2; ++side) {
             const Item child = node.child[side];
-            EXPECT_TRUE(same(node.box[side],
-                             child.is_leaf() ? bvh::triangle_box(body.surface(), child.index()) : box[child.index()]))
+            EXPECT_TRUE(same(node.box[side], child.is_leaf() ? bvh::leaf_box(body, child.index()) : box[child.index()]))
                 << "node " << n << ", side " << side;
         }
         box[n] = join(node.box[0], node.box[1]);
@@ -331,7 +335,7 @@ TEST_P(BvhTest, BuildsATreeAlone) {
 
 /// Large enough that treelets are improved level by level.
 TEST_P(BvhTest, BuildsALargeTree) {
-    const Bodies bodies({scenes::torus(1, 0.4, 500, 250)});
+    const Bodies bodies({scenes::torus(1, 0.4, 700, 360)});
     CountingExecutor executor;
     const Trees trees = build(executor, GetParam(), bodies.views());
     expect_trees(trees, bodies.views());
@@ -352,11 +356,13 @@ TEST_P(BvhTest, TakesFewStages) {
 
 TEST_P(BvhTest, SharesATreeAmongRigidBodies) {
     const MeshData mesh = scenes::sphere(1, 2);
+    const std::vector<bvh::Leaf> leaves = bvh::leaves_of(mesh.positions, mesh.triangles);
     std::vector<BodyView> bodies(3);
     for (BodyView& body : bodies) {
         body.motion = Motion::rigid;
         body.mesh_key = 1;
         body.mesh.triangles = view_of(mesh.triangles);
+        body.mesh.leaves = view_of(leaves);
         body.positions = view_of(mesh.positions);
         for (Vec3f p : mesh.positions) body.mesh.box.extend(to_double(p));
     }
@@ -473,7 +479,7 @@ std::vector<double> costs(const MeshData& mesh) {
         Trees trees = build(how, bodies.views());
         found.push_back(bvh::sah_cost(trees.forest(), trees.trees[0]));
     }
-    found.push_back(test::sweep_sah_cost(bodies.views()[0].surface()));
+    found.push_back(test::sweep_sah_cost(bodies.views()[0]));
     return found;
 }
 

@@ -24,7 +24,7 @@ void sort_along(int axis, std::span<BoxF> boxes) {
 /// Half areas of all boxes in the tree, times what each costs. Reorders `boxes`.
 double weighted_area(std::span<BoxF> boxes) {
     const double area = box_of(boxes).half_area();
-    if (boxes.size() == 1) return constants::triangle_cost * area;
+    if (boxes.size() == 1) return constants::leaf_cost * area;
     double best = std::numeric_limits<double>::infinity();
     int best_axis = 0;
     std::size_t best_split = 1;
@@ -51,9 +51,9 @@ double weighted_area(std::span<BoxF> boxes) {
 
 }  // namespace
 
-double sweep_sah_cost(const Surface& surface) {
+double sweep_sah_cost(const BodyView& body) {
     std::vector<BoxF> boxes;
-    for (std::uint32_t t = 0; t < surface.triangles.size; ++t) boxes.push_back(bvh::triangle_box(surface, t));
+    for (std::uint32_t leaf = 0; leaf < body.mesh.leaves.size; ++leaf) boxes.push_back(bvh::leaf_box(body, leaf));
     const double area = box_of(boxes).half_area();
     return weighted_area(boxes) / area;
 }

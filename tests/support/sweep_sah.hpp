@@ -1,11 +1,11 @@
 #pragma once
 
-#include "pierce/core/first_crossing.hpp"
+#include "pierce/core/body.hpp"
 
 namespace pierce::test {
 
 /// What bvh::sah_cost says of the tree that a full sweep finds: every node is split where the surface area heuristic is
 /// least, of all places along all three axes. Slow, and as good as top-down trees get.
-double sweep_sah_cost(const Surface& surface);
+double sweep_sah_cost(const BodyView& body);
 
 }  // namespace pierce::test

@@ -52,7 +52,7 @@ struct TraceTree {
         const Ray ray = rays[i];
         const BodyView& body = bodies[ray.target];
         hits[i] = first_crossing(ray, body.surface(), [&](CrossingSearch& search) {
-            show_near(forest, forest.trees[forest.tree_of_body[ray.target]], BoxRay(ray, positions_box(body)), search);
+            show_near(forest, forest.trees[forest.tree_of_body[ray.target]], body, BoxRay(ray, positions_box(body)), search);
         });
     }
 };
@@ -66,8 +66,9 @@ struct Closest {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t target = rays[i].target;
-        triangles[i] = closest_triangle(rays[i], bodies[target].surface(), [&](ClosestSearch& search) {
-            show_near(forest, forest.trees[forest.tree_of_body[target]], search);
+        const BodyView& body = bodies[target];
+        triangles[i] = closest_triangle(rays[i], body.surface(), [&](ClosestSearch& search) {
+            show_near(forest, forest.trees[forest.tree_of_body[target]], body, search);
         });
     }
 };

@@ -25,6 +25,7 @@ struct FindCandidates {
     View<TreeWork> work;  ///< per tree
 
     static constexpr bool is_uneven = true;
+    static constexpr int threads_at_once = 1024;  // measured: 1280 are a fifth slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Ray ray = rays[i];
@@ -41,7 +42,7 @@ struct FindCandidates {
     }
 
 private:
-    // Leaves gathered before they are tested. A vertex on its own surface meets the boxes of a dozen.
+    // Leaves gathered before they are tested. A vertex on its own surface meets the boxes of half a dozen.
     static constexpr std::uint32_t leaf_room = 16;
 
     PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray, std::uint32_t* triangles,
@@ -52,45 +53,46 @@ private:
         const float begin = round_down(search.begin() - box_ray.margin());
         const float end = round_up(search.limit() + box_ray.margin());
         const TriangleSieve sieve(ray);
-        std::uint32_t leaves[leaf_room];
-        std::uint32_t found = 0, count = 0;
-        ItemStack::Memory memory;
-        ItemStack stack(memory);
+        std::uint32_t leaves[leaf_room], open[constants::traversal_stack];
+        std::uint32_t found = 0, opened = 0, count = 0;
         Item item = tree.root;
+        if (item.is_leaf()) leaves[found++] = item.code;
+        open[opened++] = no_node;  // below all others: popped when nothing is left
         bool more = !item.is_leaf();
-        if (!more) leaves[found++] = item.index();
         while (true) {
-            // All threads of a warp gather leaves, then all test theirs.
+            // All threads of a warp gather leaves, then all test theirs. On the way they do the same, whatever they meet:
+            // at every branch some would wait for the others.
             while (more && found + 2 <= leaf_room) {
                 const Node node = read_whole(forest.nodes[item.index()]);
                 ++done.nodes;
-                Item next;
-                bool has_next = false;
-                for (std::uint32_t side = 0; side < 2; ++side) {
-                    if (!(box_ray.enter(side == 0 ? node.box[0] : node.box[1], begin, end) < INFINITY)) continue;
-                    const Item child = node.side(side);
-                    if (child.is_leaf()) {
-                        leaves[found++] = child.index();
-                    } else if (!has_next) {
-                        next = child;
-                        has_next = true;
-                    } else {
-                        if (stack.full()) return Candidates::too_many;
-                        stack.push(child);
-                    }
-                }
-                more = has_next || !stack.empty();
-                if (more) item = has_next ? next : stack.pop();
+                const Item first = node.child[0], second = node.child[1];
+                const bool meets_first = box_ray.meets(node.box[0], begin, end);
+                const bool meets_second = box_ray.meets(node.box[1], begin, end);
+                leaves[found] = first.code;
+                found += meets_first && first.is_leaf();
+                leaves[found] = second.code;
+                found += meets_second && second.is_leaf();
+                const bool opens_first = meets_first && !first.is_leaf(), opens_second = meets_second && !second.is_leaf();
+                if (opened == constants::traversal_stack) return Candidates::too_many;
+                open[opened] = second.code;
+                opened += opens_first && opens_second;
+                item = opens_first ? first : second;
+                if (!opens_first && !opens_second) item.code = open[--opened];
+                more = item.code != no_node;
             }
-            done.tests += found;
             for (std::uint32_t k = 0; k < found; ++k) {
-                const Triangle t = surface.triangles[leaves[k]];
-                if (is_excluded(t, ray.excluded)) continue;
-                if (!sieve.may_cross(surface.positions[t.vertex[0]], surface.positions[t.vertex[1]],
-                                     surface.positions[t.vertex[2]]))
-                    continue;
-                if (count == Candidates::capacity) return Candidates::too_many;
-                triangles[count++] = leaves[k];
+                const Leaf leaf = read_whole(body.mesh.leaves[Item{leaves[k]}.index()]);
+                done.tests += leaf.size();
+                const std::uint32_t crossed =
+                    sieve.may_cross(surface.positions[leaf.corner[0]], surface.positions[leaf.corner[1]],
+                                    surface.positions[leaf.corner[2]], surface.positions[leaf.corner[3]]) &
+                    ~excluded_of(leaf, ray.excluded);
+                if (crossed == 0) continue;
+                if (count + 2 > Candidates::capacity) return Candidates::too_many;
+                triangles[count] = leaf.triangle[0];
+                count += crossed & 1;
+                triangles[count] = leaf.triangle[1];
+                count += crossed >> 1;
             }
             if (!more) return count;
             found = 0;

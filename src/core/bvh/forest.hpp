@@ -4,19 +4,20 @@
 
 #include "pierce/core/body.hpp"
 #include "pierce/core/view.hpp"
+#include "pierce/core/whole.hpp"
 
 namespace pierce::bvh {
 
 inline constexpr std::uint32_t no_node = 0xffffffffu;
 inline constexpr std::uint32_t no_tree = 0xffffffffu;
 
-/// Something in a tree: a node, by its place in the forest, or a leaf, which is one triangle of the tree's mesh.
+/// Something in a tree: a node, by its place in the forest, or a leaf of the tree's mesh.
 struct Item {
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
     std::uint32_t code = no_node;
 
     PIERCE_HD static Item node(std::uint32_t index) { return {index}; }
-    PIERCE_HD static Item leaf(std::uint32_t triangle) { return {triangle | leaf_bit}; }
+    PIERCE_HD static Item leaf(std::uint32_t index) { return {index | leaf_bit}; }
     PIERCE_HD bool is_leaf() const { return (code & leaf_bit) != 0; }
     PIERCE_HD std::uint32_t index() const { return code & ~leaf_bit; }
 };
@@ -66,10 +67,10 @@ struct alignas(16) Node {
 };
 static_assert(sizeof(Node) == 64);
 
-/// One tree of the forest: over the triangles of a deforming body, or over a mesh that all its rigid bodies share.
+/// One tree of the forest: over the leaves of a deforming body, or of a mesh that all its rigid bodies share.
 struct Tree {
     std::uint32_t first = 0;  ///< its leaves and nodes are [first, first + count) of the forest's; it has a node less
-    std::uint32_t count = 0;  ///< triangles
+    std::uint32_t count = 0;  ///< leaves
     std::uint32_t body = 0;   ///< whose surface it holds, or one of those
     bool moves = false;       ///< the body deforms
     Item root;
@@ -82,7 +83,7 @@ struct Forest {
     View<const std::uint32_t> tree_of_body;  ///< no_tree: none
     View<const std::uint32_t> tree_of_leaf;
     View<Node> nodes;
-    View<Place> leaf_places;     ///< per leaf: in triangle order, tree after tree
+    View<Place> leaf_places;     ///< per leaf: in the mesh's order, tree after tree
     View<std::uint32_t> visits;  ///< per node: children, or leaves, that have climbed to it
 };
 
@@ -105,12 +106,17 @@ PIERCE_HD inline void set_root(const Forest& forest, Tree& tree, Item item) {
     set_place(forest, tree, item, {});
 }
 
-/// The box of a triangle.
-PIERCE_HD inline BoxF triangle_box(const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    const Vec3f a = surface.positions[t.vertex[0]], b = surface.positions[t.vertex[1]], c = surface.positions[t.vertex[2]];
+PIERCE_HD inline BoxF box_around(Vec3f a, Vec3f b, Vec3f c) {
     return {{min_of(a.x, min_of(b.x, c.x)), min_of(a.y, min_of(b.y, c.y)), min_of(a.z, min_of(b.z, c.z))},
             {max_of(a.x, max_of(b.x, c.x)), max_of(a.y, max_of(b.y, c.y)), max_of(a.z, max_of(b.z, c.z))}};
+}
+
+/// The box of a leaf where its body is.
+PIERCE_HD inline BoxF leaf_box(const BodyView& body, std::uint32_t leaf) {
+    const Leaf at = read_whole(body.mesh.leaves[leaf]);
+    const Vec3f last = body.positions[at.corner[3]];
+    return join(box_around(body.positions[at.corner[0]], body.positions[at.corner[1]], body.positions[at.corner[2]]),
+                {last, last});
 }
 
 /// Around a body's positions, in their space.

@@ -33,7 +33,7 @@ PIERCE_HD inline Box cube_around(const Box& box) {
     return {box.lower, box.lower + Vec3d{side, side, side}};
 }
 
-/// Per leaf: its sort key and its place in triangle order.
+/// Per leaf: its sort key and its place in the meshes' order.
 struct LeafKeys {
     View<const BodyView> bodies;
     Forest forest;
@@ -44,7 +44,7 @@ struct LeafKeys {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t t = forest.tree_of_leaf[i];
         const BodyView& body = bodies[forest.trees[t].body];
-        const BoxF box = triangle_box(body.surface(), i - forest.trees[t].first);
+        const BoxF box = leaf_box(body, i - forest.trees[t].first);
         const Vec3d center = 0.5 * (to_double(box.lower) + to_double(box.upper));
         keys[i] = std::uint64_t{t} << (64 - bits) | morton_code(center, cube_around(positions_box(body))) >> (bits - 1);
         leaves[i] = i;
@@ -72,8 +72,8 @@ struct Lbvh {
     /// below it, and whether that is its whole group.
     PIERCE_HD bool climb(std::uint32_t i, Subtree& below) const {
         const Tree& tree = tree_at(i);
-        const std::uint32_t triangle = leaves[i] - tree.first;
-        below = {Item::leaf(triangle), triangle_box(bodies[tree.body].surface(), triangle), i, i};
+        const std::uint32_t leaf = leaves[i] - tree.first;
+        below = {Item::leaf(leaf), leaf_box(bodies[tree.body], leaf), i, i};
         while (true) {
             const bool at_begin = begins(below.first), at_end = begins(below.last + 1);
             if (at_begin && at_end) return true;

@@ -28,8 +28,8 @@ struct LeafClusters {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t t = forest.tree_of_leaf[leaves[i]];
         const Tree& tree = forest.trees[t];
-        const std::uint32_t triangle = leaves[i] - tree.first;
-        clusters[i] = {Item::leaf(triangle), triangle_box(bodies[tree.body].surface(), triangle), t, i};
+        const std::uint32_t leaf = leaves[i] - tree.first;
+        clusters[i] = {Item::leaf(leaf), leaf_box(bodies[tree.body], leaf), t, i};
     }
 };
 

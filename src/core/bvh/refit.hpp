@@ -23,7 +23,7 @@ struct Refit {
         const Tree& tree = forest.trees[forest.tree_of_leaf[i]];
         const BodyView& body = bodies[tree.body];
         if (!needs_refit(tree, body, wanted)) return;
-        BoxF box = triangle_box(body.surface(), i - tree.first);
+        BoxF box = leaf_box(body, i - tree.first);
         for (Place place = forest.leaf_places[i]; !place.is_root(); place = forest.nodes[place.node()].parent) {
             Node& node = forest.nodes[place.node()];
             node.box[place.side()] = box;

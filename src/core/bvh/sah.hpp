@@ -5,9 +5,9 @@
 namespace pierce::bvh {
 
 /// What a random ray that meets the tree's box costs it, by the surface area heuristic (MacDonald and Booth 1990): nodes
-/// visited and triangles tested, at constants::node_cost and triangle_cost. On the host. Zero for a tree without extent.
+/// visited and leaves tested, at constants::node_cost and leaf_cost. On the host. Zero for a tree without extent.
 inline double sah_cost(const Forest& forest, const Tree& tree) {
-    if (tree.root.is_leaf()) return constants::triangle_cost;
+    if (tree.root.is_leaf()) return constants::leaf_cost;
     const Node& root = forest.nodes[tree.root.index()];
     const double whole = join(root.box[0], root.box[1]).half_area();
     if (!(whole > 0)) return 0;
@@ -15,8 +15,7 @@ inline double sah_cost(const Forest& forest, const Tree& tree) {
     for (std::uint32_t n = tree.first; n < tree.first + tree.count - 1; ++n)
         for (int side = 0; side < 2; ++side) {
             const Node& node = forest.nodes[n];
-            cost +=
-                (node.child[side].is_leaf() ? constants::triangle_cost : constants::node_cost) * node.box[side].half_area();
+            cost += (node.child[side].is_leaf() ? constants::leaf_cost : constants::node_cost) * node.box[side].half_area();
         }
     return cost / whole;
 }

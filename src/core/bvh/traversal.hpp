@@ -3,6 +3,7 @@
 #include "pierce/core/bvh/forest.hpp"
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/first_crossing.hpp"
+#include "pierce/core/quick_vec3.hpp"
 #include "pierce/core/whole.hpp"
 
 namespace pierce::bvh {
@@ -15,37 +16,45 @@ public:
         double largest = around.max_coordinate();
         for (int k = 0; k < 3; ++k) largest = max_of(std::fabs(ray.origin[k]), largest);
         margin_ = constants::slab_margin * largest;
+        const float smallest =
+            max_of(constants::smallest_slope, constants::slope_per_coordinate * static_cast<float>(largest));
         for (int k = 0; k < 3; ++k) {
-            low_[k] = round_up(ray.origin[k] + margin_);
-            high_[k] = round_down(ray.origin[k] - margin_);
-            // The reciprocal of a direction that is nearly zero stays finite, so that zero times it is not NaN.
             const float d = static_cast<float>(ray.direction[k]);
             inverse_[k] = 1.0f / (std::fabs(d) > smallest ? d : d < 0 ? -smallest : smallest);
+            low_[k] = -(round_up(ray.origin[k] + margin_) * inverse_[k]);
+            high_[k] = -(round_down(ray.origin[k] - margin_) * inverse_[k]);
         }
     }
 
     PIERCE_HD double margin() const { return margin_; }
 
+    /// True if the ray is inside the box somewhere between `begin` and `end`.
+    PIERCE_HD bool meets(const BoxF& box, float begin, float end) const {
+        clip(box, begin, end);
+        return begin <= end;
+    }
+
     /// Where the ray enters the box, if it is inside somewhere between `begin` and `end`; else infinity.
     PIERCE_HD float enter(const BoxF& box, float begin, float end) const {
-        float near = begin, far = end;
-        clip(0, box.lower.x, box.upper.x, near, far);
-        clip(1, box.lower.y, box.upper.y, near, far);
-        clip(2, box.lower.z, box.upper.z, near, far);
-        return near <= far ? near : INFINITY;
+        clip(box, begin, end);
+        return begin <= end ? begin : INFINITY;
     }
 
 private:
-    static constexpr float smallest = 0x1p-126f;
+    PIERCE_HD void clip(const BoxF& box, float& near, float& far) const {
+        clip(0, box.lower.x, box.upper.x, near, far);
+        clip(1, box.lower.y, box.upper.y, near, far);
+        clip(2, box.lower.z, box.upper.z, near, far);
+    }
 
     PIERCE_HD void clip(int k, float lower, float upper, float& near, float& far) const {
-        const float a = (lower - low_[k]) * inverse_[k], b = (upper - high_[k]) * inverse_[k];
+        const float a = quick_fma(lower, inverse_[k], low_[k]), b = quick_fma(upper, inverse_[k], high_[k]);
         near = quick_max(quick_min(a, b), near);
         far = quick_min(quick_max(a, b), far);
     }
 
     double margin_ = 0;
-    float low_[3], high_[3], inverse_[3];
+    float inverse_[3], low_[3], high_[3];  ///< a place x along an axis is at x * inverse + low, or high, of the ray
 };
 
 /// A stack of tree items. A binary tree over Morton codes is no deeper than the code has bits, 64, and the bits of a tie,
@@ -73,9 +82,36 @@ struct RayWork {
     std::uint32_t tests = 0;  ///< of triangles
 };
 
+/// Which of a leaf's triangles a ray with these `excluded` vertices does not hit, a bit each; of a leaf with one triangle
+/// the second.
+PIERCE_HD inline std::uint32_t excluded_of(const Leaf& leaf, const std::uint32_t (&excluded)[2]) {
+    const auto has = [&](std::uint32_t k, std::uint32_t v) { return leaf.corner[k] == v; };
+    std::uint32_t both = 3;
+    for (std::uint32_t v : excluded) {
+        const bool at_edge = has(1, v) || has(2, v);
+        both &= std::uint32_t{at_edge || has(0, v)} | std::uint32_t{at_edge || has(3, v)} << 1;
+    }
+    return both | std::uint32_t{leaf.triangle[1] == no_triangle} << 1;
+}
+
+/// Shows a search a leaf's triangles.
+template <class Search>
+PIERCE_HD void show_leaf(const BodyView& body, std::uint32_t leaf, Search& search) {
+    const Leaf at = read_whole(body.mesh.leaves[leaf]);
+    search.test(at.triangle[0]);
+    if (at.triangle[1] != no_triangle) search.test(at.triangle[1]);
+}
+
+/// Shows a search all triangles there are.
+template <class Search>
+PIERCE_HD void show_all(const BodyView& body, Search& search) {
+    for (std::uint32_t t = 0; t < body.mesh.triangles.size; ++t) search.test(t);
+}
+
 /// Shows a search all triangles its ray may meet, near ones first. A tree that is deeper than the stack shows all it has
 /// from there.
-PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BoxRay& ray, CrossingSearch& search) {
+PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body, const BoxRay& ray,
+                                CrossingSearch& search) {
     const float begin = round_down(search.begin() - ray.margin());
     float end = round_up(search.limit() + ray.margin());
     ItemStack::Memory memory;
@@ -95,13 +131,10 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
             }
             item = node.side(first);
             if (!(other < INFINITY)) continue;
-            if (stack.full()) {
-                for (std::uint32_t t = 0; t < tree.count; ++t) search.test(t);
-                return;
-            }
+            if (stack.full()) return show_all(body, search);
             stack.push(node.side(1 - first));
         }
-        search.test(item.index());
+        show_leaf(body, item.index(), search);
         end = round_up(search.limit() + ray.margin());
         if (stack.empty()) return;
         item = stack.pop();
@@ -110,13 +143,13 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
 
 /// Shows a search all triangles that may be closest to its point, near ones first. A tree that is deeper than the stack
 /// shows all it has from there.
-PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, ClosestSearch& search) {
+PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body, ClosestSearch& search) {
     ItemStack::Memory memory;
     ItemStack stack(memory);
     Item item = tree.root;
     while (true) {
         if (item.is_leaf()) {
-            search.test(item.index());
+            show_leaf(body, item.index(), search);
         } else {
             const Node& node = forest.nodes[item.index()];
             double gap[2];
@@ -126,10 +159,7 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, ClosestS
             for (int k = 0; k < 2; ++k) {
                 const int side = k == 0 ? 1 - first : first;
                 if ((side == 0 ? gap[0] : gap[1]) > search.limit()) continue;
-                if (stack.full()) {
-                    for (std::uint32_t t = 0; t < tree.count; ++t) search.test(t);
-                    return;
-                }
+                if (stack.full()) return show_all(body, search);
                 stack.push(node.child[side]);
             }
         }

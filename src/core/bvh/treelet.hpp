@@ -7,8 +7,8 @@
 #include "pierce/core/executor.hpp"
 
 /// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it has seven parts, is put
-/// together anew in the best of all ways. Every leaf is one triangle, so the cost of the parts is the same in all of them,
-/// and the best way is the one whose nodes have the least area.
+/// together anew in the best of all ways. The parts stay what they are, so what they cost is the same in all ways, and the
+/// best one is that whose nodes have the least area.
 namespace pierce::bvh {
 
 /// The top of a subtree: `inner` nodes and the parts below them.

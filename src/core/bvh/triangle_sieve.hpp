@@ -23,16 +23,23 @@ public:
         low_ = to_float(ray.origin - to_double(high_));
     }
 
-    PIERCE_HD bool may_cross(Vec3f v0, Vec3f v1, Vec3f v2) const {
+    /// Of a leaf with these corners: bit k says that its triangle k may be crossed.
+    PIERCE_HD std::uint32_t may_cross(Vec3f v0, Vec3f v1, Vec3f v2, Vec3f v3) const {
         float size = 0;
-        const Vec3f p = sheared(v0, size), q = sheared(v1, size), r = sheared(v2, size);
-        if (!(size > constants::quick_smallest)) return true;
-        const float u = r.x * q.y - r.y * q.x, v = p.x * r.y - p.y * r.x, w = q.x * p.y - q.y * p.x;
-        const float made_up = constants::quick_rounding * size * size;
-        return !(quick_min(u, quick_min(v, w)) < -made_up && quick_max(u, quick_max(v, w)) > made_up);
+        const Vec3f a = sheared(v0, size), b = sheared(v1, size), c = sheared(v2, size), d = sheared(v3, size);
+        if (!(size > constants::quick_smallest)) return 3;
+        const float shared = edge(c, b), made_up = constants::quick_rounding * size * size;
+        return std::uint32_t{may_cross(shared, edge(a, c), edge(b, a), made_up)} |
+               std::uint32_t{may_cross(-shared, edge(d, b), edge(c, d), made_up)} << 1;
     }
 
 private:
+    PIERCE_HD static float edge(Vec3f a, Vec3f b) { return a.x * b.y - a.y * b.x; }
+
+    PIERCE_HD static bool may_cross(float u, float v, float w, float made_up) {
+        return !(quick_min(u, quick_min(v, w)) < -made_up && quick_max(u, quick_max(v, w)) > made_up);
+    }
+
     /// Where a point lies, seen along the ray. `size` grows to its largest coordinate relative to the origin.
     PIERCE_HD Vec3f sheared(Vec3f point, float& size) const {
         const Vec3f v = (point - high_) - low_;
