@@ -13,7 +13,7 @@ if(PIERCE_CUDA)
         set(CMAKE_CUDA_ARCHITECTURES 75-virtual 90-real)
     endif()
     enable_language(CUDA)
-    find_package(CUDAToolkit 12.4 REQUIRED)
+    find_package(CUDAToolkit 12.6 REQUIRED)
 endif()
 if(PIERCE_BULLET OR PIERCE_APP)
     # Debian's BulletConfig.cmake holds relative paths; pkg-config has whole ones. "bullet" is the single precision build.

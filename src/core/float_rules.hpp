@@ -50,6 +50,11 @@ inline constexpr float smallest_float = 0x1p-149f;
 PIERCE_HD inline float outward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + 1); }
 PIERCE_HD inline float inward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) - 1); }
 
+/// Not above, or not below, what a float32 sum would have been without rounding, given that it came to `rounded`:
+/// that is off by half an ulp at most, and nothing where it is smaller than all normal numbers. Of an infinite one NaN.
+PIERCE_HD inline float not_above(float rounded) { return rounded - std::fabs(rounded) * 0x1p-23f; }
+PIERCE_HD inline float not_below(float rounded) { return rounded + std::fabs(rounded) * 0x1p-23f; }
+
 /// The nearest float32 that is not above `value`.
 PIERCE_HD inline float round_down(double value) {
     const float f = static_cast<float>(value);

@@ -94,9 +94,10 @@ private:
             stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_), view_of(masks_)});
         const Count near = tools_.list("near_triangles", in_groups, stages::HasNear{view_of(masks_)}, rows_);
         counts_.resize(near);
-        executor_.for_each("cull_triangles", near,
-                           stages::CullTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(rows_), view_of(placed_),
-                                                 view_of(masks_), view_of(counts_)});
+        executor_.for_each(
+            "cull_triangles", near,
+            stages::CullTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(rows_), interleaved(view_of(placed_)),
+                                  interleaved(view_of(facing_)), view_of(masks_), view_of(counts_)});
         triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
         executor_.for_each("list_triangles", near,
                            stages::ListTriangles{view_of(groups_), view_of(rows_), view_of(masks_), view_of(offsets_),
@@ -140,13 +141,15 @@ private:
         triangle_boxes_.resize(groups);
         group_boxes_.resize(blocks);
         placed_.resize(triangles);
-        executor_.for_each("place_triangles", triangles,
-                           stages::PlaceTriangles{sheet_bodies, view_of(block_offsets_), view_of(flat_), view_of(placed_),
-                                                  view_of(triangle_boxes_)});
+        facing_.resize(triangles);
+        executor_.for_each(
+            "place_triangles", triangles,
+            stages::PlaceTriangles{sheet_bodies, view_of(block_offsets_), view_of(flat_), interleaved(view_of(placed_)),
+                                   interleaved(view_of(facing_)), view_of(triangle_boxes_)});
         group_slabs_.resize(groups);
         block_slabs_.resize(blocks);
         executor_.for_each("bound_groups", groups,
-                           stages::BoundGroups{view_of(placed_), view_of(group_slabs_), view_of(group_boxes_)});
+                           stages::BoundGroups{interleaved(view_of(placed_)), view_of(group_slabs_), view_of(group_boxes_)});
         executor_.for_each("slabs_around", blocks, stages::SlabAround{view_of(group_slabs_), view_of(block_slabs_)});
         block_boxes_.resize(sections);
         section_begins_.resize(sections);
@@ -161,17 +164,17 @@ private:
         masks_.resize(pair_count);
         counts_.resize(pair_count);
         executor_.for_each("mask_features", pair_count,
-                           stages::MaskFeatures{view_of(sheet_pairs_), view_of(placed_), view_of(triangles_),
+                           stages::MaskFeatures{view_of(sheet_pairs_), interleaved(view_of(placed_)), view_of(triangles_),
                                                 view_of(masks_), view_of(counts_)});
         const Count open = tools_.list("open_list", pair_count, stages::IsOpen{view_of(masks_)}, rows_);
         executor_.for_each("mask_open_features", open,
-                           stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(placed_),
+                           stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
                                                     view_of(triangles_), view_of(rows_), view_of(masks_), view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
-        executor_.for_each(
-            "list_features", pair_count,
-            stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_), view_of(placed_),
-                                 view_of(triangles_), view_of(masks_), view_of(offsets_), view_of(features_)});
+        executor_.for_each("list_features", pair_count,
+                           stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_),
+                                                interleaved(view_of(placed_)), view_of(triangles_), view_of(masks_),
+                                                view_of(offsets_), view_of(features_)});
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
         const Count count = count_of(features_);
         meetings_.resize(count);
@@ -226,6 +229,7 @@ private:
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_, ages_;
     Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
     Buffer<stages::PlacedTriangle> placed_;
+    Buffer<stages::Facing> facing_;
     Buffer<stages::Slab> group_slabs_, block_slabs_;
     Buffer<stages::ClosePair> sections_, blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;

@@ -2,6 +2,7 @@
 
 #include <cuda_runtime.h>
 #include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/tabulate_output_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
@@ -109,34 +110,36 @@ public:
     Count exclusive_scan(const char* name, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing(name);
         const cuda::CountAt count{items(n), in.data};
+        const cuda::NoteTotal to = next_total(name, 0xffffffffu);
         if (n.bound <= cuda::short_list) {
-            const cuda::NoteTotal to = next_total(name, nullptr, count, 0xffffffffu);
             cuda::scan_short_list<<<1, cuda::scan_threads, 0, stream_>>>(count, out.data, to);
             cuda::check(cudaGetLastError(), "a launch");
             return noted(name, to);
         }
         const auto counts = thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), count);
+        const auto offsets = thrust::make_tabulate_output_iterator(cuda::WriteOffset{count, out.data, to});
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out.data, static_cast<int>(n.bound), stream_);
+            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets, static_cast<int>(n.bound), stream_);
         });
-        return note_total(name, out.data, count, 0xffffffffu);
+        return noted(name, to);
     }
 
     template <class F>
     Count select(const char* name, Count n, const F& wanted, View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing(name);
         const cuda::WantedAt<F> is_wanted{items(n), wanted};
+        const cuda::NoteTotal to = next_total(name, n.bound);
         if (n.bound <= cuda::short_list) {
-            const cuda::NoteTotal to = next_total(name, nullptr, {items(n), nullptr}, n.bound);
             cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data, to);
             cuda::check(cudaGetLastError(), "a launch");
             return noted(name, to);
         }
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0), out.data,
-                                         next_total_place(), static_cast<int>(n.bound), is_wanted, stream_);
+                                         thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound), is_wanted,
+                                         stream_);
         });
-        return note_total(name, nullptr, {items(n), nullptr}, n.bound);
+        return noted(name, to);
     }
 
     void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
@@ -231,9 +234,6 @@ private:
     // How much more than in the exact step may come, before a bounded step must be repeated.
     static constexpr std::uint32_t spare_share = 8, spare_items = 1024;
 
-    // Exact steps may have any number of totals: nobody reads them later.
-    std::uint32_t* next_total_place() { return totals_.data() + bank_ * most_totals + next_ % most_totals; }
-
     Count next_total_of_nothing(const char* name) {
         ++next_;
         if (!bounded_) grow_bound(name, spare_items);
@@ -241,10 +241,11 @@ private:
     }
 
     /// Where the next total goes. `most`: what it can be at most.
-    cuda::NoteTotal next_total(const char* name, const std::uint32_t* offsets, const cuda::CountAt& last,
-                               std::uint32_t most) {
+    cuda::NoteTotal next_total(const char* name, std::uint32_t most) {
         if (bounded_ && next_ + 1 == most_totals) throw std::logic_error("a step has more totals than there is room for");
-        return {offsets, last, bounded_ ? min_of(bounds_.at(name), most) : most, next_total_place(), overflow_.data()};
+        // Exact steps may have any number of totals: nobody reads them later.
+        std::uint32_t* const place = totals_.data() + bank_ * most_totals + next_ % most_totals;
+        return {bounded_ ? min_of(bounds_.at(name), most) : most, place, overflow_.data()};
     }
 
     /// A total that is, or will be, where it belongs.
@@ -263,12 +264,6 @@ private:
     void grow_bound(const char* name, std::uint32_t bound) {
         std::uint32_t& known = bounds_[name];
         known = max_of(bound, known);
-    }
-
-    Count note_total(const char* name, const std::uint32_t* offsets, const cuda::CountAt& last, std::uint32_t most) {
-        const cuda::NoteTotal to = next_total(name, offsets, last, most);
-        for_each("note_total", 1, to);
-        return noted(name, to);
     }
 
     void swap_sides() {

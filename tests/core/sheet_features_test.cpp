@@ -113,6 +113,30 @@ TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
     EXPECT_GT(left_out, 60000);
 }
 
+/// Whether triangles are apart along a direction during the step, and further apart than a margin at its end.
+struct Apart {
+    bool ahead = true, behind = true, far_ahead = true, far_behind = true;
+
+    Apart(Random& random, Vec3d direction, const QuickPoint (&a)[3], const QuickPoint (&b)[3], double margin) {
+        const double far = margin * length(direction);
+        for (double time : {0.0, random.uniform(0, 1), 1.0})
+            for (const QuickPoint& x : a)
+                for (const QuickPoint& y : b) {
+                    const auto when = [&](const QuickPoint& z) {
+                        return (1 - time) * to_double(z.start) + time * to_double(z.end);
+                    };
+                    const double d = dot(direction, when(x) - when(y));
+                    ahead &= d > 0;
+                    behind &= d < 0;
+                    far_ahead &= time < 1 || d > far;
+                    far_behind &= time < 1 || d < -far;
+                }
+    }
+    bool agrees(const Company& company) const {
+        return (!company.separate || ahead || behind) && (!company.distant || far_ahead || far_behind);
+    }
+};
+
 TEST(SheetFeaturesTest, ADirectionThatSeparatesDoesSoAllTheTime) {
     Random random(3);
     int separate = 0, distant = 0;
@@ -130,23 +154,42 @@ TEST(SheetFeaturesTest, ADirectionThatSeparatesDoesSoAllTheTime) {
         const Company company = company_along(n, a, b, margin, size);
         separate += company.separate;
         distant += company.distant;
-        bool ahead = true, behind = true, far_ahead = true, far_behind = true;
-        const Vec3d direction = to_double(n);
-        for (double time : {0.0, random.uniform(0, 1), 1.0})
-            for (const QuickPoint& x : a)
-                for (const QuickPoint& y : b) {
-                    const auto when = [&](const QuickPoint& z) {
-                        return (1 - time) * to_double(z.start) + time * to_double(z.end);
-                    };
-                    const double d = dot(direction, when(x) - when(y));
-                    ahead &= d > 0;
-                    behind &= d < 0;
-                    const double far = static_cast<double>(margin) * length(direction);
-                    far_ahead &= time < 1 || d > far;
-                    far_behind &= time < 1 || d < -far;
-                }
-        ASSERT_TRUE(!company.separate || ahead || behind) << "seed " << random.seed() << ", case " << i;
-        ASSERT_TRUE(!company.distant || far_ahead || far_behind) << "seed " << random.seed() << ", case " << i;
+        const Apart apart(random, to_double(n), a, b, static_cast<double>(margin));
+        ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
+    }
+    EXPECT_GT(separate, 1000);
+    EXPECT_GT(distant, 1000);
+}
+
+TEST(SheetFeaturesTest, ANormalThatSeparatesDoesSoAllTheTime) {
+    Random random(4);
+    int separate = 0, distant = 0;
+    for (int i = 0; i < 100000; ++i) {
+        Points points(random);
+        PlacedTriangle a, b;
+        const Vec3f far = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
+        for (int k = 0; k < 3; ++k) {
+            a.end[k] = far + points.next();
+            b.end[k] = far + points.next();
+        }
+        const Vec3f n = to_float(normalized(a.end_normal()));
+        const Vec3f away = static_cast<float>(random.uniform(0, 2)) * points.scale() * n;
+        for (int k = 0; k < 3; ++k) {
+            a.start[k] = a.end[k] + 0.1f * points.next();
+            b.start[k] = b.end[k] = b.end[k] + away;
+        }
+        const FacingTriangle facing_a{a, Facing(a)}, facing_b{b, Facing(b)};
+        const float margin = points.scale() * 0.1f;
+        const Company company = company_along_normal(facing_a, facing_b, margin);
+        separate += company.separate;
+        distant += company.distant;
+        QuickPoint of_a[3], of_b[3];
+        for (int k = 0; k < 3; ++k) {
+            of_a[k] = {a.start[k], a.end[k]};
+            of_b[k] = {b.start[k], b.end[k]};
+        }
+        const Apart apart(random, to_double(facing_a.facing.normal), of_a, of_b, static_cast<double>(margin));
+        ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
     }
     EXPECT_GT(separate, 1000);
     EXPECT_GT(distant, 1000);

@@ -8,11 +8,6 @@
 /// What float32 says for certain about triangles of sheets during a step. Nearly all pairs of them are settled so.
 namespace pierce::stages {
 
-/// A point during the step, float32, relative to some place near it.
-struct QuickPoint {
-    Vec3f start, end;
-};
-
 /// What is known of how two features, or two triangles, get along.
 struct Company {
     bool separate = false;  ///< they do not meet during the step
@@ -22,22 +17,6 @@ struct Company {
     PIERCE_HD void learn(const Company& more) {
         separate |= more.separate;
         distant |= more.distant;
-    }
-};
-
-/// How far some points reach along a direction, at the start of the step and at its end.
-struct Reach {
-    float low[2], high[2];
-
-    template <int count>
-    PIERCE_HD Reach(Vec3f n, const QuickPoint (&points)[count]) {
-        for (int k = 0; k < count; ++k) {
-            const float at[2] = {quick_dot(n, points[k].start), quick_dot(n, points[k].end)};
-            for (int when = 0; when < 2; ++when) {
-                low[when] = k == 0 ? at[when] : quick_min(at[when], low[when]);
-                high[when] = k == 0 ? at[when] : quick_max(at[when], high[when]);
-            }
-        }
     }
 };
 
@@ -51,16 +30,37 @@ PIERCE_HD inline bool is_beyond(float margin, float ahead, Vec3f n) {
     return ahead > 0 && ahead * ahead > margin * margin * quick_dot(n, n);
 }
 
-/// What `n`, of any length, says about two convex things: differences of corners are linear in time, so that one stays ahead
-/// if it is ahead at the start and at the end.
-template <int mine, int others>
-PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin,
-                                float size) {
-    const Reach of_a(n, a), of_b(n, b);
+/// What a direction `n`, of any length, says about two convex things that reach so far along it: differences of corners are
+/// linear in time, so that one stays ahead if it is ahead at the start and at the end.
+PIERCE_HD inline Company company_along(Vec3f n, const Reach& of_a, const Reach& of_b, float margin, float size) {
     const float made_up = made_up_along(n, size);
     const float ahead = of_a.low[1] - of_b.high[1], behind = of_b.low[1] - of_a.high[1];
     return {quick_max(quick_min(of_a.low[0] - of_b.high[0], ahead), quick_min(of_b.low[0] - of_a.high[0], behind)) > made_up,
             is_beyond(margin, quick_max(ahead, behind) - made_up, n)};
+}
+
+template <int mine, int others>
+PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin,
+                                float size) {
+    return company_along(n, Reach(n, a), Reach(n, b), margin, size);
+}
+
+/// A triangle during the step, and how it faces.
+struct FacingTriangle {
+    PlacedTriangle placed;
+    Facing facing;
+};
+
+/// What the normal of one of two triangles says about them.
+PIERCE_HD inline Company company_along_normal(const FacingTriangle& one, const FacingTriangle& two, float margin) {
+    const PlacedTriangle &t = one.placed, &other = two.placed;
+    const Vec3f n = one.facing.normal;
+    const Vec3f apart = other.end[0] - t.end[0];
+    const float between = quick_max(std::fabs(apart.x), quick_max(std::fabs(apart.y), std::fabs(apart.z)));
+    QuickPoint corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = {other.start[k] - t.end[0], other.end[k] - t.end[0]};
+    return company_along(n, one.facing.reach, Reach(n, corner), margin,
+                         quick_max(one.facing.size, between + two.facing.size));
 }
 
 /// A triangle during the step, float32, relative to `origin`.

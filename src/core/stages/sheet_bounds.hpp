@@ -1,9 +1,10 @@
 #pragma once
 
 #include "pierce/core/body.hpp"
+#include "pierce/core/interleaved.hpp"
 #include "pierce/core/moving_point.hpp"
 #include "pierce/core/quick_vec3.hpp"
-#include "pierce/core/warp.hpp"
+#include "pierce/core/stages/quick_reach.hpp"
 
 /// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs around triangles, groups of sixteen
 /// triangles and blocks of sixteen groups.
@@ -127,11 +128,11 @@ struct Boxes {
 
     /// A bit for each that the k-th of `others`, grown by `margin`, overlaps.
     PIERCE_HD std::uint32_t near(const Boxes& others, std::uint32_t k, double margin) const {
-        const Box other = others.at(k);
+        const float grown = round_up(margin);
         float low[3], high[3];
         for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = round_down(other.lower[axis] - margin);
-            high[axis] = round_up(other.upper[axis] + margin);
+            low[axis] = not_above(others.lower[axis][k / 4].of[k % 4] - grown);
+            high[axis] = not_below(others.upper[axis][k / 4].of[k % 4] + grown);
         }
         std::uint32_t mask = 0;
         for (std::uint32_t four = 0; four < fours; ++four) {
@@ -200,12 +201,32 @@ struct alignas(16) PlacedTriangle {
     }
 };
 
+/// A placed triangle's normal, and what float32 sees of its corners, relative to the first one's place at the end.
+struct alignas(16) Facing {
+    Vec3f normal;    ///< at the end of the step, of any length
+    Reach reach;     ///< of the corners, along the normal
+    float size = 0;  ///< no coordinate is larger
+
+    Facing() = default;
+    PIERCE_HD explicit Facing(const PlacedTriangle& t) {
+        QuickPoint corner[3];
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = {t.start[k] - t.end[0], t.end[k] - t.end[0]};
+            for (int axis = 0; axis < 3; ++axis)
+                size = quick_max(quick_max(std::fabs(corner[k].start[axis]), std::fabs(corner[k].end[axis])), size);
+        }
+        normal = quick_cross(corner[1].end, corner[2].end);
+        reach = Reach(normal, corner);
+    }
+};
+
 /// Per place of a group: its triangle over the step, and the box of that.
 struct PlaceTriangles {
     SheetBodies bodies;
     View<const std::uint32_t> block_offsets;  ///< per body
     View<const std::uint32_t> flat;           ///< per vertex
-    View<PlacedTriangle> placed;
+    Interleaved<PlacedTriangle> placed;
+    Interleaved<Facing> facing;
     View<Boxes> boxes;  ///< per group
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -228,7 +249,8 @@ struct PlaceTriangles {
                 box.extend(to_double(v.end));
             }
         }
-        write_side_by_side(placed.data, i, p);
+        placed.write(i, p);
+        facing.write(i, Facing(p));
         boxes[group].set(i % constants::group_size, box);
     }
 };
@@ -308,17 +330,17 @@ struct SlabFrame {
 
 /// Per group: the slab and the box around its triangles.
 struct BoundGroups {
-    View<const PlacedTriangle> placed;
+    Interleaved<const PlacedTriangle> placed;
     View<Slab> slabs;
     View<Boxes> boxes;  ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const PlacedTriangle* const part = placed.data + i * constants::group_size;
+        const std::uint32_t first = i * constants::group_size;
         std::uint32_t count = 0;
         Vec3d normal;
         Box box;
         for (; count < constants::group_size; ++count) {
-            const PlacedTriangle t = read_whole(part[count]);
+            const PlacedTriangle t = placed.read(first + count);
             if (t.triangle == no_triangle) break;
             normal += t.end_normal();
             for (int c = 0; c < 3; ++c) {
@@ -328,11 +350,11 @@ struct BoundGroups {
         }
         boxes[i / constants::group_size].set(i % constants::group_size, box);
         if (count == 0) return write_whole(slabs[i], {});
-        const Vec3d origin = to_double(part[0].end[0]);
+        const Vec3d origin = to_double(placed.read(first).end[0]);
         const SlabFrame frame(normal);
         Box extent;
         for (std::uint32_t k = 0; k < count; ++k) {
-            const PlacedTriangle t = read_whole(part[k]);
+            const PlacedTriangle t = placed.read(first + k);
             for (int c = 0; c < 3; ++c) {
                 extent.extend(frame.along(to_double(t.start[c]) - origin));
                 extent.extend(frame.along(to_double(t.end[c]) - origin));

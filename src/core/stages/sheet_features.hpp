@@ -101,9 +101,9 @@ struct QuickPair {
     QuickTriangle qa, qb;
     float thickness, margin, end_size, size;
 
-    PIERCE_HD QuickPair(View<const PlacedTriangle> placed, const SheetPair& pair, const TrianglePair& t)
-        : a(read_whole(placed[t.first])),
-          b(read_whole(placed[t.second])),
+    PIERCE_HD QuickPair(Interleaved<const PlacedTriangle> placed, const SheetPair& pair, const TrianglePair& t)
+        : a(placed.read(t.first)),
+          b(placed.read(t.second)),
           qa(a, a.end[0]),
           qb(b, a.end[0]),
           thickness(round_up(pair.thickness)),
@@ -116,7 +116,7 @@ struct QuickPair {
 /// not meet, as it is nearly always; otherwise that it is open.
 struct MaskFeatures {
     View<const SheetPair> pairs;
-    View<const PlacedTriangle> placed;
+    Interleaved<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<std::uint32_t> masks, counts;
 
@@ -174,7 +174,7 @@ struct IsOpen {
 struct MaskOpenFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
-    View<const PlacedTriangle> placed;
+    Interleaved<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<const std::uint32_t> open;
     View<std::uint32_t> masks, counts;  ///< of all pairs of triangles
@@ -279,7 +279,7 @@ struct ListFeatures {
     View<const BodyView> bodies;
     View<const std::uint32_t> vertex_offsets;  ///< per body
     View<const SheetPair> pairs;
-    View<const PlacedTriangle> placed;
+    Interleaved<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<const std::uint32_t> masks, offsets;
     View<FeaturePair> features;
@@ -288,7 +288,7 @@ struct ListFeatures {
         std::uint32_t place = offsets[i];
         for (std::uint32_t mask = masks[i] & FeatureBits::all; mask != 0; mask &= mask - 1) {
             const TrianglePair t = read_whole(triangles[i]);
-            FeaturePair f = feature(t.pair, placed[t.first].triangle, placed[t.second].triangle, lowest_bit(mask));
+            FeaturePair f = feature(t.pair, placed.read(t.first).triangle, placed.read(t.second).triangle, lowest_bit(mask));
             f.separate = (masks[i] & FeatureBits::separate) != 0;
             write_whole(features[place++], f);
         }

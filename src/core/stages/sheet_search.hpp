@@ -201,7 +201,8 @@ struct CullTriangles {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< groups
     View<const std::uint32_t> rows;
-    View<const PlacedTriangle> placed;
+    Interleaved<const PlacedTriangle> placed;
+    Interleaved<const Facing> facing;
     View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
 
     static constexpr int threads_at_once = 768;
@@ -218,16 +219,17 @@ struct CullTriangles {
     PIERCE_HD std::uint32_t operator()(std::uint32_t row, std::uint32_t bit) const {
         const ClosePair c = read_whole(close[row / constants::group_size]);
         const SheetPair& pair = pairs[c.pair];
-        const PlacedTriangle mine = read_whole(placed[c.first * constants::group_size + row % constants::group_size]);
-        const PlacedTriangle other = read_whole(placed[c.second * constants::group_size + bit]);
-        if (pair.is_self() && mine.shares_flat_star(other)) return 0;
-        const QuickTriangle a(mine, mine.end[0]), b(other, mine.end[0]);
-        const float size = quick_max(quick_max(a.start_size(), a.end_size()), quick_max(b.start_size(), b.end_size()));
+        const FacingTriangle mine = at(c.first * constants::group_size + row % constants::group_size);
+        const FacingTriangle other = at(c.second * constants::group_size + bit);
+        if (pair.is_self() && mine.placed.shares_flat_star(other.placed)) return 0;
         const float margin = round_up(pair.margin);
-        Company company = company_along(a.end_normal(), a.corner, b.corner, margin, size);
-        if (!company.is_settled()) company.learn(company_along(b.end_normal(), a.corner, b.corner, margin, size));
+        Company company = company_along_normal(mine, other, margin);
+        if (!company.is_settled()) company.learn(company_along_normal(other, mine, margin));
         return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
     }
+
+private:
+    PIERCE_HD FacingTriangle at(std::uint32_t place) const { return {placed.read(place), facing.read(place)}; }
 };
 
 /// Two triangles whose features are to be tested.
