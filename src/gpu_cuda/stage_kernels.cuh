@@ -143,14 +143,14 @@ inline constexpr std::uint32_t scan_threads = 1024, scan_items = 8;
 /// An exclusive scan by one block, which notes the total, too.
 inline __global__ void __launch_bounds__(scan_threads)
     scan_short_list(const CountAt in, std::uint32_t* out, const NoteTotal to) {
-    using Scan = cub::BlockScan<std::uint32_t, scan_threads>;
+    using Scan = cub::BlockScan<std::uint32_t, scan_threads, cub::BLOCK_SCAN_WARP_SCANS>;
     __shared__ typename Scan::TempStorage scratch;
     const std::uint32_t count = in.items.count();
     std::uint32_t sum = 0;
     for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
         const std::uint32_t first = begin + threadIdx.x * scan_items;
         std::uint32_t items[scan_items];
-        for (std::uint32_t k = 0; k < scan_items; ++k) items[k] = in(first + k);
+        for (std::uint32_t k = 0; k < scan_items; ++k) items[k] = first + k < count ? in.in[first + k] : 0;
         std::uint32_t part = 0;
         Scan(scratch).ExclusiveSum(items, items, part);
         for (std::uint32_t k = 0; k < scan_items; ++k)
@@ -165,14 +165,15 @@ inline __global__ void __launch_bounds__(scan_threads)
 template <class F>
 __global__ void __launch_bounds__(scan_threads)
     select_from_short_list(const __grid_constant__ WantedAt<F> wanted, std::uint32_t* out, const NoteTotal to) {
-    using Scan = cub::BlockScan<std::uint32_t, scan_threads>;
+    using Scan = cub::BlockScan<std::uint32_t, scan_threads, cub::BLOCK_SCAN_WARP_SCANS>;
     __shared__ typename Scan::TempStorage scratch;
     const std::uint32_t count = wanted.items.count();
     std::uint32_t sum = 0;
     for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
         const std::uint32_t first = begin + threadIdx.x * scan_items;
         std::uint32_t takes = 0;  // a bit an item
-        for (std::uint32_t k = 0; k < scan_items; ++k) takes |= static_cast<std::uint32_t>(wanted(first + k)) << k;
+        for (std::uint32_t k = 0; k < scan_items; ++k)
+            takes |= static_cast<std::uint32_t>(first + k < count && wanted.wanted(first + k)) << k;
         std::uint32_t place = 0, part = 0;
         Scan(scratch).ExclusiveSum(static_cast<std::uint32_t>(__popc(takes)), place, part);
         for (std::uint32_t k = 0; k < scan_items; ++k)
