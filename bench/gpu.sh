@@ -37,7 +37,7 @@ steps=$build/bench/pierce_gpu_steps
 for builder in lbvh hlbvh ploc; do
     "$steps" lattice:100 lattice:1000 lattice:10000 --steps 100 --check 0 --builder "$builder" | tail -n +2 >>"$out/steps.csv"
 done
-"$build"/bench/pierce_gpu_trees 100 1000 10000 mesh:7 >"$out/trees.csv"
+"$build"/bench/pierce_gpu_trees 100 1000 10000 rest:10000 mesh:7 >"$out/trees.csv"
 "$build"/bench/pierce_gpu_sheets --steps 60 --check 2 >"$out/sheets.csv"
 "$build"/bench/pierce_gpu_sheets --steps 20 --check 0 --stages | tail -n +2 >>"$out/sheets.csv"
 rm -r "$out/../soft_tori"
