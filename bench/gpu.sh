@@ -55,6 +55,6 @@ fi
 echo "done in $SECONDS s"
 cat "$out/machine.txt"
 cut -d, -f1-4,6-14 "$out/steps.csv"
-cut -d, -f1-5,7-8,11 "$out/trees.csv"
+cut -d, -f1-5,7-8,11,13-14 "$out/trees.csv"
 cat "$out/sheets.csv"
 cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true

@@ -1,7 +1,8 @@
 // Trees on the GPU: how fast they are built, refitted and traced, and how good they are. Prints CSV.
 //   pierce_gpu_trees COUNT...      COUNT tori of 600 triangles, out of shape, a tree each; rest:COUNT of such at rest, whose
 //                                  rays leave through a vertex each; or mesh:LEVELS for one sphere
-// `inward` traces the inward rays of all vertices. Floors: the fewest bytes each must move, over what a copy moves.
+// `inward` traces the inward rays of all vertices; `predicted` those that look outward, too, in the same thread, and
+// `apart` the same as two rays, in two launches. Floors: the fewest bytes each must move, over what a copy moves.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -18,18 +19,22 @@
 namespace pierce {
 namespace {
 
-/// Per vertex of a torus or sphere in its own space: the inward ray into its own body.
+/// Per vertex of a torus or sphere in its own space: the inward ray into its own body; or, `against` it, the outward one.
 struct AimInward {
     View<const BodyView> bodies;
     std::uint32_t vertices_per_body;
     View<Ray> rays;
+    bool predicts = false;  ///< looks outward, too, as far as predictions go
+    bool against = false;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t b = i / vertices_per_body, v = i % vertices_per_body;
         Ray ray;
         ray.origin = to_double(bodies[b].positions[v]);
-        ray.direction = -normalized(to_double(bodies[b].mesh.normals[v]));
-        ray.t_max = bodies[b].mesh.box.extent();
+        const double outward = constants::prediction_limit * bodies[b].mesh.mean_edge_length;
+        ray.direction = (against ? 1.0 : -1.0) * normalized(to_double(bodies[b].mesh.normals[v]));
+        ray.t_max = against ? outward : bodies[b].mesh.box.extent();
+        ray.outward = predicts ? outward : 0;
         ray.target = b;
         ray.excluded[0] = ray.excluded[1] = v;
         rays[i] = ray;
@@ -160,17 +165,22 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, boo
         const double build = time(9, [&] { tracer.build(executor, views); });
         const double refit = time(
             9, [&] { tracer.update(executor, views, view_of(std::as_const(wanted))); }, send);
-        executor.for_each("aim", ray_count, AimInward{views, vertices, view_of(rays)});
-        const double trace = time(9, [&] {
+        const auto trace_all = [&] {
             tracer.closest_hits(executor, "trace", views, ray_count, view_of(std::as_const(rays)), view_of(hits));
-        });
+        };
+        const auto time_of = [&](bool predicts, bool against) {
+            executor.for_each("aim", ray_count, AimInward{views, vertices, view_of(rays), predicts, against});
+            return time(9, trace_all);
+        };
+        const double trace = time_of(false, false), predicted = time_of(true, false);
+        const double apart = trace + time_of(false, true);
         // A triangle: half a vertex. A leaf: a node; its corners are its mesh's. A ray: itself and its hit.
         const double bytes = all_triangles * 0.5 * sizeof(Vec3f) + all_leaves * sizeof(bvh::Node);
         const double build_floor = bytes / bytes_per_second * 1e3;
         const double trace_floor = ray_count * static_cast<double>(sizeof(Ray) + sizeof(Hit)) / bytes_per_second * 1e3;
-        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f\n", name.c_str(), all_triangles, label, build,
-                    all_triangles / build * 1e-3, build_floor, refit, all_triangles / refit * 1e-3, ray_count, trace,
-                    ray_count / trace * 1e-6, trace_floor);
+        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f,%.4f,%.4f\n", name.c_str(), all_triangles, label,
+                    build, all_triangles / build * 1e-3, build_floor, refit, all_triangles / refit * 1e-3, ray_count, trace,
+                    ray_count / trace * 1e-6, trace_floor, predicted, apart);
         std::fflush(stdout);
     }
 }
@@ -186,7 +196,7 @@ int main(int argc, char** argv) {
     std::printf("# a copy moves %.2f TB/s\n", rate * 1e-12);
     std::puts(
         "scene,triangles,builder,build_ms,build_mtri_s,build_floor_ms,refit_ms,refit_mtri_s,rays,inward_ms,inward_gray_s,"
-        "inward_floor_ms");
+        "inward_floor_ms,predicted_ms,apart_ms");
     for (int i = 1; i < argc; ++i) {
         const std::string scene = argv[i];
         if (scene.starts_with("mesh:"))

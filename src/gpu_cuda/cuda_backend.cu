@@ -177,7 +177,11 @@ std::string cuda_problem() {
     int count = 0;
     const cudaError_t error = cudaGetDeviceCount(&count);
     if (error != cudaSuccess) return cudaGetErrorString(error);
-    return count == 0 ? "no CUDA device" : "";
+    if (count == 0) return "no CUDA device";
+    int device = 0, pools = 0;
+    cudaGetDevice(&device);
+    cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device);
+    return pools == 0 ? "the device has no memory pools" : "";
 }
 
 std::unique_ptr<Backend> cuda_backend(CudaOptions options) {

@@ -12,8 +12,9 @@
 
 namespace pierce::cuda {
 
-/// An array in device memory. It grows and never shrinks, so that steady steps allocate nothing; what is in it stays, what
-/// is new is not initialized. Growing waits for the device.
+/// An array in device memory, from the device's current memory pool (cudaDeviceSetMemPool chooses it). It grows and never
+/// shrinks, so that steady steps allocate nothing; what is in it stays, what is new is not initialized. Growing waits for
+/// the device, so that all streams may use what was allocated on the default one.
 template <class T>
 class DeviceBuffer {
     static_assert(std::is_trivially_destructible_v<T>);
@@ -26,8 +27,9 @@ public:
         return *this;
     }
     ~DeviceBuffer() {
-        // While a step is captured, buffers are exchanged, and CUDA forbids even to free nothing.
-        if (data_ != nullptr) cudaFree(data_);
+        if (data_ == nullptr) return;  // while a step is captured, buffers are exchanged, and CUDA forbids to wait
+        cudaDeviceSynchronize();
+        cudaFreeAsync(data_, nullptr);
     }
 
     T* data() { return data_; }
@@ -53,11 +55,13 @@ private:
     void grow(std::size_t least) {
         const std::size_t capacity = std::max(least, capacity_ + capacity_ / 2);
         T* larger = nullptr;
-        check(cudaMalloc(&larger, capacity * sizeof(T)), "allocation of device memory");
+        check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr), "allocation of device memory");
         check(cudaDeviceSynchronize(), "waiting for the device");
         if (count_.bound > 0)
-            check(cudaMemcpy(larger, data_, count_.bound * sizeof(T), cudaMemcpyDeviceToDevice), "copy on the device");
-        check(cudaFree(data_), "return of device memory");
+            check(cudaMemcpyAsync(larger, data_, count_.bound * sizeof(T), cudaMemcpyDeviceToDevice, nullptr),
+                  "copy on the device");
+        if (data_ != nullptr) check(cudaFreeAsync(data_, nullptr), "return of device memory");
+        check(cudaStreamSynchronize(nullptr), "waiting for the device");
         data_ = larger;
         capacity_ = capacity;
     }
