@@ -20,7 +20,7 @@ struct ForestWork {
 };
 
 /// Per tree, before it is refitted again: has its refit decayed? Looking at a node counts like testing a triangle. Without
-/// the nodes it would never show: every leaf is one triangle, in its own box whatever became of those above.
+/// the nodes it would never show: every leaf is in its own box whatever became of those above.
 struct JudgeTree {
     View<TreeWork> work;
     View<const Tree> trees;
