@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "pierce/core/bvh/traversal.hpp"
 #include "pierce/scenes/shapes.hpp"
 #include "support/random.hpp"
 
@@ -52,6 +53,25 @@ TEST(LeavesTest, HoldEveryTriangleOnce) {
 TEST(LeavesTest, OfShapesMadeOfQuadsAreTheQuads) {
     EXPECT_EQ(checked_leaves(scenes::torus(2, 0.5, 30, 10)).size(), 300u);
     EXPECT_LT(checked_leaves(scenes::sphere(1, 4)).size(), 2700u) << "of 5120 triangles, a few of which stay alone";
+}
+
+TEST(LeavesTest, ExcludeTheTrianglesThatARayExcludes) {
+    test::Random random(12);
+    const MeshData mesh = test::random_closed_mesh(random);
+    const auto vertex = [&] {
+        const std::uint32_t count = static_cast<std::uint32_t>(mesh.positions.size());
+        return random.integer(0, 9) == 0 ? no_vertex
+                                         : static_cast<std::uint32_t>(random.integer(0, static_cast<int>(count) - 1));
+    };
+    for (Leaf leaf : checked_leaves(mesh))
+        for (int i = 0; i < 200; ++i) {
+            const auto near = [&] { return random.integer(0, 1) == 0 ? leaf.corner[random.integer(0, 3)] : vertex(); };
+            const std::uint32_t first = near(), excluded[2] = {first, random.integer(0, 1) == 0 ? first : near()};
+            for (std::uint32_t t = 0; t < 2; ++t)
+                EXPECT_EQ((excluded_of(leaf, excluded) >> t & 1) != 0,
+                          leaf.triangle[t] == no_triangle || is_excluded(mesh.triangles[leaf.triangle[t]], excluded))
+                    << "seed " << random.seed();
+        }
 }
 
 /// One triangle; two that do not touch; two that are the same; one with a side of no length; three at one edge.
