@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "pierce/core/config.hpp"
 
@@ -52,8 +53,12 @@ PIERCE_HD inline float inward_neighbor(float f) { return std::bit_cast<float>(st
 
 /// Not above, or not below, what a float32 sum would have been without rounding, given that it came to `rounded`:
 /// that is off by half an ulp at most, and nothing where it is smaller than all normal numbers. Of an infinite one NaN.
-PIERCE_HD inline float not_above(float rounded) { return rounded - std::fabs(rounded) * 0x1p-23f; }
-PIERCE_HD inline float not_below(float rounded) { return rounded + std::fabs(rounded) * 0x1p-23f; }
+PIERCE_HD inline float not_above(float rounded) {
+    return rounded - std::fabs(rounded) * std::numeric_limits<float>::epsilon();
+}
+PIERCE_HD inline float not_below(float rounded) {
+    return rounded + std::fabs(rounded) * std::numeric_limits<float>::epsilon();
+}
 
 /// The nearest float32 that is not above `value`.
 PIERCE_HD inline float round_down(double value) {

@@ -196,6 +196,7 @@ private:
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
         if (complete) time("separation", [&] { separation(scene); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
+        // What follows changes neither hits nor own rays.
         time("stats", [&] { executor_.beside([&] { count_rays(); }); });
         time("contacts", [&] { contacts(scene); });
         if (remembers) time("remember", [&] { remember(scene); });

@@ -149,7 +149,7 @@ inline __global__ void __launch_bounds__(scan_threads)
     std::uint32_t sum = 0;
     for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
         const std::uint32_t first = begin + threadIdx.x * scan_items;
-        std::uint32_t items[scan_items];
+        std::uint32_t items[scan_items];  // read without asking for the list's length each time
         for (std::uint32_t k = 0; k < scan_items; ++k) items[k] = first + k < count ? in.in[first + k] : 0;
         std::uint32_t part = 0;
         Scan(scratch).ExclusiveSum(items, items, part);

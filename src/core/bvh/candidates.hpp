@@ -54,11 +54,11 @@ private:
         const float end = round_up(search.limit() + box_ray.margin());
         const TriangleSieve sieve(ray);
         std::uint32_t leaves[leaf_room], open[constants::traversal_stack];
-        std::uint32_t found = 0, opened = 0, count = 0;
+        std::uint32_t found = 0, opened = 1, count = 0;
+        open[0] = no_node;  // popped when nothing is left
         Item item = tree.root;
-        if (item.is_leaf()) leaves[found++] = item.code;
-        open[opened++] = no_node;  // below all others: popped when nothing is left
         bool more = !item.is_leaf();
+        if (!more) leaves[found++] = item.code;
         while (true) {
             // All threads of a warp gather leaves, then all test theirs. On the way they do the same, whatever they meet:
             // at every branch some would wait for the others.
