@@ -129,6 +129,13 @@ inline constexpr double motion_rounding = 0x1p-46;
 /// The same in float32, which has 29 bits less.
 inline constexpr float quick_rounding = 0x1p-17f;
 
+/// A grid of boxes is not thinner than this [largest coordinate]: a step of it is still an ulp.
+inline constexpr float grid_thinness = 0x1p-16f;
+
+/// What a triangle's corners may reach along their own normal in float32 [largest coordinate relative to one of them, to the
+/// third]. The sum of the roundings is written out where it is used (quick_triangle.hpp), with half as much to spare.
+inline constexpr float quick_normal_rounding = 0x1p-20f;
+
 /// What a product of four lengths in float32 may lose [largest coordinate to the fourth]. The sum of the roundings is
 /// written out where it is used (sheet_features.hpp), with half as much to spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;

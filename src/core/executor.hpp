@@ -86,6 +86,15 @@ constexpr bool is_cheap() {
         return false;
 }
 
+/// What select() lists of an item that is wanted: the item, unless the test has something else to say, `listed(item)`.
+template <class F>
+PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {
+    if constexpr (requires { wanted.listed(i); })
+        return wanted.listed(i);
+    else
+        return i;
+}
+
 /// What executors on the host have in common: counts are numbers, buffers are vectors, sums are values.
 class HostExecutor {
 public:
@@ -156,13 +165,13 @@ public:
         return sum;
     }
 
-    /// Writes the items for which `wanted(item)` holds, in order; returns how many there are. `out` has room for all.
+    /// Lists the items for which `wanted(item)` holds, in order; returns how many there are. `out` has room for all.
     template <class F>
     std::uint32_t select(const char*, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
         std::uint32_t count = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const bool take = wanted(i);
-            out[count] = i;  // before it is known whether it stays: no branch to predict
+            out[count] = listed(wanted, i);  // before it is known whether it stays: no branch to predict
             count += take;
         }
         return count;

@@ -39,6 +39,15 @@ PIERCE_HD inline float quick_max(float a, float b) {
 #endif
 }
 
+/// What is not a number, or below 0, becomes 0, and what is above 1 becomes 1: on a GPU as part of another instruction.
+PIERCE_HD inline float quick_clamp(float a) {
+#if defined(__CUDA_ARCH__)
+    return __saturatef(a);
+#else
+    return min_of(max_of(a, 0.0f), 1.0f);
+#endif
+}
+
 template <class T>
 PIERCE_HD constexpr T clamp_to(T value, T low, T high) {
     return min_of(max_of(value, low), high);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pierce/core/bits.hpp"
 #include "pierce/core/disjoint_sets.hpp"
 #include "pierce/core/edges.hpp"
 #include "pierce/core/float_rules.hpp"
@@ -40,16 +41,21 @@ MeshEdges edges_of(const MeshView& mesh) {
 
 std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
     std::vector<TriangleFeatures> features(mesh.triangles.size, {{no_vertex, no_vertex, no_vertex}, 0});
+    // Evenly: what a GPU's threads do side by side takes as long as the one with the most to do. Vertices are half as many
+    // as triangles: one for each, if it has one that is free, and then what is left.
     std::vector<bool> owned(mesh.positions.size, false);
-    for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t v = mesh.triangles[t].vertex[k];
-            if (!owned[v]) features[t].own |= 1u << k;
-            owned[v] = true;
-        }
+    for (const bool one_each : {true, false})
+        for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t v = mesh.triangles[t].vertex[k];
+                if (owned[v] || (one_each && features[t].own != 0)) continue;
+                features[t].own |= 1u << k;
+                owned[v] = true;
+            }
     for (std::uint32_t e = 0; e < mesh.edges.size; ++e) {
         const Edge& edge = mesh.edges[e];
-        for (int side = 0; side < 2; ++side) {
+        std::uint32_t own[2] = {}, fewest = 4, owner = 0;
+        for (std::uint32_t side = 0; side < 2; ++side) {
             if (edge.triangle[side] == no_triangle) continue;
             const Triangle& t = mesh.triangles[edge.triangle[side]];
             TriangleFeatures& of = features[edge.triangle[side]];
@@ -57,9 +63,15 @@ std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
                 const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
                 if (std::minmax(v, w) != std::minmax(edge.vertex[0], edge.vertex[1])) continue;
                 of.edge[k] = e;
-                if (side == 0) of.own |= 8u << k;
+                own[side] = 8u << k;
+            }
+            const std::uint32_t count = bit_count(of.own >> 3);
+            if (count < fewest) {
+                fewest = count;
+                owner = side;
             }
         }
+        features[edge.triangle[owner]].own |= own[owner];
     }
     return features;
 }

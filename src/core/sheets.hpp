@@ -59,10 +59,11 @@ private:
         sheet_pairs_.resize(pair_count);
         if (!is_bound_) executor_.assign(wanted_, bodies, 0u);
         executor_.for_each("plan_sheet_pair", pair_count,
-                           stages::PlanSheetPair{scene.bodies, view_of(pairs), links, view_of(last_deepest_),
+                           stages::PlanSheetPair{scene.bodies, scene.ids, view_of(pairs), links, view_of(last_deepest_),
                                                  view_of(sheet_pairs_), view_of(wanted_)});
         if (!is_bound_) bound(scene);
         is_bound_ = false;
+        executor_.beside([&] { find_flat_corners(scene); });
 
         counts_.resize(pair_count);
         executor_.for_each("count_rows", pair_count,
@@ -83,21 +84,22 @@ private:
         list_sections.found = view_of(sections_);
         if (!sections_.empty()) executor_.for_each("list_sections", rows, list_sections);
 
-        find_parts("find_blocks", "block_pair_scan", sections_, {view_of(section_begins_)}, block_boxes_, block_slabs_,
-                   blocks_);
-        find_parts("find_groups", "group_scan", blocks_, {}, group_boxes_, group_slabs_, groups_);
+        find_parts("find_blocks", "block_pair_scan", sections_, {view_of(section_begins_), view_of(section_ends_)},
+                   block_boxes_, in_sections_, block_slabs_, blocks_);
+        find_parts("find_groups", "group_scan", blocks_, {}, group_boxes_, in_blocks_, group_slabs_, groups_);
 
         const Count in_groups = constants::group_size * count_of(groups_);
         masks_.resize(in_groups);
-        executor_.for_each(
-            "find_triangles", in_groups,
-            stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(triangle_boxes_), view_of(masks_)});
+        executor_.for_each("find_triangles", in_groups,
+                           stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(boxes_),
+                                                 view_of(in_groups_), view_of(masks_)});
         const Count near = tools_.list("near_triangles", in_groups, stages::HasNear{view_of(masks_)}, rows_);
         counts_.resize(near);
+        executor_.join();
         executor_.for_each(
             "cull_triangles", near,
-            stages::CullTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(rows_), interleaved(view_of(placed_)),
-                                  interleaved(view_of(facing_)), view_of(masks_), view_of(counts_)});
+            stages::CullTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(rows_), interleaved(view_of(drifting_)),
+                                  view_of(flat_corners_), view_of(masks_), view_of(counts_)});
         triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
         executor_.for_each("list_triangles", near,
                            stages::ListTriangles{view_of(groups_), view_of(rows_), view_of(masks_), view_of(offsets_),
@@ -106,20 +108,20 @@ private:
 
     /// Of things that may be close, the parts that may be.
     void find_parts(const char* name, const char* scan, const Buffer<stages::ClosePair>& close, stages::Parts parts,
-                    const Buffer<stages::Boxes>& boxes, const Buffer<stages::Slab>& slabs,
-                    Buffer<stages::ClosePair>& found) {
+                    const Buffer<stages::QuickBox>& boxes, const Buffer<stages::GridBoxes>& packed,
+                    const Buffer<stages::Slab>& slabs, Buffer<stages::ClosePair>& found) {
         const Count count = constants::group_size * count_of(close);
         masks_.resize(count);
         counts_.resize(count);
         executor_.for_each(name, count,
-                           stages::FindParts{view_of(sheet_pairs_), view_of(close), parts, view_of(boxes), view_of(slabs),
-                                             view_of(masks_), view_of(counts_)});
+                           stages::FindParts{view_of(sheet_pairs_), view_of(close), parts, view_of(boxes), view_of(packed),
+                                             view_of(slabs), view_of(masks_), view_of(counts_)});
         found.resize(tools_.place(scan, counts_, offsets_));
         executor_.for_each("list_parts", count,
                            stages::ListParts{view_of(close), parts, view_of(masks_), view_of(offsets_), view_of(found)});
     }
 
-    /// Boxes over the step, of the bodies that matter, and vertices around which nothing folds.
+    /// Where the bodies that matter are over the step: vertices, triangles, and bounds of those.
     void bound(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
         section_counts_.resize(bodies);
@@ -132,50 +134,109 @@ private:
         vertices_.resize(vertices);
         executor_.for_each("move_vertices", vertices,
                            stages::MoveVertices{scene.bodies, view_of(vertex_offsets_), view_of(vertices_)});
-        const stages::SheetBodies sheet_bodies = bodies_of(scene);
-        flat_.resize(vertices);
-        executor_.for_each("find_flat_stars", vertices, stages::FindFlatStars{sheet_bodies, view_of(flat_)});
         const Count sections = tools_.place("sheet_section_scan", section_counts_, section_offsets_);
         const Count blocks = tools_.place("sheet_block_scan", block_counts_, block_offsets_);
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
-        triangle_boxes_.resize(groups);
-        group_boxes_.resize(blocks);
         placed_.resize(triangles);
-        facing_.resize(triangles);
-        executor_.for_each(
-            "place_triangles", triangles,
-            stages::PlaceTriangles{sheet_bodies, view_of(block_offsets_), view_of(flat_), interleaved(view_of(placed_)),
-                                   interleaved(view_of(facing_)), view_of(triangle_boxes_)});
+        drifting_.resize(triangles);
+        boxes_.resize(triangles);
+        executor_.for_each("place_triangles", triangles,
+                           stages::PlaceTriangles{bodies_of(scene), view_of(block_offsets_), interleaved(view_of(placed_)),
+                                                  interleaved(view_of(drifting_)), view_of(boxes_)});
         group_slabs_.resize(groups);
-        block_slabs_.resize(blocks);
+        group_boxes_.resize(groups);
         executor_.for_each("bound_groups", groups,
-                           stages::BoundGroups{interleaved(view_of(placed_)), view_of(group_slabs_), view_of(group_boxes_)});
-        executor_.for_each("slabs_around", blocks, stages::SlabAround{view_of(group_slabs_), view_of(block_slabs_)});
-        block_boxes_.resize(sections);
+                           stages::BoundGroups{interleaved(view_of(placed_)), view_of(boxes_), view_of(group_slabs_),
+                                               view_of(group_boxes_)});
+        block_slabs_.resize(blocks);
+        block_boxes_.resize(blocks);
+        executor_.for_each(
+            "bound_blocks", blocks,
+            stages::BoundBlocks{view_of(group_slabs_), view_of(group_boxes_), view_of(block_slabs_), view_of(block_boxes_)});
         section_begins_.resize(sections);
-        executor_.for_each("place_blocks", constants::group_size * sections,
-                           stages::PlaceBlocks{view_of(section_offsets_), view_of(block_offsets_), view_of(block_counts_),
-                                               view_of(group_boxes_), view_of(block_boxes_), view_of(section_begins_)});
+        section_ends_.resize(sections);
+        section_boxes_.resize(sections);
+        executor_.for_each("bound_sections", sections,
+                           stages::BoundSections{view_of(section_offsets_), view_of(block_offsets_), view_of(block_counts_),
+                                                 view_of(block_boxes_), view_of(section_begins_), view_of(section_ends_),
+                                                 view_of(section_boxes_)});
+        pack("pack_triangles", groups, {}, group_boxes_, boxes_, in_groups_);
+        pack("pack_groups", blocks, {}, block_boxes_, group_boxes_, in_blocks_);
+        pack("pack_blocks", sections, {view_of(section_begins_), view_of(section_ends_)}, section_boxes_, block_boxes_,
+             in_sections_);
+    }
+
+    void pack(const char* name, Count wholes, stages::Parts parts, const Buffer<stages::QuickBox>& whole_boxes,
+              const Buffer<stages::QuickBox>& boxes, Buffer<stages::GridBoxes>& packed) {
+        packed.resize(wholes);
+        executor_.for_each(name, constants::group_size * wholes,
+                           stages::PackBoxes{parts, view_of(whole_boxes), view_of(boxes), view_of(packed)});
+    }
+
+    /// Corners of triangles around which nothing folds.
+    void find_flat_corners(const Scene& scene) {
+        const stages::SheetBodies bodies = bodies_of(scene);
+        flat_.resize(count_of(vertices_));
+        flat_corners_.resize(count_of(placed_));
+        executor_.for_each("find_flat_stars", count_of(vertices_), stages::FindFlatStars{bodies, view_of(flat_)});
+        executor_.for_each("place_flat_corners", count_of(placed_),
+                           stages::PlaceFlatCorners{bodies, view_of(block_offsets_), interleaved(view_of(placed_)),
+                                                    view_of(flat_), view_of(flat_corners_)});
     }
 
     /// Their features, and which of those are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         const Count pair_count = count_of(triangles_);
         masks_.resize(pair_count);
-        counts_.resize(pair_count);
         executor_.for_each("mask_features", pair_count,
-                           stages::MaskFeatures{view_of(sheet_pairs_), interleaved(view_of(placed_)), view_of(triangles_),
-                                                view_of(masks_), view_of(counts_)});
+                           stages::MaskFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_),
+                                                view_of(masks_)});
         const Count open = tools_.list("open_list", pair_count, stages::IsOpen{view_of(masks_)}, rows_);
         executor_.for_each("mask_open_features", open,
                            stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
-                                                    view_of(triangles_), view_of(rows_), view_of(masks_), view_of(counts_)});
+                                                    view_of(triangles_), view_of(rows_), view_of(masks_)});
+        const Count rows = tools_.list("feature_rows", pair_count, stages::HasFeatures{view_of(masks_)}, rows_);
+        counts_.resize(rows);
+        executor_.for_each("count_features", rows, stages::CountFeatures{view_of(masks_), view_of(rows_), view_of(counts_)});
         features_.resize(tools_.place("feature_scan", counts_, offsets_));
-        executor_.for_each("list_features", pair_count,
+        executor_.for_each("list_features", rows,
                            stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_),
                                                 interleaved(view_of(placed_)), view_of(triangles_), view_of(masks_),
-                                                view_of(offsets_), view_of(features_)});
+                                                view_of(rows_), view_of(offsets_), view_of(features_)});
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
+        executor_.beside([&] { order_features(pairs); });
+        judge(scene, pairs, memory);
+        executor_.join();
+        const Count kept = tools_.list("sheet_contact_list", count_of(features_),
+                                       stages::IsContact{view_of(verdicts_), view_of(order_)}, kept_);
+        keys_.resize(kept);
+        records_.resize(kept);
+        contacts_.resize(kept);
+        executor_.for_each(
+            "fill_sheet_contact", kept,
+            stages::FillSheetContact{bodies_of(scene), view_of(sheet_pairs_), view_of(features_), view_of(meetings_),
+                                     view_of(ages_), view_of(kept_), bits_, view_of(keys_), view_of(records_),
+                                     view_of(deepest_), view_of(contacts_)});
+    }
+
+    /// The order of features, as that of the contacts among them, and room for what is remembered of those.
+    void order_features(const Buffer<Pair>& pairs) {
+        const Count count = count_of(features_);
+        const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
+        feature_keys_.resize(count);
+        order_.resize(count);
+        executor_.for_each("key_features", count,
+                           stages::KeyFeatures{view_of(features_), bits_, view_of(feature_keys_), view_of(order_)});
+        executor_.sort("feature_sort", count, pair_bits + 3 + static_cast<int>(bits_), view_of(feature_keys_),
+                       view_of(order_));
+        // What is past the last contact's stays: the next step searches in all of it.
+        executor_.assign(keys_, static_cast<std::uint32_t>(features_.size()), ~std::uint64_t{0});
+        deepest_.resize(count_of(pairs));
+        executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(deepest_)});
+    }
+
+    /// Which features are contacts, and for how long.
+    void judge(const Scene& scene, const Buffer<Pair>& pairs, const stages::SheetMemory& memory) {
         const Count count = count_of(features_);
         meetings_.resize(count);
         verdicts_.resize(count);
@@ -188,31 +249,13 @@ private:
                                                        memory,
                                                        view_of(meetings_),
                                                        view_of(verdicts_)});
-        const Count undecided = tools_.list("undecided_list", count,
-                                            stages::HasVerdict{view_of(verdicts_), stages::Verdict::undecided}, undecided_);
+        const Count undecided = tools_.list("undecided_list", count, stages::IsUndecided{view_of(verdicts_)}, undecided_);
         executor_.for_each(
             "search_meetings", undecided,
             stages::MeetFeatures<true>{bodies_of(scene), view_of(pairs), view_of(sheet_pairs_), view_of(features_),
                                        view_of(undecided_), memory, view_of(meetings_), view_of(verdicts_)});
-        const Count kept = tools_.list("sheet_contact_list", count,
-                                       stages::HasVerdict{view_of(verdicts_), stages::Verdict::contact}, kept_);
-        const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
-        keys_.resize(kept);
-        order_.resize(kept);
-        records_.resize(kept);
-        contacts_.resize(kept);
-        deepest_.resize(count_of(pairs));
-        executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(deepest_)});
-        executor_.for_each(
-            "key_sheet_contacts", kept,
-            stages::KeySheetContacts{view_of(features_), view_of(kept_), bits_, view_of(keys_), view_of(order_)});
-        executor_.sort("sheet_sort", kept, pair_bits + 3 + static_cast<int>(bits_), view_of(keys_), view_of(order_));
-        ages_.resize(kept);
-        executor_.for_each("find_age", kept, stages::FindAge{view_of(features_), view_of(order_), memory, view_of(ages_)});
-        executor_.for_each("fill_sheet_contact", kept,
-                           stages::FillSheetContact{bodies_of(scene), scene.ids, view_of(pairs), view_of(features_),
-                                                    view_of(meetings_), view_of(order_), view_of(ages_), view_of(records_),
-                                                    view_of(deepest_), view_of(contacts_)});
+        ages_.resize(count);
+        executor_.for_each("find_age", count, stages::FindAge{view_of(features_), memory, view_of(ages_)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {
@@ -224,12 +267,15 @@ private:
     bool is_bound_ = false;  ///< bound_all() was called in this step
     Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
-    Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, block_counts_, block_offsets_,
-        vertex_offsets_, row_offsets_, rows_, flat_;
+    Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, section_ends_, block_counts_,
+        block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
     Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_, ages_;
-    Buffer<stages::Boxes> triangle_boxes_, group_boxes_, block_boxes_;
+    Buffer<std::uint64_t> feature_keys_;
+    Buffer<stages::QuickBox> boxes_, group_boxes_, block_boxes_, section_boxes_;
+    Buffer<stages::GridBoxes> in_groups_, in_blocks_, in_sections_;
     Buffer<stages::PlacedTriangle> placed_;
-    Buffer<stages::Facing> facing_;
+    Buffer<stages::DriftingTriangle> drifting_;
+    Buffer<stages::FlatCorners> flat_corners_;
     Buffer<stages::Slab> group_slabs_, block_slabs_;
     Buffer<stages::ClosePair> sections_, blocks_, groups_;
     Buffer<stages::TrianglePair> triangles_;

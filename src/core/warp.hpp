@@ -15,42 +15,61 @@ inline constexpr std::uint32_t warp_threads = 32, block_warps = 8;
 /// Bits of a mask that is asked about.
 inline constexpr std::uint32_t asked_bits = 16;
 
-/// Asks test(item, bit) for every bit of `mask`, which has `asked_bits`; the answer has two bits. Returns the first ones in
-/// the low half, the second ones in the high half. The test may depend on nothing but its arguments: on a GPU the bits of a
-/// warp's items are shared out evenly, as a warp would otherwise wait for the item with the most.
-template <class Test>
-PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const Test& test) {
 #if defined(__CUDA_ARCH__)
-    if (__activemask() == 0xffffffffu) {
-        struct Job {
-            std::uint8_t lane, bit;
-        };
-        __shared__ Job jobs_of[block_warps][warp_threads * asked_bits];
-        __shared__ std::uint32_t answers_of[block_warps][warp_threads], items_of[block_warps][warp_threads];
-        const std::uint32_t lane = threadIdx.x % warp_threads, mine = threadIdx.x / warp_threads;
-        const std::uint32_t count = bit_count(mask);
+namespace detail {
+/// The set bits of a warp's masks, one after the other, so that its threads have equally many to see to.
+template <std::uint32_t bits>
+struct WarpBits {
+    struct Job {
+        std::uint8_t lane, bit;
+    };
+    Job jobs[warp_threads * bits];
+    std::uint32_t items[warp_threads];
+
+    /// By a whole warp: lists the bits of its masks; returns how many they are.
+    __device__ std::uint32_t list(std::uint32_t mask, std::uint32_t item) {
+        const std::uint32_t lane = threadIdx.x % warp_threads, count = bit_count(mask);
         std::uint32_t end = count;
         for (std::uint32_t step = 1; step < warp_threads; step *= 2) {
             const std::uint32_t before = __shfl_up_sync(0xffffffffu, end, step);
             if (lane >= step) end += before;
         }
-        const std::uint32_t total = __shfl_sync(0xffffffffu, end, warp_threads - 1);
         std::uint32_t place = end - count;
         for (std::uint32_t left = mask; left != 0; left &= left - 1)
-            jobs_of[mine][place++] = {static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(lowest_bit(left))};
-        answers_of[mine][lane] = 0;
-        items_of[mine][lane] = item;
+            jobs[place++] = {static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(lowest_bit(left))};
+        items[lane] = item;
         __syncwarp();
+        return __shfl_sync(0xffffffffu, end, warp_threads - 1);
+    }
+};
+}  // namespace detail
+#endif
+
+/// Asks test(item, bit) for every bit of `mask`, which are the lowest `bits` at most; the answer has two bits. Returns the
+/// first ones in the low half, the second ones in the high half. The test may depend on nothing but its arguments: on a GPU
+/// the bits of a warp's items are shared out evenly, as a warp would otherwise wait for the item with the most.
+template <std::uint32_t bits = asked_bits, class Test>
+PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const Test& test) {
+    static_assert(bits <= asked_bits);
+#if defined(__CUDA_ARCH__)
+    if (__activemask() == 0xffffffffu) {
+        __shared__ detail::WarpBits<bits> bits_of[block_warps];
+        __shared__ std::uint32_t answers_of[block_warps][warp_threads];
+        const std::uint32_t lane = threadIdx.x % warp_threads;
+        detail::WarpBits<bits>& asked = bits_of[threadIdx.x / warp_threads];
+        std::uint32_t* const answers = answers_of[threadIdx.x / warp_threads];
+        answers[lane] = 0;
+        const std::uint32_t total = asked.list(mask, item);
         for (std::uint32_t k = lane; k < total; k += warp_threads) {
-            const Job job = jobs_of[mine][k];
-            const std::uint32_t answer = test(items_of[mine][job.lane], std::uint32_t{job.bit});
-            const std::uint32_t bits = (answer & 1) << job.bit | (answer >> 1) << (job.bit + asked_bits);
-            if (bits != 0) atomicOr(&answers_of[mine][job.lane], bits);
+            const auto job = asked.jobs[k];
+            const std::uint32_t answer = test(asked.items[job.lane], std::uint32_t{job.bit});
+            const std::uint32_t both = (answer & 1) << job.bit | (answer >> 1) << (job.bit + asked_bits);
+            if (both != 0) atomicOr(&answers[job.lane], both);
         }
         __syncwarp();
-        const std::uint32_t answers = answers_of[mine][lane];
+        const std::uint32_t mine = answers[lane];
         __syncwarp();
-        return answers;
+        return mine;
     }
 #endif
     std::uint32_t answers = 0;
@@ -59,6 +78,26 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
         answers |= (answer & 1) << bit | (answer >> 1) << (bit + asked_bits);
     }
     return answers;
+}
+
+/// Calls write(item, bit, place) for every set bit of `mask`, none of which is above the lowest `bits`, the lowest first and
+/// at `place`, the others at the places after it, where the bits of the next item follow. On a GPU a warp shares out its
+/// items' bits, so that threads side by side write to places side by side.
+template <std::uint32_t bits, class Write>
+PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t place, const Write& write) {
+#if defined(__CUDA_ARCH__)
+    if (__activemask() == 0xffffffffu) {
+        __shared__ detail::WarpBits<bits> bits_of[block_warps];
+        detail::WarpBits<bits>& listed = bits_of[threadIdx.x / warp_threads];
+        const std::uint32_t total = listed.list(mask, item), first = __shfl_sync(0xffffffffu, place, 0);
+        for (std::uint32_t k = threadIdx.x % warp_threads; k < total; k += warp_threads) {
+            const auto job = listed.jobs[k];
+            write(listed.items[job.lane], std::uint32_t{job.bit}, first + k);
+        }
+        return;
+    }
+#endif
+    for (std::uint32_t left = mask; left != 0; left &= left - 1) write(item, lowest_bit(left), place++);
 }
 
 /// Writes items[i], where threads side by side write items side by side. On a GPU a warp brings its items into order first

@@ -4,6 +4,7 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/tabulate_output_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
+#include <thrust/iterator/transform_output_iterator.h>
 
 #include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
@@ -79,13 +80,14 @@ public:
     }
 
     /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own. It
-    /// is done as a whole also where a list outgrows its room meanwhile.
+    /// is done as a whole, or not at all if a list has outgrown its room before.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
         cuda::check(cudaEventRecord(forked_, stream_), "an event");
         cuda::check(cudaStreamWaitEvent(side_.stream, forked_), "an event");
         swap_sides();
+        copy(overflow_.data() + 1, overflow_.data(), 1, cudaMemcpyDeviceToDevice);
         is_beside_ = true;
         work();
         is_beside_ = false;
@@ -135,7 +137,8 @@ public:
             return noted(name, to);
         }
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0), out.data,
+            return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0),
+                                         thrust::make_transform_output_iterator(out.data, cuda::ListedAt<F>{wanted}),
                                          thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound), is_wanted,
                                          stream_);
         });
@@ -291,7 +294,7 @@ private:
     std::uint32_t bank_ = 0, next_ = 0;
     std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their operation
     Buffer<std::uint32_t> totals_;
-    Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, for work beside the rest, no
+    Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, had one when the work beside began?
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;
     Buffer<std::uint64_t> sorted_keys_;

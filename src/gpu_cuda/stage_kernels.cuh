@@ -4,6 +4,7 @@
 
 #include <cub/block/block_scan.cuh>
 
+#include "pierce/core/executor.hpp"
 #include "pierce/core/float_rules.hpp"
 #include "pierce/core/warp.hpp"
 #include "pierce/gpu_cuda/device_count.hpp"
@@ -96,6 +97,14 @@ struct WantedAt {
     __device__ bool operator()(std::uint32_t i) const { return i < items.count() && wanted(i); }
 };
 
+/// What is listed of an item that is wanted.
+template <class F>
+struct ListedAt {
+    F wanted;
+
+    __device__ std::uint32_t operator()(std::uint32_t i) const { return listed(wanted, i); }
+};
+
 struct Plus {
     template <class T>
     __host__ __device__ T operator()(const T& a, const T& b) const {
@@ -177,7 +186,7 @@ __global__ void __launch_bounds__(scan_threads)
         std::uint32_t place = 0, part = 0;
         Scan(scratch).ExclusiveSum(static_cast<std::uint32_t>(__popc(takes)), place, part);
         for (std::uint32_t k = 0; k < scan_items; ++k)
-            if (takes >> k & 1) out[sum + place++] = first + k;
+            if (takes >> k & 1) out[sum + place++] = listed(wanted.wanted, first + k);
         sum += part;
         __syncthreads();
     }

@@ -89,10 +89,6 @@ TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
         Points points(random);
         const Vec3f a = points.next(), b = points.next(), c = points.next();
         Vec3f p = points.next();
-        QuickTriangle face;
-        face.corner[0].end = a;
-        face.corner[1].end = b;
-        face.corner[2].end = c;
         const float margin = points.scale() * static_cast<float>(random.uniform(0, 1));
         const Vec3d at[3] = {to_double(a), to_double(b), to_double(c)};
         const Vec3d n = cross(at[1] - at[0], at[2] - at[0]);
@@ -101,7 +97,7 @@ TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
             p = to_float(at[0] + v * (at[1] - at[0]) + w * (at[2] - at[0]) +
                          hardly_below(random, static_cast<double>(margin)) * normalized(n));
         }
-        const bool may = QuickPrism(face, margin, largest({a, b, c, p})).may_hold(p);
+        const bool may = QuickPrism(a, b, c, margin, largest({a, b, c, p})).may_hold(p);
         const Vec3d x = to_double(p);
         bool within = length_squared(n) > 0 && std::fabs(dot(normalized(n), x - at[0])) < static_cast<double>(margin);
         for (int k = 0; k < 3; ++k) within &= dot(n, cross(at[(k + 1) % 3] - at[k], x - at[k])) >= 0;
@@ -178,9 +174,9 @@ TEST(SheetFeaturesTest, ANormalThatSeparatesDoesSoAllTheTime) {
             a.start[k] = a.end[k] + 0.1f * points.next();
             b.start[k] = b.end[k] = b.end[k] + away;
         }
-        const FacingTriangle facing_a{a, Facing(a)}, facing_b{b, Facing(b)};
+        const DriftingTriangle drifting_a(a), drifting_b(b);
         const float margin = points.scale() * 0.1f;
-        const Company company = company_along_normal(facing_a, facing_b, margin);
+        const Company company = DriftingPair(drifting_a, drifting_b).along_normal_of_a(margin);
         separate += company.separate;
         distant += company.distant;
         QuickPoint of_a[3], of_b[3];
@@ -188,7 +184,7 @@ TEST(SheetFeaturesTest, ANormalThatSeparatesDoesSoAllTheTime) {
             of_a[k] = {a.start[k], a.end[k]};
             of_b[k] = {b.start[k], b.end[k]};
         }
-        const Apart apart(random, to_double(facing_a.facing.normal), of_a, of_b, static_cast<double>(margin));
+        const Apart apart(random, to_double(drifting_a.end_normal()), of_a, of_b, static_cast<double>(margin));
         ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
     }
     EXPECT_GT(separate, 1000);

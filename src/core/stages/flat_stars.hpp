@@ -6,6 +6,20 @@
 /// Where a sheet cannot fold onto itself.
 namespace pierce::stages {
 
+/// The corners of a placed triangle around which nothing folds; no_vertex for the others.
+struct alignas(16) FlatCorners {
+    std::uint32_t vertex[3] = {no_vertex, no_vertex, no_vertex};
+    std::uint32_t padding = 0;
+
+    /// True if another triangle of the same body hangs together with it around such a vertex.
+    PIERCE_HD bool shares_one(const FlatCorners& other) const {
+        bool shares = false;
+        for (std::uint32_t v : vertex)
+            shares |= v != no_vertex && (v == other.vertex[0] || v == other.vertex[1] || v == other.vertex[2]);
+        return shares;
+    }
+};
+
 /// Per vertex of a sheet: 1 if the triangles around it are proved not to meet during the step, except where they hang
 /// together: they go around the vertex once, and seen along one direction each of them keeps facing it. Then their
 /// shadows are sectors that share no more than their sides, at any time: a sector has less than half a turn while its
@@ -57,6 +71,27 @@ private:
             u = w;
         }
         return turns == 1;
+    }
+};
+
+/// Per place of a group: its triangle's flat corners.
+struct PlaceFlatCorners {
+    SheetBodies bodies;
+    View<const std::uint32_t> block_offsets;  ///< per body
+    Interleaved<const PlacedTriangle> placed;
+    View<const std::uint32_t> flat;  ///< per vertex
+    View<FlatCorners> corners;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        FlatCorners c;
+        const std::uint32_t triangle = placed.read(i).triangle;
+        if (triangle != no_triangle) {
+            const std::uint32_t body = owned_item(block_offsets, i / triangles_per_block).owner;
+            const Triangle t = bodies.views[body].mesh.triangles[triangle];
+            for (int k = 0; k < 3; ++k)
+                if (flat[bodies.vertex_offsets[body] + t.vertex[k]]) c.vertex[k] = t.vertex[k];
+        }
+        write_whole(corners[i], c);
     }
 };
 

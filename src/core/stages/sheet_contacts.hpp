@@ -10,19 +10,10 @@
 /// Sheets, last part: the list of their contacts, in order, what is remembered of each, and what they add up to.
 namespace pierce::stages {
 
-/// True for features with this verdict.
-struct HasVerdict {
-    View<const std::uint32_t> verdicts;
-    Verdict verdict;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return verdicts[i] == static_cast<std::uint32_t>(verdict); }
-};
-
-/// Per kept contact: what it is sorted by. Those of one feature stay in the order in which they were found: that of the
+/// Per two features: what they are sorted by. Those of one feature stay in the order in which they were found: that of the
 /// places of the other's triangles.
-struct KeySheetContacts {
+struct KeyFeatures {
     View<const FeaturePair> features;
-    View<const std::uint32_t> kept;
     std::uint32_t bits = 0;  ///< of a feature's number
     View<std::uint64_t> keys;
     View<std::uint32_t> order;
@@ -30,22 +21,31 @@ struct KeySheetContacts {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const FeaturePair f = read_whole(features[kept[i]]);
+        const FeaturePair f = read_whole(features[i]);
         keys[i] = feature_key(f.pair, f.kind, f.item, bits);
-        order[i] = kept[i];
+        order[i] = i;
     }
 };
 
-/// Per contact in their order: for how many steps it has been one. Reads the memory of the last step.
+/// Per two features: for how many steps they have been a contact. Reads the memory of the last step.
 struct FindAge {
     View<const FeaturePair> features;
-    View<const std::uint32_t> order;
     SheetMemory memory;
     View<std::uint32_t> ages;
 
     static constexpr int threads_at_once = 1536;  // it waits for memory
 
-    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[order[i]])); }
+    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[i])); }
+};
+
+/// True for features that are a contact; lists those in their order.
+struct IsContact {
+    View<const std::uint32_t> verdicts, order;
+
+    PIERCE_HD bool operator()(std::uint32_t place) const {
+        return verdicts[order[place]] == static_cast<std::uint32_t>(Verdict::contact);
+    }
+    PIERCE_HD std::uint32_t listed(std::uint32_t place) const { return order[place]; }
 };
 
 /// What a contact adds to the sums, by its record.
@@ -74,11 +74,13 @@ struct CountSheetContact {
 /// Per contact of a sheet: everything in it, and what the next step will know of it.
 struct FillSheetContact {
     SheetBodies bodies;
-    View<const BodyId> ids;
-    View<const Pair> pairs;
+    View<const SheetPair> pairs;
     View<const FeaturePair> features;
     View<const SheetMeeting> meetings;
-    View<const std::uint32_t> order, ages;
+    View<const std::uint32_t> ages;
+    View<const std::uint32_t> kept;  ///< features, in their order
+    std::uint32_t bits = 0;          ///< of the keys
+    View<std::uint64_t> keys;
     View<SheetRecord> records;
     View<std::uint32_t> deepest;  ///< per pair
     View<Contact> contacts;
@@ -86,20 +88,23 @@ struct FillSheetContact {
     static constexpr int threads_at_once = 512;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const FeaturePair f = read_whole(features[order[i]]);
-        const SheetMeeting m = read_whole(meetings[order[i]]);
-        const Pair pair = pairs[f.pair];
+        const std::uint32_t feature = kept[i];
+        const FeaturePair f = read_whole(features[feature]);
+        const SheetMeeting m = read_whole(meetings[feature]);
+        const SheetPair pair = read_whole(pairs[f.pair]);
         const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
-        const SheetBody source = bodies[pair.source(from_b)], target = bodies[pair.target(from_b)];
+        const SheetBody source = bodies[from_b ? pair.second : pair.first],
+                        target = bodies[from_b ? pair.first : pair.second];
+        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
         Contact c;
-        c.a = ids[pair.a];
-        c.b = ids[pair.b];
+        c.a = pair.ids[0];
+        c.b = pair.ids[1];
         c.source = from_b ? Side::b : Side::a;
         c.of_sheet = true;
         c.found = m.found;
         c.unknown_side = m.unknown;
         c.time = m.time;
-        c.age = ages[i];
+        c.age = ages[feature];
         c.distance = m.distance;
         const bool is_vertex = f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b;
         Vec3d p, corner[3];

@@ -22,11 +22,9 @@ struct QuickPrism {
     Vec3f at[3], normal, inward[3];
     float margin = 0, made_up = 0, made_up_along_normal = 0;
 
-    PIERCE_HD QuickPrism(const QuickTriangle& t, float reach, float size) : normal(t.end_normal()), margin(reach) {
-        for (int k = 0; k < 3; ++k) {
-            at[k] = t.corner[k].end;
-            inward[k] = quick_cross(normal, t.corner[k == 2 ? 0 : k + 1].end - at[k]);
-        }
+    PIERCE_HD QuickPrism(Vec3f a, Vec3f b, Vec3f c, float reach, float size)
+        : at{a, b, c}, normal(quick_cross(b - a, c - a)), margin(reach) {
+        for (int k = 0; k < 3; ++k) inward[k] = quick_cross(normal, at[k == 2 ? 0 : k + 1] - at[k]);
         made_up = made_up_of_four(size);
         made_up_along_normal = made_up_along(normal, size);
     }
@@ -88,9 +86,9 @@ PIERCE_HD inline bool pierces(Vec3d p, Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
 /// only those their own (TriangleFeatures::own).
 struct FeatureBits {
     static constexpr std::uint32_t vertex_of_first = 0, vertex_of_second = 3;  ///< three each
-    static constexpr std::uint32_t edges = 6;  ///< nine: three for each edge of the first, one for each of the second's
-    static constexpr std::uint32_t piercing_first = 15, piercing_second = 18;  ///< three each
-    static constexpr std::uint32_t all = (1u << 21) - 1;
+    static constexpr std::uint32_t edges = 6;  ///< four for each edge of the first: one for each of the second's, and none
+    static constexpr std::uint32_t piercing_first = 18, piercing_second = 21;  ///< three each
+    static constexpr std::uint32_t count = 24, all = (1u << count) - 1;
     static constexpr std::uint32_t open = 1u << 30;      ///< nothing is known yet
     static constexpr std::uint32_t separate = 1u << 31;  ///< the triangles do not meet
 };
@@ -106,60 +104,77 @@ struct QuickPair {
           b(placed.read(t.second)),
           qa(a, a.end[0]),
           qb(b, a.end[0]),
-          thickness(round_up(pair.thickness)),
-          margin(round_up(pair.margin)),
+          thickness(pair.quick_thickness),
+          margin(pair.quick_margin),
           end_size(quick_max(qa.end_size(), qb.end_size())),
           size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size()))) {}
 };
 
-/// Per pair of triangles: which of their features may be contacts, and their number, if it is known that the triangles do
-/// not meet, as it is nearly always; otherwise that it is open.
+/// Per pair of triangles: which of their features may be contacts, if it is known that the triangles do not meet, as it is
+/// nearly always; otherwise that it is open.
 struct MaskFeatures {
     View<const SheetPair> pairs;
-    Interleaved<const PlacedTriangle> placed;
+    Interleaved<const DriftingTriangle> drifting;
     View<const TrianglePair> triangles;
-    View<std::uint32_t> masks, counts;
+    View<std::uint32_t> masks;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
-        masks[i] = t.separate ? mask(QuickPair(placed, pairs[t.pair], t)) : FeatureBits::open;
-        counts[i] = bit_count(masks[i] & FeatureBits::all);
+        masks[i] = t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
     }
 
 private:
-    // A triangle owns half a vertex and one and a half edges: loops over those that are there are shorter than all there
-    // might be.
-    PIERCE_HD static std::uint32_t mask(const QuickPair& p) {
-        std::uint32_t bits = vertices_over(p.qa, p.a.own, p.qb, p) << FeatureBits::vertex_of_first |
-                             vertices_over(p.qb, p.b.own, p.qa, p) << FeatureBits::vertex_of_second;
-        for (std::uint32_t left = edge_pairs(p.a.own, p.b.own); left != 0; left &= left - 1) {
-            const std::uint32_t pair = lowest_bit(left), k = pair / 3, l = pair % 3;
-            if (may_cross_over(p.qa.pick(k).end, p.qa.pick(after(k)).end, p.qb.pick(l).end, p.qb.pick(after(l)).end,
-                               p.thickness, p.end_size))
-                bits |= 1u << (FeatureBits::edges + pair);
+    /// The corners of two triangles at the end of the step, relative to one of them.
+    struct Ends {
+        Vec3f of_first[3], of_second[3];
+        float size = 0;  ///< no coordinate is larger
+    };
+
+    PIERCE_HD static std::uint32_t mask(const DriftingTriangle& first, const DriftingTriangle& second,
+                                        const SheetPair& pair) {
+        Ends ends;
+        for (int k = 0; k < 3; ++k) {
+            ends.of_first[k] = first.corner[k].end - first.corner[0].end;
+            ends.of_second[k] = second.corner[k].end - first.corner[0].end;
+            ends.size = quick_max(largest_of(ends.of_first[k]), quick_max(largest_of(ends.of_second[k]), ends.size));
+        }
+        const float thickness = pair.quick_thickness, margin = pair.quick_margin;
+        std::uint32_t bits =
+            vertices_over(ends.of_first, first.own, ends.of_second, margin, ends.size) << FeatureBits::vertex_of_first |
+            vertices_over(ends.of_second, second.own, ends.of_first, margin, ends.size) << FeatureBits::vertex_of_second;
+        for (std::uint32_t left = edge_pairs(first.own, second.own); left != 0; left &= left - 1) {
+            const std::uint32_t both = lowest_bit(left), k = both / 4, l = both % 4;
+            if (may_cross_over(pick(ends.of_first, k), pick(ends.of_first, after(k)), pick(ends.of_second, l),
+                               pick(ends.of_second, after(l)), thickness, ends.size))
+                bits |= 1u << (FeatureBits::edges + both);
         }
         return bits == 0 ? 0 : bits | FeatureBits::separate;
     }
 
-    PIERCE_HD static std::uint32_t after(std::uint32_t k) { return k == 2 ? 0 : k + 1; }
-
-    /// A bit for each own corner of `t` that may be over the other triangle.
-    PIERCE_HD static std::uint32_t vertices_over(const QuickTriangle& t, std::uint32_t own, const QuickTriangle& other,
-                                                 const QuickPair& p) {
+    /// A bit for each own corner of one that may be over the other triangle: a loop over those that are there is shorter
+    /// than all there might be.
+    PIERCE_HD static std::uint32_t vertices_over(const Vec3f (&corner)[3], std::uint32_t own, const Vec3f (&other)[3],
+                                                 float margin, float size) {
         std::uint32_t bits = own & 7;
         if (bits == 0) return 0;
-        const QuickPrism prism(other, p.margin, p.end_size);
+        const QuickPrism prism(other[0], other[1], other[2], margin, size);
         for (std::uint32_t left = bits; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
-            if (!prism.may_hold(t.pick(k).end)) bits &= ~(1u << k);
+            if (!prism.may_hold(pick(corner, k))) bits &= ~(1u << k);
         }
         return bits;
     }
 
-    /// Three bits for each own edge of the first triangle: the second's own edges.
+    /// Four bits for each own edge of the first triangle: the second's own edges.
     PIERCE_HD static std::uint32_t edge_pairs(std::uint32_t first, std::uint32_t second) {
         const std::uint32_t others = second >> 3;
-        return (first >> 3 & 1) * others | (first >> 4 & 1) * others << 3 | (first >> 5 & 1) * others << 6;
+        return (first >> 3 & 1) * others | (first >> 4 & 1) * others << 4 | (first >> 5 & 1) * others << 8;
+    }
+
+    PIERCE_HD static std::uint32_t after(std::uint32_t k) { return k == 2 ? 0 : k + 1; }
+    /// A corner without an index that only the running thread knows: such arrays do not stay in registers.
+    PIERCE_HD static Vec3f pick(const Vec3f (&corner)[3], std::uint32_t k) {
+        return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2];
     }
 };
 
@@ -170,14 +185,14 @@ struct IsOpen {
     PIERCE_HD bool operator()(std::uint32_t i) const { return masks[i] == FeatureBits::open; }
 };
 
-/// Per pair of triangles that is open: which of their features may meet or come close, and their number.
+/// Per pair of triangles that is open: which of their features may meet or come close.
 struct MaskOpenFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
     Interleaved<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
     View<const std::uint32_t> open;
-    View<std::uint32_t> masks, counts;  ///< of all pairs of triangles
+    View<std::uint32_t> masks;  ///< of all pairs of triangles
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[open[i]]);
@@ -186,7 +201,6 @@ struct MaskOpenFeatures {
         std::uint32_t bits = 0;
         for (std::uint32_t k = 0; k < 3; ++k) bits |= mask(p, k, pair.first == pair.second);
         masks[open[i]] = bits;
-        counts[open[i]] = bit_count(bits);
     }
 
 private:
@@ -221,7 +235,7 @@ private:
                 const std::uint32_t after = l == 2 ? 0 : l + 1, x = p.tb.vertex[l], y = p.tb.vertex[after];
                 if (self && (v == x || v == y || w == x || w == y)) continue;
                 const QuickPoint others[2] = {p.qb.pick(l), p.qb.pick(after)};
-                if (may_touch(mine, others, p)) bits |= 1u << (FeatureBits::edges + 3 * k + l);
+                if (may_touch(mine, others, p)) bits |= 1u << (FeatureBits::edges + 4 * k + l);
             }
             if (!(self && (has_vertex(p.tb, v) || has_vertex(p.tb, w))) &&
                 may_pierce(corner_a.end, after_a.end, p.qb, p.end_size) && stays_pierced(p.of_a, v, w, p.of_b, p.tb))
@@ -238,7 +252,8 @@ private:
         const QuickPoint point[1] = {corner};
         const Vec3f directions[5] = {face.end_normal(), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, face.start_normal()};
         Company company;
-        company.distant = !QuickPrism(face, p.margin, p.end_size).may_hold(corner.end);
+        company.distant = !QuickPrism(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.margin, p.end_size)
+                               .may_hold(corner.end);
         for (int k = 0; k < 5 && !company.is_settled(); ++k)
             company.learn(company_along(directions[k], point, face.corner, p.margin, p.size));
         return !company.is_settled();
@@ -274,24 +289,42 @@ private:
     }
 };
 
-/// Per pair of triangles: lists the features of its mask.
+/// True for pairs of triangles with features that may be contacts.
+struct HasFeatures {
+    View<const std::uint32_t> masks;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return (masks[i] & FeatureBits::all) != 0; }
+};
+
+/// Per pair of triangles that has some: the number of its features.
+struct CountFeatures {
+    View<const std::uint32_t> masks, rows;
+    View<std::uint32_t> counts;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { counts[i] = bit_count(masks[rows[i]] & FeatureBits::all); }
+};
+
+/// Per pair of triangles that has some: lists its features.
 struct ListFeatures {
     View<const BodyView> bodies;
     View<const std::uint32_t> vertex_offsets;  ///< per body
     View<const SheetPair> pairs;
     Interleaved<const PlacedTriangle> placed;
     View<const TrianglePair> triangles;
-    View<const std::uint32_t> masks, offsets;
+    View<const std::uint32_t> masks, rows, offsets;
     View<FeaturePair> features;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        std::uint32_t place = offsets[i];
-        for (std::uint32_t mask = masks[i] & FeatureBits::all; mask != 0; mask &= mask - 1) {
-            const TrianglePair t = read_whole(triangles[i]);
-            FeaturePair f = feature(t.pair, placed.read(t.first).triangle, placed.read(t.second).triangle, lowest_bit(mask));
-            f.separate = (masks[i] & FeatureBits::separate) != 0;
-            write_whole(features[place++], f);
-        }
+        write_bits<FeatureBits::count>(masks[rows[i]] & FeatureBits::all, rows[i], offsets[i],
+                                       [&](std::uint32_t both, std::uint32_t bit, std::uint32_t place) {
+                                           const TrianglePair t = read_whole(triangles[both]);
+                                           FeaturePair f = feature(t.pair, placed.read(t.first).triangle,
+                                                                   placed.read(t.second).triangle, bit);
+                                           f.separate = (masks[both] & FeatureBits::separate) != 0;
+                                           write_whole(features[place], f);
+                                       });
     }
 
 private:
@@ -315,8 +348,8 @@ private:
             f.kind = self ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
             set_vertices(f, at_second + f.item, first.triangles[a], at_first);
         } else if (bit < FeatureBits::piercing_first) {
-            const std::uint32_t mine = first.features[a].edge[(bit - FeatureBits::edges) / 3],
-                                others = second.features[b].edge[(bit - FeatureBits::edges) % 3];
+            const std::uint32_t mine = first.features[a].edge[(bit - FeatureBits::edges) / 4],
+                                others = second.features[b].edge[(bit - FeatureBits::edges) % 4];
             // The smaller one first where both are of one body: the same two are always the same.
             const bool turn = self && others < mine;
             f.item = turn ? others : mine;

@@ -31,6 +31,15 @@ static_assert(sizeof(SheetMeeting) == 80);
 /// What is said of two features.
 enum class Verdict : std::uint32_t { nothing, contact, undecided };
 
+/// True for features about which nothing is settled yet.
+struct IsUndecided {
+    View<const std::uint32_t> verdicts;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return verdicts[i] == static_cast<std::uint32_t>(Verdict::undecided);
+    }
+};
+
 /// Per two features: whether they are a contact, and how. Reads the memory of the last step. First of all features, without
 /// searching for the time of a meeting: nearly all are settled by a direction that separates them; then, searching, of those
 /// that were left undecided. The search needs so much of a GPU's registers that few threads could run with it.

@@ -76,10 +76,13 @@ private:
     PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item, const See& see) const {
         if (keys.size == 0 || links[pair] == no_pair) return;
         const std::uint64_t key = feature_key(links[pair], kind, item, bits);
+        // By quarters: of three keys that are read at once, a GPU waits for one.
         std::uint32_t low = 0, high = keys.size;
         while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            (keys[middle] < key ? low : high) = keys[middle] < key ? middle + 1 : middle;
+            const std::uint32_t quarter = (high - low) / 4, at[3] = {low + quarter, low + 2 * quarter, low + 3 * quarter};
+            const bool before[3] = {keys[at[0]] < key, keys[at[1]] < key, keys[at[2]] < key};
+            if (!before[2]) high = !before[0] ? at[0] : !before[1] ? at[1] : at[2];
+            if (before[0]) low = before[2] ? at[2] + 1 : before[1] ? at[1] + 1 : at[0] + 1;
         }
         for (; low < keys.size && keys[low] == key; ++low)
             if (see(records[low])) return;

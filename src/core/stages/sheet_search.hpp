@@ -4,6 +4,7 @@
 
 #include "pierce/core/atomics.hpp"
 #include "pierce/core/bits.hpp"
+#include "pierce/core/stages/flat_stars.hpp"
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/stages/quick_triangle.hpp"
 #include "pierce/core/warp.hpp"
@@ -23,6 +24,9 @@ struct alignas(16) SheetPair {
     std::uint8_t padding[4] = {};
     double thickness = 0;  ///< [length]
     double margin = 0;     ///< [length] vertices this close to triangles matter; more than the thickness if some are through
+    float quick_thickness = 0, quick_margin = 0;  ///< not less
+    std::uint32_t more_padding[2] = {};
+    BodyId ids[2];
 
     PIERCE_HD bool is_self() const { return first == second; }
 };
@@ -31,6 +35,7 @@ struct alignas(16) SheetPair {
 /// with a sheet.
 struct PlanSheetPair {
     View<const BodyView> bodies;
+    View<const BodyId> ids;
     View<const Pair> pairs;
     View<const std::uint32_t> links;
     View<const std::uint32_t> last_deepest;  ///< per pair of the last step, as the bits of a float32
@@ -43,6 +48,8 @@ struct PlanSheetPair {
         SheetPair s;
         s.first = pair.a;
         s.second = pair.b;
+        s.ids[0] = ids[pair.a];
+        s.ids[1] = ids[pair.b];
         s.thickness = s.margin = max_of(a.thickness, b.thickness);
         s.is_solid[0] = bodies[pair.a].is_solid();
         s.is_solid[1] = bodies[pair.b].is_solid();
@@ -50,6 +57,8 @@ struct PlanSheetPair {
             s.margin += static_cast<double>(std::bit_cast<float>(last_deepest[links[i]]));
             s.was_through = last_deepest[links[i]] != 0;
         }
+        s.quick_thickness = round_up(s.thickness);
+        s.quick_margin = round_up(s.margin);
         s.searches = pair.is_self() ? a.sheet && a.self == SelfCollision::on : a.sheet || b.sheet;
         sheet_pairs[i] = s;
         if (!s.searches) return;
@@ -124,8 +133,9 @@ struct FindParts {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< sections, or blocks
     Parts parts;
-    View<const Boxes> boxes;  ///< of the parts
-    View<const Slab> slabs;   ///< of the parts
+    View<const QuickBox> boxes;    ///< of the parts
+    View<const GridBoxes> packed;  ///< of the parts, per section or block
+    View<const Slab> slabs;        ///< of the parts
     View<std::uint32_t> masks, counts;
 
     static constexpr int threads_at_once = 768;  // measured: with 512 a fifth slower
@@ -133,23 +143,20 @@ struct FindParts {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
         const std::uint32_t k = i % constants::group_size;
-        std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pairs[c.pair].margin);
+        std::uint32_t mask = 0;
+        if (parts.has(c.first, k))
+            mask = packed[c.second].near(read_whole(boxes[parts.begin(c.first) + k]).inflated(pairs[c.pair].quick_margin));
         // In one itself each two once, and each with itself.
         if (c.first == c.second) mask &= ~std::uint32_t{0} << k;
-        if (mask != 0)
-            mask = keep_near(mask, parts.begin(c.first) + k, parts.begin(c.second), round_up(pairs[c.pair].margin));
-        masks[i] = mask;
-        counts[i] = bit_count(mask);
+        masks[i] = ask_bits(mask, i, *this);
+        counts[i] = bit_count(masks[i]);
     }
 
-private:
-    PIERCE_HD std::uint32_t keep_near(std::uint32_t mask, std::uint32_t part, std::uint32_t others, float margin) const {
-        const Slab mine = read_whole(slabs[part]);
-        for (std::uint32_t left = mask; left != 0; left &= left - 1) {
-            const std::uint32_t bit = lowest_bit(left);
-            if (mine.is_apart(read_whole(slabs[others + bit]), margin)) mask &= ~(1u << bit);
-        }
-        return mask;
+    /// Of a part and one of the other's: 1 if they may be near.
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
+        const ClosePair c = read_whole(close[i / constants::group_size]);
+        const Slab mine = read_whole(slabs[parts.begin(c.first) + i % constants::group_size]);
+        return !mine.is_apart(read_whole(slabs[parts.begin(c.second) + bit]), pairs[c.pair].quick_margin);
     }
 };
 
@@ -163,28 +170,29 @@ struct ListParts {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const ClosePair c = read_whole(close[i / constants::group_size]);
-        std::uint32_t place = offsets[i];
-        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            write_whole(found[place++], {c.pair, parts.begin(c.first) + i % constants::group_size,
-                                         parts.begin(c.second) + lowest_bit(mask)});
+        write_bits<asked_bits>(masks[i], i, offsets[i], [&](std::uint32_t part, std::uint32_t bit, std::uint32_t place) {
+            const ClosePair c = read_whole(close[part / constants::group_size]);
+            write_whole(found[place],
+                        {c.pair, parts.begin(c.first) + part % constants::group_size, parts.begin(c.second) + bit});
+        });
     }
 };
 
 /// Per triangle of a near group: a bit for each triangle of the other group whose box is near.
 struct FindTriangles {
     View<const SheetPair> pairs;
-    View<const ClosePair> close;  ///< groups
-    View<const Boxes> boxes;      ///< of triangles, per group
+    View<const ClosePair> close;   ///< groups
+    View<const QuickBox> boxes;    ///< of triangles
+    View<const GridBoxes> packed;  ///< of triangles, per group
     View<std::uint32_t> masks;
 
     static constexpr int threads_at_once = 1536;  // measured: with 448 a quarter slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
-        const std::uint32_t k = i % constants::group_size;
-        const std::uint32_t mask = boxes[c.second].near(boxes[c.first], k, pairs[c.pair].margin);
-        masks[i] = c.first == c.second ? mask & ~std::uint32_t{1} << k : mask;
+        const QuickBox box = read_whole(boxes[c.first * constants::group_size + i % constants::group_size]);
+        const std::uint32_t mask = packed[c.second].near(box.inflated(pairs[c.pair].quick_margin));
+        masks[i] = c.first == c.second ? mask & ~std::uint32_t{1} << i % constants::group_size : mask;
     }
 };
 
@@ -201,8 +209,8 @@ struct CullTriangles {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< groups
     View<const std::uint32_t> rows;
-    Interleaved<const PlacedTriangle> placed;
-    Interleaved<const Facing> facing;
+    Interleaved<const DriftingTriangle> drifting;
+    View<const FlatCorners> flat_corners;
     View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
 
     static constexpr int threads_at_once = 768;
@@ -219,17 +227,14 @@ struct CullTriangles {
     PIERCE_HD std::uint32_t operator()(std::uint32_t row, std::uint32_t bit) const {
         const ClosePair c = read_whole(close[row / constants::group_size]);
         const SheetPair& pair = pairs[c.pair];
-        const FacingTriangle mine = at(c.first * constants::group_size + row % constants::group_size);
-        const FacingTriangle other = at(c.second * constants::group_size + bit);
-        if (pair.is_self() && mine.placed.shares_flat_star(other.placed)) return 0;
-        const float margin = round_up(pair.margin);
-        Company company = company_along_normal(mine, other, margin);
-        if (!company.is_settled()) company.learn(company_along_normal(other, mine, margin));
+        const std::uint32_t mine = c.first * constants::group_size + row % constants::group_size,
+                            other = c.second * constants::group_size + bit;
+        if (pair.is_self() && read_whole(flat_corners[mine]).shares_one(read_whole(flat_corners[other]))) return 0;
+        const DriftingPair both(drifting.read(mine), drifting.read(other));
+        Company company = both.along_normal_of_a(pair.quick_margin);
+        if (!company.is_settled()) company.learn(both.along_normal_of_b(pair.quick_margin));
         return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
     }
-
-private:
-    PIERCE_HD FacingTriangle at(std::uint32_t place) const { return {placed.read(place), facing.read(place)}; }
 };
 
 /// Two triangles whose features are to be tested.
@@ -249,15 +254,13 @@ struct ListTriangles {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t separate = masks[rows[i]] >> CullTriangles::separate_shift;
-        std::uint32_t mask = masks[rows[i]] & ((1u << CullTriangles::separate_shift) - 1), place = offsets[i];
-        if (mask == 0) return;
-        const ClosePair c = read_whole(close[rows[i] / constants::group_size]);
-        const std::uint32_t first = c.first * constants::group_size + rows[i] % constants::group_size;
-        for (; mask != 0; mask &= mask - 1) {
-            const std::uint32_t bit = lowest_bit(mask);
-            write_whole(found[place++], {c.pair, first, c.second * constants::group_size + bit, separate >> bit & 1});
-        }
+        const std::uint32_t near = masks[rows[i]] & ((1u << CullTriangles::separate_shift) - 1);
+        write_bits<asked_bits>(near, rows[i], offsets[i], [&](std::uint32_t row, std::uint32_t bit, std::uint32_t place) {
+            const ClosePair c = read_whole(close[row / constants::group_size]);
+            write_whole(found[place],
+                        {c.pair, c.first * constants::group_size + row % constants::group_size,
+                         c.second * constants::group_size + bit, masks[row] >> (CullTriangles::separate_shift + bit) & 1});
+        });
     }
 };
 
