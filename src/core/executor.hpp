@@ -21,6 +21,11 @@ struct AnyWork {
 struct AnyTest {
     PIERCE_HD bool operator()(std::uint32_t) const { return true; }
 };
+struct AnyFinder {
+    PIERCE_HD bool find(std::uint32_t) const { return true; }
+    PIERCE_HD static std::uint32_t count(bool found) { return found; }
+    PIERCE_HD void write(std::uint32_t, bool, float*, std::uint32_t) const {}
+};
 struct AnySum {
     PIERCE_HD friend AnySum operator+(AnySum, AnySum) { return {}; }
 };
@@ -33,7 +38,8 @@ struct AnyTerm {
 /// on how work is spread. The name of an operation is for profilers.
 template <class E>
 concept Executor = requires(E executor, typename E::Count n, View<const std::uint32_t> in, View<std::uint32_t> out,
-                            View<std::uint64_t> keys, typename E::template Sum<detail::AnySum> sum) {
+                            View<std::uint64_t> keys, typename E::template Buffer<float> list,
+                            typename E::template Sum<detail::AnySum> sum) {
     // How many items there are: a number, or something that stands for one known elsewhere. Buffers are resized to a count,
     // and count_of(buffer) is that.
     typename E::Count;
@@ -42,6 +48,9 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     executor.for_each("stage", n, detail::AnyStage{});
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
+    // A list of what a stage finds: of each item `count(find(item))` things, which `write(item, found, list, place)` puts at
+    // places from `place` on. What comes first in the list nobody knows.
+    executor.emit("stage", n, detail::AnyFinder{}, list);
     executor.sort("stage", n, 64, keys, out);
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
@@ -175,6 +184,18 @@ public:
             count += take;
         }
         return count;
+    }
+
+    /// Things in the order of the items that they were found by.
+    template <class F, class T>
+    void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>& list) {
+        list.clear();
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const auto found = finder.find(i);
+            const std::uint32_t place = count_of(list);
+            list.resize(place + finder.count(found));
+            finder.write(i, found, list.data(), place);
+        }
     }
 
     /// Sorts keys by their lowest `bits` bits and moves their values along; stable. Any key's higher bits must be zero, or

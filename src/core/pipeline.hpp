@@ -226,9 +226,23 @@ private:
     }
 
     void measure_deformation(const Scene& scene) {
-        moments_.resize(scene.block_items.size);
         patch_bounds_.resize(scene.patch_items.size);
         block_bounds_.resize(scene.block_items.size);
+        if (scene.plan->casts_rays)
+            fit_frames(scene);
+        else
+            executor_.for_each("measure_boxes", scene.patch_items.size,
+                               stages::MeasureBoxes{scene.bodies, scene.patch_items, view_of(patch_bounds_)});
+        executor_.for_each(
+            "join_patches", scene.block_items.size,
+            stages::JoinPatches{scene.block_items, scene.bodies, view_of(patch_bounds_), view_of(block_bounds_)});
+        executor_.for_each("join_bounds", scene.ranges.size,
+                           stages::JoinBounds{scene.bodies, scene.ranges, view_of(block_bounds_), scene.plan->casts_rays});
+    }
+
+    /// Frames of deforming bodies, which rays are cast in, and bounds of their patches.
+    void fit_frames(const Scene& scene) {
+        moments_.resize(scene.block_items.size);
         executor_.for_each("measure_patches", scene.patch_items.size,
                            stages::MeasurePatch{scene.bodies, scene.patch_items, scene.blocks, scene.patches});
         executor_.for_each("sum_moments", scene.block_items.size,
@@ -237,11 +251,6 @@ private:
                            stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
         executor_.for_each("measure_bounds", scene.patch_items.size,
                            stages::MeasureBounds{scene.bodies, scene.patch_items, scene.seen, view_of(patch_bounds_)});
-        executor_.for_each(
-            "join_patches", scene.block_items.size,
-            stages::JoinPatches{scene.block_items, scene.bodies, view_of(patch_bounds_), view_of(block_bounds_)});
-        executor_.for_each("join_bounds", scene.ranges.size,
-                           stages::JoinBounds{scene.bodies, scene.ranges, view_of(block_bounds_)});
     }
 
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.

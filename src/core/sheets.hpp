@@ -65,60 +65,37 @@ private:
         is_bound_ = false;
         executor_.beside([&] { find_flat_corners(scene); });
 
-        counts_.resize(pair_count);
-        executor_.for_each("count_rows", pair_count,
-                           stages::CountRows{view_of(sheet_pairs_), view_of(section_counts_), view_of(counts_)});
-        executor_.assign(row_offsets_, static_cast<std::uint32_t>(pairs.size()), ~std::uint32_t{0});
-        const Count rows = tools_.place("row_scan", counts_, row_offsets_);
-        counts_.resize(rows);
-        stages::ListSections list_sections{view_of(sheet_pairs_),
-                                           view_of(row_offsets_),
-                                           view_of(section_offsets_),
-                                           view_of(section_counts_),
-                                           view_of(counts_),
-                                           {},
-                                           {}};
-        executor_.for_each("count_sections", rows, list_sections);
-        sections_.resize(tools_.place("section_scan", counts_, offsets_));
-        list_sections.offsets = view_of(offsets_);
-        list_sections.found = view_of(sections_);
-        if (!sections_.empty()) executor_.for_each("list_sections", rows, list_sections);
-
-        find_parts("find_blocks", "block_pair_scan", sections_, {view_of(section_begins_), view_of(section_ends_)},
-                   block_boxes_, in_sections_, block_slabs_, blocks_);
-        find_parts("find_groups", "group_scan", blocks_, {}, group_boxes_, in_blocks_, group_slabs_, groups_);
-
-        const Count in_groups = constants::group_size * count_of(groups_);
-        masks_.resize(in_groups);
-        executor_.for_each("find_triangles", in_groups,
-                           stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(boxes_),
-                                                 view_of(in_groups_), view_of(masks_)});
-        const Count near = tools_.list("near_triangles", in_groups, stages::HasNear{view_of(masks_)}, rows_);
-        counts_.resize(near);
+        executor_.emit("find_rows", pair_count,
+                       stages::FindRows{view_of(sheet_pairs_), view_of(section_offsets_), view_of(section_counts_)},
+                       section_rows_);
+        executor_.emit("find_sections", count_of(section_rows_),
+                       stages::FindSections{view_of(sheet_pairs_), view_of(section_rows_), view_of(section_offsets_),
+                                            view_of(section_counts_)},
+                       sections_);
+        executor_.emit("find_blocks", constants::group_size * count_of(sections_),
+                       stages::FindParts{view_of(sheet_pairs_),
+                                         view_of(sections_),
+                                         {view_of(section_begins_), view_of(section_ends_)},
+                                         view_of(block_boxes_),
+                                         view_of(in_sections_),
+                                         view_of(block_slabs_)},
+                       blocks_);
+        executor_.emit("find_groups", constants::group_size * count_of(blocks_),
+                       stages::FindParts{view_of(sheet_pairs_),
+                                         view_of(blocks_),
+                                         {},
+                                         view_of(group_boxes_),
+                                         view_of(in_blocks_),
+                                         view_of(group_slabs_)},
+                       groups_);
+        executor_.emit("find_triangles", constants::group_size * count_of(groups_),
+                       stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(boxes_), view_of(in_groups_)},
+                       near_);
         executor_.join();
-        executor_.for_each(
-            "cull_triangles", near,
-            stages::CullTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(rows_), interleaved(view_of(drifting_)),
-                                  view_of(flat_corners_), view_of(masks_), view_of(counts_)});
-        triangles_.resize(tools_.place("triangle_scan", counts_, offsets_));
-        executor_.for_each("list_triangles", near,
-                           stages::ListTriangles{view_of(groups_), view_of(rows_), view_of(masks_), view_of(offsets_),
-                                                 view_of(triangles_)});
-    }
-
-    /// Of things that may be close, the parts that may be.
-    void find_parts(const char* name, const char* scan, const Buffer<stages::ClosePair>& close, stages::Parts parts,
-                    const Buffer<stages::QuickBox>& boxes, const Buffer<stages::GridBoxes>& packed,
-                    const Buffer<stages::Slab>& slabs, Buffer<stages::ClosePair>& found) {
-        const Count count = constants::group_size * count_of(close);
-        masks_.resize(count);
-        counts_.resize(count);
-        executor_.for_each(name, count,
-                           stages::FindParts{view_of(sheet_pairs_), view_of(close), parts, view_of(boxes), view_of(packed),
-                                             view_of(slabs), view_of(masks_), view_of(counts_)});
-        found.resize(tools_.place(scan, counts_, offsets_));
-        executor_.for_each("list_parts", count,
-                           stages::ListParts{view_of(close), parts, view_of(masks_), view_of(offsets_), view_of(found)});
+        executor_.emit("cull_triangles", count_of(near_),
+                       stages::CullTriangles{view_of(sheet_pairs_), view_of(near_), interleaved(view_of(drifting_)),
+                                             view_of(flat_corners_)},
+                       triangles_);
     }
 
     /// Where the bodies that matter are over the step: vertices, triangles, and bounds of those.
@@ -140,38 +117,30 @@ private:
         placed_.resize(triangles);
         drifting_.resize(triangles);
         boxes_.resize(triangles);
-        executor_.for_each("place_triangles", triangles,
-                           stages::PlaceTriangles{bodies_of(scene), view_of(block_offsets_), interleaved(view_of(placed_)),
-                                                  interleaved(view_of(drifting_)), view_of(boxes_)});
+        in_groups_.resize(groups);
         group_slabs_.resize(groups);
         group_boxes_.resize(groups);
-        executor_.for_each("bound_groups", groups,
-                           stages::BoundGroups{interleaved(view_of(placed_)), view_of(boxes_), view_of(group_slabs_),
-                                               view_of(group_boxes_)});
+        executor_.for_each("place_groups", in_sixteens(groups),
+                           stages::PlaceGroups{bodies_of(scene), view_of(block_offsets_), interleaved(view_of(placed_)),
+                                               interleaved(view_of(drifting_)), view_of(boxes_), view_of(in_groups_),
+                                               view_of(group_slabs_), view_of(group_boxes_)});
+        in_blocks_.resize(blocks);
         block_slabs_.resize(blocks);
         block_boxes_.resize(blocks);
-        executor_.for_each(
-            "bound_blocks", blocks,
-            stages::BoundBlocks{view_of(group_slabs_), view_of(group_boxes_), view_of(block_slabs_), view_of(block_boxes_)});
+        executor_.for_each("bound_blocks", in_sixteens(blocks),
+                           stages::BoundBlocks{view_of(group_slabs_), view_of(group_boxes_), view_of(in_blocks_),
+                                               view_of(block_slabs_), view_of(block_boxes_)});
+        in_sections_.resize(sections);
         section_begins_.resize(sections);
         section_ends_.resize(sections);
-        section_boxes_.resize(sections);
-        executor_.for_each("bound_sections", sections,
+        executor_.for_each("bound_sections", in_sixteens(sections),
                            stages::BoundSections{view_of(section_offsets_), view_of(block_offsets_), view_of(block_counts_),
-                                                 view_of(block_boxes_), view_of(section_begins_), view_of(section_ends_),
-                                                 view_of(section_boxes_)});
-        pack("pack_triangles", groups, {}, group_boxes_, boxes_, in_groups_);
-        pack("pack_groups", blocks, {}, block_boxes_, group_boxes_, in_blocks_);
-        pack("pack_blocks", sections, {view_of(section_begins_), view_of(section_ends_)}, section_boxes_, block_boxes_,
-             in_sections_);
+                                                 view_of(block_boxes_), view_of(in_sections_), view_of(section_begins_),
+                                                 view_of(section_ends_)});
     }
 
-    void pack(const char* name, Count wholes, stages::Parts parts, const Buffer<stages::QuickBox>& whole_boxes,
-              const Buffer<stages::QuickBox>& boxes, Buffer<stages::GridBoxes>& packed) {
-        packed.resize(wholes);
-        executor_.for_each(name, constants::group_size * wholes,
-                           stages::PackBoxes{parts, view_of(whole_boxes), view_of(boxes), view_of(packed)});
-    }
+    /// Items of a stage that sees to so many groups (Sixteen).
+    static Count in_sixteens(Count groups) { return (E::runs_on_host ? 1 : constants::group_size) * groups; }
 
     /// Corners of triangles around which nothing folds.
     void find_flat_corners(const Scene& scene) {
@@ -186,23 +155,17 @@ private:
 
     /// Their features, and which of those are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
-        const Count pair_count = count_of(triangles_);
-        masks_.resize(pair_count);
-        executor_.for_each("mask_features", pair_count,
-                           stages::MaskFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_),
-                                                view_of(masks_)});
-        const Count open = tools_.list("open_list", pair_count, stages::IsOpen{view_of(masks_)}, rows_);
-        executor_.for_each("mask_open_features", open,
-                           stages::MaskOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
-                                                    view_of(triangles_), view_of(rows_), view_of(masks_)});
-        const Count rows = tools_.list("feature_rows", pair_count, stages::HasFeatures{view_of(masks_)}, rows_);
-        counts_.resize(rows);
-        executor_.for_each("count_features", rows, stages::CountFeatures{view_of(masks_), view_of(rows_), view_of(counts_)});
-        features_.resize(tools_.place("feature_scan", counts_, offsets_));
-        executor_.for_each("list_features", rows,
-                           stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_),
-                                                interleaved(view_of(placed_)), view_of(triangles_), view_of(masks_),
-                                                view_of(rows_), view_of(offsets_), view_of(features_)});
+        executor_.emit("find_features", count_of(triangles_),
+                       stages::FindFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_)},
+                       meeting_);
+        const Count open = tools_.list("open_list", count_of(meeting_), stages::IsOpen{view_of(meeting_)}, open_);
+        executor_.for_each("find_open_features", open,
+                           stages::FindOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
+                                                    view_of(open_), view_of(meeting_)});
+        executor_.emit("list_features", count_of(meeting_),
+                       stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_),
+                                            interleaved(view_of(placed_)), view_of(meeting_)},
+                       features_);
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
         executor_.beside([&] { order_features(pairs); });
         judge(scene, pairs, memory);
@@ -229,6 +192,8 @@ private:
                            stages::KeyFeatures{view_of(features_), bits_, view_of(feature_keys_), view_of(order_)});
         executor_.sort("feature_sort", count, pair_bits + 3 + static_cast<int>(bits_), view_of(feature_keys_),
                        view_of(order_));
+        executor_.for_each("order_ties", count,
+                           stages::OrderTies{view_of(features_), view_of(feature_keys_), view_of(order_)});
         // What is past the last contact's stays: the next step searches in all of it.
         executor_.assign(keys_, static_cast<std::uint32_t>(features_.size()), ~std::uint64_t{0});
         deepest_.resize(count_of(pairs));
@@ -268,17 +233,20 @@ private:
     Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, section_ends_, block_counts_,
-        block_offsets_, vertex_offsets_, row_offsets_, rows_, flat_;
-    Buffer<std::uint32_t> counts_, offsets_, masks_, verdicts_, undecided_, kept_, order_, ages_;
+        block_offsets_, vertex_offsets_, flat_;
+    Buffer<std::uint32_t> counts_, open_, verdicts_, undecided_, kept_, order_, ages_;
     Buffer<std::uint64_t> feature_keys_;
-    Buffer<stages::QuickBox> boxes_, group_boxes_, block_boxes_, section_boxes_;
+    Buffer<stages::QuickBox> boxes_, group_boxes_, block_boxes_;
     Buffer<stages::GridBoxes> in_groups_, in_blocks_, in_sections_;
     Buffer<stages::PlacedTriangle> placed_;
     Buffer<stages::DriftingTriangle> drifting_;
     Buffer<stages::FlatCorners> flat_corners_;
     Buffer<stages::Slab> group_slabs_, block_slabs_;
+    Buffer<stages::SectionRow> section_rows_;
     Buffer<stages::ClosePair> sections_, blocks_, groups_;
+    Buffer<stages::NearTriangles> near_;
     Buffer<stages::TrianglePair> triangles_;
+    Buffer<stages::MeetingTriangles> meeting_;
     Buffer<stages::FeaturePair> features_;
     Buffer<stages::SheetMeeting> meetings_;
     Buffer<Contact> contacts_;

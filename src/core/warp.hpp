@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "pierce/core/bits.hpp"
 #include "pierce/core/config.hpp"
@@ -80,25 +81,95 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
     return answers;
 }
 
-/// Calls write(item, bit, place) for every set bit of `mask`, none of which is above the lowest `bits`, the lowest first and
-/// at `place`, the others at the places after it, where the bits of the next item follow. On a GPU a warp shares out its
-/// items' bits, so that threads side by side write to places side by side.
+/// Calls write(item, mask, bit, place) for every set bit among the lowest `bits` of `mask`, the lowest first and at `place`,
+/// the others at the places after it, where the bits of the next item follow. On a GPU a warp shares out its items' bits, so
+/// that threads side by side write to places side by side.
 template <std::uint32_t bits, class Write>
 PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t place, const Write& write) {
+    const std::uint32_t written = mask & (~std::uint32_t{0} >> (32 - bits));
 #if defined(__CUDA_ARCH__)
     if (__activemask() == 0xffffffffu) {
         __shared__ detail::WarpBits<bits> bits_of[block_warps];
-        detail::WarpBits<bits>& listed = bits_of[threadIdx.x / warp_threads];
-        const std::uint32_t total = listed.list(mask, item), first = __shfl_sync(0xffffffffu, place, 0);
-        for (std::uint32_t k = threadIdx.x % warp_threads; k < total; k += warp_threads) {
+        __shared__ std::uint32_t masks_of[block_warps][warp_threads];
+        const std::uint32_t lane = threadIdx.x % warp_threads, warp = threadIdx.x / warp_threads;
+        detail::WarpBits<bits>& listed = bits_of[warp];
+        masks_of[warp][lane] = mask;
+        const std::uint32_t total = listed.list(written, item), first = __shfl_sync(0xffffffffu, place, 0);
+        for (std::uint32_t k = lane; k < total; k += warp_threads) {
             const auto job = listed.jobs[k];
-            write(listed.items[job.lane], std::uint32_t{job.bit}, first + k);
+            write(listed.items[job.lane], masks_of[warp][job.lane], std::uint32_t{job.bit}, first + k);
         }
         return;
     }
 #endif
-    for (std::uint32_t left = mask; left != 0; left &= left - 1) write(item, lowest_bit(left), place++);
+    for (std::uint32_t left = written; left != 0; left &= left - 1) write(item, mask, lowest_bit(left), place++);
 }
+
+/// Sixteen things that a stage sees to as a group: on the host an item of the stage is a group, on a GPU one of the things,
+/// so that threads side by side share the work.
+template <class T>
+class Sixteen {
+public:
+    static constexpr std::uint32_t count = 16;
+
+#if defined(__CUDA_ARCH__)
+    PIERCE_HD static std::uint32_t group_of(std::uint32_t item) { return item / count; }
+    /// True for one of those who see to a group: what is said of it as a whole is written once.
+    PIERCE_HD static bool is_first() { return threadIdx.x % count == 0; }
+
+    /// Calls see(k, thing).
+    template <class See>
+    PIERCE_HD void each(const See& see) {
+        see(threadIdx.x % count, mine_);
+    }
+    /// The k-th, for each().
+    PIERCE_HD const T& at(std::uint32_t) const { return mine_; }
+
+    /// What part(thing) comes to for all of them, joined by join(all, part), the order of which must not matter.
+    template <class All, class Part, class Join>
+    PIERCE_HD All joined(const Part& part, const Join& join) const {
+        All all = part(mine_);
+        for (std::uint32_t step = count / 2; step > 0; step /= 2) {
+            const All other = from_lane(all, step);
+            join(all, other);
+        }
+        return all;
+    }
+
+private:
+    template <class All>
+    PIERCE_HD static All from_lane(const All& mine, std::uint32_t step) {
+        constexpr std::uint32_t words = sizeof(All) / 4;
+        static_assert(sizeof(All) % 4 == 0);
+        std::uint32_t word[words];
+        memcpy(word, &mine, sizeof(All));
+        const unsigned group = 0xffffu << (threadIdx.x & count);  // groups are there as a whole
+        for (std::uint32_t w = 0; w < words; ++w) word[w] = __shfl_xor_sync(group, word[w], step);
+        All other;
+        memcpy(&other, word, sizeof(All));
+        return other;
+    }
+
+    T mine_;
+#else
+    static std::uint32_t group_of(std::uint32_t item) { return item; }
+    static bool is_first() { return true; }
+    template <class See>
+    void each(const See& see) {
+        for (std::uint32_t k = 0; k < count; ++k) see(k, things_[k]);
+    }
+    const T& at(std::uint32_t k) const { return things_[k]; }
+    template <class All, class Part, class Join>
+    All joined(const Part& part, const Join& join) const {
+        All all = part(things_[0]);
+        for (std::uint32_t k = 1; k < count; ++k) join(all, part(things_[k]));
+        return all;
+    }
+
+private:
+    T things_[count];
+#endif
+};
 
 /// Writes items[i], where threads side by side write items side by side. On a GPU a warp brings its items into order first
 /// and writes them word after word: an item at a time, every word is a memory access that reaches a small part of a line.

@@ -2,6 +2,11 @@
 
 #include <tbb/task_arena.h>
 
+#include <cstddef>
+#include <new>
+#include <numeric>
+#include <type_traits>
+
 #include "pierce/core/executor.hpp"
 #include "pierce/cpu_embree/team.hpp"
 
@@ -43,6 +48,34 @@ public:
         return serial_.select(name, n, wanted, out);
     }
 
+    /// Things in the order of the items that they were found by: chunks of items find theirs, and then write them.
+    template <class F, class T>
+    void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>& list) {
+        if (n <= emitted_chunk) return serial_.emit(name, n, finder, list);
+        using Seen = decltype(finder.find(0));
+        static_assert(std::is_trivially_copyable_v<Seen> && alignof(Seen) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+        found_.resize(n * sizeof(Seen));
+        Seen* const found = reinterpret_cast<Seen*>(found_.data());
+        places_.resize((n + emitted_chunk - 1) / emitted_chunk + 1);
+        const auto chunks = static_cast<std::uint32_t>(places_.size() - 1);
+        share(chunks, 1, [&](std::uint32_t chunk) {
+            std::uint32_t sum = 0;
+            for (std::uint32_t i = chunk * emitted_chunk; i < min_of((chunk + 1) * emitted_chunk, n); ++i)
+                sum += finder.count(*new (found + i) Seen(finder.find(i)));
+            places_[chunk + 1] = sum;
+        });
+        places_[0] = 0;
+        std::partial_sum(places_.begin(), places_.end(), places_.begin());
+        list.resize(places_.back());
+        share(chunks, 1, [&](std::uint32_t chunk) {
+            std::uint32_t place = places_[chunk];
+            for (std::uint32_t i = chunk * emitted_chunk; i < min_of((chunk + 1) * emitted_chunk, n); ++i) {
+                finder.write(i, found[i], list.data(), place);
+                place += finder.count(found[i]);
+            }
+        });
+    }
+
     /// Serial too: keys are few.
     void sort(const char* name, std::uint32_t n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
         serial_.sort(name, n, bits, keys, values);
@@ -58,6 +91,7 @@ private:
     // Items per task at least; smaller tasks cost more than they balance.
     static constexpr std::uint32_t usual_grain = 16;
     static constexpr std::uint32_t cheap_grain = 512;
+    static constexpr std::uint32_t emitted_chunk = 128;
 
     template <class F>
     void share(std::uint32_t n, std::uint32_t grain, const F& item) {
@@ -69,6 +103,8 @@ private:
     tbb::task_arena arena_;
     Team team_;
     SerialExecutor serial_;
+    HostBuffer<std::byte> found_;       ///< by items that emit
+    HostBuffer<std::uint32_t> places_;  ///< where their chunks write to
 };
 
 static_assert(Executor<TbbExecutor>);

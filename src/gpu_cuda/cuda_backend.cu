@@ -105,7 +105,7 @@ private:
     void bounded_step(StepStats& stats) {
         cudaGraphExec_t& graph = graphs_[bank_];
         if (graph != nullptr) {
-            executor_.begin_bounded(bank_);
+            executor_.begin_repetition(bank_);
             pipeline_.recall(mirror_.scene());
         } else if (warm_ < 2) {
             ++warm_;

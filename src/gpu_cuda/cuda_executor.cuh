@@ -62,6 +62,10 @@ public:
         next_ = 0;
     }
     void begin_bounded(std::uint32_t bank) {
+        begin_repetition(bank);
+        clear_totals(totals_.data() + bank * most_totals, most_totals);
+    }
+    void begin_repetition(std::uint32_t bank) {
         bounded_ = true;
         bank_ = bank;
         next_ = 0;
@@ -124,6 +128,24 @@ public:
             return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets, static_cast<int>(n.bound), stream_);
         });
         return noted(name, to);
+    }
+
+    template <class F, class T>
+    void emit(const char* name, Count n, const F& finder, Buffer<T>& list) {
+        if (n.bound == 0) return list.resize(next_total_of_nothing(name));
+        const cuda::NoteTotal to = next_total(name, 0xffffffffu);
+        if (bounded_) {
+            list.resize({to.room, to.total, 1});
+            emit(n, finder, cuda::EmittedList<T>{list.data(), to.room, to.total, to.overflow});
+            ++next_;
+            return;
+        }
+        // Twice: once to see how much room they need.
+        clear_totals(to.total, 1);
+        emit(n, finder, cuda::EmittedList<T>{nullptr, 0, to.total, to.overflow});
+        list.resize(noted(name, to));
+        clear_totals(to.total, 1);
+        emit(n, finder, cuda::EmittedList<T>{list.data(), static_cast<std::uint32_t>(list.size()), to.total, to.overflow});
     }
 
     template <class F>
@@ -267,6 +289,17 @@ private:
     void grow_bound(const char* name, std::uint32_t bound) {
         std::uint32_t& known = bounds_[name];
         known = max_of(bound, known);
+    }
+
+    void clear_totals(std::uint32_t* first, std::uint32_t count) const {
+        cuda::check(cudaMemsetAsync(first, 0, count * sizeof(std::uint32_t), stream_), "clearing device memory");
+    }
+
+    template <class F, class T>
+    void emit(Count n, const F& finder, const cuda::EmittedList<T>& to) {
+        const std::uint32_t threads = n.bound < cuda::many_items ? cuda::few_threads : cuda::block_threads;
+        cuda::emit_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(finder, items(n), to);
+        cuda::check(cudaGetLastError(), "a launch");
     }
 
     void swap_sides() {

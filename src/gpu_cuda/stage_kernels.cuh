@@ -62,6 +62,50 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     if (i < items.count()) stage(i);
 }
 
+/// Where items put what they find: at places that blocks of them take one after the other, as they come. Nothing is written
+/// if there is no list, nor by a block for which there is not room enough.
+template <class T>
+struct EmittedList {
+    T* list;
+    std::uint32_t room;
+    std::uint32_t* total;  ///< zero at first; all there are, also if there is not room
+    std::uint32_t* overflow;
+};
+
+template <class F, class T>
+__global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
+    emit_stage(const __grid_constant__ F finder, const Items items, const EmittedList<T> to) {
+    __shared__ std::uint32_t of_warps[block_warps], begin;
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    const std::uint32_t lane = threadIdx.x % warp_threads, warp = threadIdx.x / warp_threads;
+    const bool is_item = i < items.count();
+    decltype(finder.find(0)) found{};
+    if (is_item) found = finder.find(i);
+    const std::uint32_t count = is_item ? finder.count(found) : 0;
+    std::uint32_t end = count;
+    for (std::uint32_t step = 1; step < warp_threads; step *= 2) {
+        const std::uint32_t before = __shfl_up_sync(0xffffffffu, end, step);
+        if (lane >= step) end += before;
+    }
+    if (lane == warp_threads - 1) of_warps[warp] = end;
+    __syncthreads();
+    if (threadIdx.x == 0) {
+        std::uint32_t sum = 0;
+        for (std::uint32_t w = 0; w < blockDim.x / warp_threads; ++w) {
+            const std::uint32_t of_warp = of_warps[w];
+            of_warps[w] = sum;
+            sum += of_warp;
+        }
+        begin = sum > 0 ? atomicAdd(to.total, sum) : 0;
+        const bool fits = to.list != nullptr && begin + sum <= to.room;
+        if (to.list != nullptr && !fits) *to.overflow = 1;
+        if (sum == 0 || !fits) begin = ~std::uint32_t{0};
+    }
+    __syncthreads();
+    if (begin == ~std::uint32_t{0} || !is_item) return;
+    finder.write(i, found, to.list, begin + of_warps[warp] + end - count);
+}
+
 /// Keys past the last one go last in a sort.
 struct PadKey {
     Items items;

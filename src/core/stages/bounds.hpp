@@ -153,6 +153,17 @@ struct PartBounds {
     }
 };
 
+/// How far a vertex of patch `p` has moved since the step began, at most.
+PIERCE_HD inline double longest_way(const BodyView& body, std::uint32_t p) {
+    double squared = 0;
+    PIERCE_OVERLAPPED_LOOP
+    for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
+        const std::uint32_t v = body.mesh.patch_vertices[patch_begin(p) + k];
+        squared = max_of(length_squared(to_double(body.positions[v]) - to_double(body.start[v])), squared);
+    }
+    return std::sqrt(squared);
+}
+
 /// Per patch: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32 relative to the patch's centre:
 /// JoinBounds adds what that may lose.
 struct MeasureBounds {
@@ -194,16 +205,6 @@ struct MeasureBounds {
     }
 
 private:
-    /// How far a vertex of the patch has moved since the step began, at most.
-    PIERCE_HD static double longest_way(const BodyView& body, std::uint32_t p) {
-        double squared = 0;
-        for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
-            const std::uint32_t v = body.mesh.patch_vertices[patch_begin(p) + k];
-            squared = max_of(length_squared(to_double(body.positions[v]) - to_double(body.start[v])), squared);
-        }
-        return std::sqrt(squared);
-    }
-
     /// Takes over where a patch is now; returns the square of the longest way from where it was.
     PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets& now) {
         const Vec3f moved = to_float(center - patch.center);
@@ -237,6 +238,27 @@ private:
     }
 };
 
+/// Per patch, where no ray is cast: its box, and how far it has moved. Its body's frame is that of the world.
+struct MeasureBoxes {
+    View<const BodyView> bodies;
+    View<const PatchItem> items;
+    View<PartBounds> bounds;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t p = items[i].patch;
+        const BodyView& body = bodies[items[i].body];
+        PartBounds b;
+        if (body.active) {
+            PIERCE_OVERLAPPED_LOOP
+            for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k)
+                b.world_box.extend(to_double(body.positions[body.mesh.patch_vertices[patch_begin(p) + k]]));
+            b.fit_box = b.world_box;
+            if (body.start.size > 0) b.travel = longest_way(body, p);
+        }
+        bounds[i] = b;
+    }
+};
+
 /// Per block: joins its patches' bounds.
 struct JoinPatches {
     View<const BlockItem> items;
@@ -259,11 +281,13 @@ struct JoinBounds {
     View<BodyView> bodies;
     View<const BlockRange> ranges;
     View<const PartBounds> bounds;
+    bool has_fit = true;  ///< a frame of its own
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BlockRange range = ranges[i];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
+        if (!has_fit) body.fit = {};
         PartBounds all;
         PIERCE_OVERLAPPED_LOOP
         for (std::uint32_t b = range.first; b < range.last; ++b) all.extend(bounds[b]);

@@ -3,6 +3,7 @@
 #include "pierce/core/constants.hpp"
 #include "pierce/core/ids.hpp"
 #include "pierce/core/quick_vec3.hpp"
+#include "pierce/core/stages/grid_boxes.hpp"
 
 namespace pierce::stages {
 
@@ -12,6 +13,14 @@ struct alignas(16) PlacedTriangle {
     std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no part
     std::uint32_t own = 0;                 ///< TriangleFeatures::own
 
+    PIERCE_HD QuickBox box() const {
+        QuickBox all;
+        for (int c = 0; c < 3 && triangle != no_triangle; ++c) {
+            all.extend(start[c]);
+            all.extend(end[c]);
+        }
+        return all;
+    }
     PIERCE_HD Vec3d end_normal() const {
         const Vec3d a = to_double(end[0]);
         return cross(to_double(end[1]) - a, to_double(end[2]) - a);

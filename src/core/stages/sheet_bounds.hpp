@@ -6,6 +6,7 @@
 #include "pierce/core/stages/grid_boxes.hpp"
 #include "pierce/core/stages/placed_triangle.hpp"
 #include "pierce/core/stages/slab.hpp"
+#include "pierce/core/warp.hpp"
 
 /// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs (slab.hpp) around triangles, groups of
 /// sixteen triangles and blocks of sixteen groups.
@@ -118,39 +119,7 @@ struct MoveVertices {
     }
 };
 
-/// Per place of a group: its triangle over the step, as a whole and as culling sees it, and the box of that.
-struct PlaceTriangles {
-    SheetBodies bodies;
-    View<const std::uint32_t> block_offsets;  ///< per body
-    Interleaved<PlacedTriangle> placed;
-    Interleaved<DriftingTriangle> drifting;
-    View<QuickBox> boxes;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const OwnedItem block = owned_item(block_offsets, i / triangles_per_block);
-        const SheetBody body = bodies[block.owner];
-        const std::uint32_t place = i - block_offsets[block.owner] * triangles_per_block;
-        PlacedTriangle p;
-        QuickBox box;
-        if (place < body.mesh.triangles.size && body.view.active) {
-            p.triangle = body.mesh.group_triangles[place];
-            p.own = body.mesh.features[p.triangle].own;
-            const Triangle t = body.mesh.triangles[p.triangle];
-            for (int k = 0; k < 3; ++k) {
-                const MovingVertex v = read_whole(body.vertices[t.vertex[k]]);
-                p.start[k] = v.start;
-                p.end[k] = v.end;
-                box.extend(v.start);
-                box.extend(v.end);
-            }
-        }
-        placed.write(i, p);
-        drifting.write(i, DriftingTriangle(p));
-        write_whole(boxes[i], box);
-    }
-};
-
-/// Where the parts of sections, blocks or groups are: among all blocks, groups or places of triangles.
+/// Where the parts of sections or blocks are: among all blocks or groups.
 struct Parts {
     View<const std::uint32_t> begins, ends;  ///< empty: one after the other, sixteen each
 
@@ -162,109 +131,149 @@ struct Parts {
     }
 };
 
-/// Per sixteenth of a section, block or group: its box, beside the fifteen others.
-struct PackBoxes {
-    Parts parts;
-    View<const QuickBox> wholes, boxes;
+static_assert(constants::group_size == Sixteen<QuickBox>::count);
+
+/// The box around sixteen.
+PIERCE_HD inline QuickBox box_around(const Sixteen<QuickBox>& parts) {
+    return parts.joined<QuickBox>([](const QuickBox& part) { return part; },
+                                  [](QuickBox& all, const QuickBox& part) { all.extend(part); });
+}
+
+/// Packs sixteen boxes, given the one around them.
+PIERCE_HD inline void pack(GridBoxes& packed, Sixteen<QuickBox>& parts, const QuickBox& around) {
+    const BoxSteps steps(around);
+    if (Sixteen<QuickBox>::is_first()) write_whole(packed.steps, steps);
+    parts.each([&](std::uint32_t k, const QuickBox& part) { packed.set(k, steps, part); });
+}
+
+/// Per group: its triangles over the step, as a whole and as culling sees them, their boxes, and the slab and the box around
+/// them.
+struct PlaceGroups {
+    SheetBodies bodies;
+    View<const std::uint32_t> block_offsets;  ///< per body
+    Interleaved<PlacedTriangle> placed;
+    Interleaved<DriftingTriangle> drifting;
+    View<QuickBox> triangle_boxes;
     View<GridBoxes> packed;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t whole = i / constants::group_size, k = i % constants::group_size;
-        const BoxSteps steps(read_whole(wholes[whole]));
-        if (k == 0) write_whole(packed[whole].steps, steps);
-        packed[whole].set(k, steps, parts.has(whole, k) ? read_whole(boxes[parts.begin(whole) + k]) : QuickBox{});
-    }
-};
-
-/// Per group: the slab and the box around its triangles.
-struct BoundGroups {
-    Interleaved<const PlacedTriangle> placed;
-    View<const QuickBox> triangle_boxes;
     View<Slab> slabs;
     View<QuickBox> boxes;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t first = i * constants::group_size;
-        QuickBox box;
-        Vec3d normal;
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
-            box.extend(read_whole(triangle_boxes[first + k]));
-            normal += placed.read(first + k).end_normal();  // zero where there is none
-        }
-        write_whole(boxes[i], box);
-        if (box.empty()) return write_whole(slabs[i], {});
-        const Vec3d origin = to_double(placed.read(first).end[0]);
-        const SlabFrame frame(normal);
-        Box extent;
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
-            const PlacedTriangle t = placed.read(first + k);
-            if (t.triangle == no_triangle) continue;
+        const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i), first = group * constants::group_size;
+        const OwnedItem block = owned_item(block_offsets, group / constants::group_size);
+        const SheetBody body = bodies[block.owner];
+        const std::uint32_t first_of_body = block_offsets[block.owner] * triangles_per_block;
+        Sixteen<PlacedTriangle> triangles;
+        Sixteen<QuickBox> own_boxes;
+        triangles.each([&](std::uint32_t k, PlacedTriangle& p) {
+            p = {};
+            const std::uint32_t place = first + k - first_of_body;
+            if (place >= body.mesh.triangles.size || !body.view.active) return;
+            p.triangle = body.mesh.group_triangles[place];
+            p.own = body.mesh.features[p.triangle].own;
+            const Triangle t = body.mesh.triangles[p.triangle];
             for (int c = 0; c < 3; ++c) {
+                const MovingVertex v = read_whole(body.vertices[t.vertex[c]]);
+                p.start[c] = v.start;
+                p.end[c] = v.end;
+            }
+        });
+        triangles.each([&](std::uint32_t k, const PlacedTriangle& p) {
+            placed.write(first + k, p);
+            drifting.write(first + k, DriftingTriangle(p));
+            write_whole(triangle_boxes[first + k], p.box());
+        });
+        own_boxes.each([&](std::uint32_t k, QuickBox& box) { box = triangles.at(k).box(); });
+        const QuickBox box = box_around(own_boxes);
+        pack(packed[group], own_boxes, box);
+        const Slab slab = box.empty() ? Slab{} : slab_around(triangles, box);
+        if (!Sixteen<PlacedTriangle>::is_first()) return;
+        write_whole(boxes[group], box);
+        write_whole(slabs[group], slab);
+    }
+
+private:
+    PIERCE_HD static Slab slab_around(const Sixteen<PlacedTriangle>& triangles, const QuickBox& box) {
+        const SlabFrame frame(triangles.joined<Vec3d>([](const PlacedTriangle& t) { return t.end_normal(); },
+                                                      [](Vec3d& all, Vec3d part) { all += part; }));
+        const Vec3d origin = to_double(box.lower);
+        const auto extent_of = [&](const PlacedTriangle& t) {
+            Box extent;
+            for (int c = 0; c < 3 && t.triangle != no_triangle; ++c) {
                 extent.extend(frame.along(to_double(t.start[c]) - origin));
                 extent.extend(frame.along(to_double(t.end[c]) - origin));
             }
-        }
-        write_whole(slabs[i], frame.slab(extent, origin));
+            return extent;
+        };
+        return frame.slab(triangles.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }), origin);
     }
 };
 
-/// Per block: the slab and the box around its groups.
+/// Per block: the slab and the box around its groups, and their boxes beside each other.
 struct BoundBlocks {
     View<const Slab> groups;
     View<const QuickBox> group_boxes;
+    View<GridBoxes> packed;
     View<Slab> slabs;
     View<QuickBox> boxes;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t first = i * constants::group_size;
-        QuickBox box;
-        Vec3d normal;
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
-            box.extend(read_whole(group_boxes[first + k]));
-            normal += to_double(groups[first + k].axis[0]);
-        }
-        write_whole(boxes[i], box);
-        if (box.empty()) return write_whole(slabs[i], {});
-        const Vec3d origin = to_double(groups[first].center);
-        const SlabFrame frame(normal);
-        Box extent;
-        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
-            const Slab held = read_whole(groups[first + k]);
-            if (!held.holds_something()) continue;
-            const Vec3d middle = frame.along(to_double(held.center) - origin);
+        const std::uint32_t block = Sixteen<Slab>::group_of(i), first = block * constants::group_size;
+        Sixteen<QuickBox> parts;
+        parts.each([&](std::uint32_t k, QuickBox& part) { part = read_whole(group_boxes[first + k]); });
+        const QuickBox box = box_around(parts);
+        pack(packed[block], parts, box);
+        Sixteen<Slab> held;
+        held.each([&](std::uint32_t k, Slab& slab) { slab = read_whole(groups[first + k]); });
+        const Slab slab = box.empty() ? Slab{} : slab_around(held, box);
+        if (!Sixteen<Slab>::is_first()) return;
+        write_whole(boxes[block], box);
+        write_whole(slabs[block], slab);
+    }
+
+private:
+    PIERCE_HD static Slab slab_around(const Sixteen<Slab>& held, const QuickBox& box) {
+        const SlabFrame frame(held.joined<Vec3d>([](const Slab& slab) { return to_double(slab.axis[0]); },
+                                                 [](Vec3d& all, Vec3d part) { all += part; }));
+        const Vec3d origin = to_double(box.lower);
+        const auto extent_of = [&](const Slab& slab) {
+            if (!slab.holds_something()) return Box{};
+            const Vec3d middle = frame.along(to_double(slab.center) - origin);
             Vec3d reach;
             for (int axis = 0; axis < 3; ++axis) {
-                reach[axis] = static_cast<double>(held.rounding);
+                reach[axis] = static_cast<double>(slab.rounding);
                 for (int j = 0; j < 3; ++j)
                     reach[axis] +=
-                        static_cast<double>(held.half[j]) * std::fabs(dot(frame.axis[axis], to_double(held.axis[j])));
+                        static_cast<double>(slab.half[j]) * std::fabs(dot(frame.axis[axis], to_double(slab.axis[j])));
             }
-            extent.extend(middle - reach);
-            extent.extend(middle + reach);
-        }
-        write_whole(slabs[i], frame.slab(extent, origin));
+            return Box{middle - reach, middle + reach};
+        };
+        return frame.slab(held.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }), origin);
     }
 };
 
-/// Per section: where its blocks are, and the box around them.
+/// Per section: where its blocks are, and their boxes beside each other.
 struct BoundSections {
     View<const std::uint32_t> section_offsets, block_offsets, blocks;  ///< per body
     View<const QuickBox> block_boxes;
+    View<GridBoxes> packed;
     View<std::uint32_t> begins, ends;
-    View<QuickBox> boxes;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const OwnedItem item = owned_item(section_offsets, i);
-        const std::uint32_t first = item.index * constants::group_size, offset = block_offsets[item.owner];
-        begins[i] = offset + first;
-        ends[i] = offset + min_of(first + constants::group_size, blocks[item.owner]);
-        QuickBox box;
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t block = begins[i]; block < ends[i]; ++block) box.extend(read_whole(block_boxes[block]));
-        write_whole(boxes[i], box);
+        const std::uint32_t section = Sixteen<QuickBox>::group_of(i);
+        const OwnedItem item = owned_item(section_offsets, section);
+        const std::uint32_t place = item.index * constants::group_size, offset = block_offsets[item.owner];
+        const std::uint32_t begin = offset + place;
+        const std::uint32_t end = offset + min_of(place + constants::group_size, blocks[item.owner]);
+        Sixteen<QuickBox> parts;
+        parts.each([&](std::uint32_t k, QuickBox& part) {
+            part = begin + k < end ? read_whole(block_boxes[begin + k]) : QuickBox{};
+        });
+        pack(packed[section], parts, box_around(parts));
+        if (!Sixteen<QuickBox>::is_first()) return;
+        begins[section] = begin;
+        ends[section] = end;
     }
 };
+
 }  // namespace pierce::stages

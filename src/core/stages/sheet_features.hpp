@@ -93,13 +93,20 @@ struct FeatureBits {
     static constexpr std::uint32_t separate = 1u << 31;  ///< the triangles do not meet
 };
 
+/// Two triangles with features that may be contacts.
+struct alignas(16) MeetingTriangles {
+    std::uint32_t pair = 0;
+    std::uint32_t first = 0, second = 0;  ///< as in TrianglePair
+    std::uint32_t features = 0;           ///< FeatureBits
+};
+
 /// Two triangles, ready to have their features looked at.
 struct QuickPair {
     PlacedTriangle a, b;
     QuickTriangle qa, qb;
     float thickness, margin, end_size, size;
 
-    PIERCE_HD QuickPair(Interleaved<const PlacedTriangle> placed, const SheetPair& pair, const TrianglePair& t)
+    PIERCE_HD QuickPair(Interleaved<const PlacedTriangle> placed, const SheetPair& pair, const MeetingTriangles& t)
         : a(placed.read(t.first)),
           b(placed.read(t.second)),
           qa(a, a.end[0]),
@@ -110,17 +117,22 @@ struct QuickPair {
           size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size()))) {}
 };
 
-/// Per pair of triangles: which of their features may be contacts, if it is known that the triangles do not meet, as it is
-/// nearly always; otherwise that it is open.
-struct MaskFeatures {
+/// Per pair of triangles: which of their features may be contacts, if some may be and it is known that the triangles do not
+/// meet, as it is nearly always; otherwise that it is open.
+struct FindFeatures {
     View<const SheetPair> pairs;
     Interleaved<const DriftingTriangle> drifting;
     View<const TrianglePair> triangles;
-    View<std::uint32_t> masks;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
-        masks[i] = t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
+        return t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bits != 0; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, MeetingTriangles* meeting, std::uint32_t place) const {
+        if (bits == 0) return;
+        const TrianglePair t = read_whole(triangles[i]);
+        write_whole(meeting[place], {t.pair, t.first, t.second, bits});
     }
 
 private:
@@ -178,29 +190,28 @@ private:
     }
 };
 
-/// True for pairs of triangles that are still open.
+/// True for triangles of whose features nothing is known.
 struct IsOpen {
-    View<const std::uint32_t> masks;
+    View<const MeetingTriangles> triangles;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return masks[i] == FeatureBits::open; }
+    PIERCE_HD bool operator()(std::uint32_t i) const { return triangles[i].features == FeatureBits::open; }
 };
 
 /// Per pair of triangles that is open: which of their features may meet or come close.
-struct MaskOpenFeatures {
+struct FindOpenFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
     Interleaved<const PlacedTriangle> placed;
-    View<const TrianglePair> triangles;
     View<const std::uint32_t> open;
-    View<std::uint32_t> masks;  ///< of all pairs of triangles
+    View<MeetingTriangles> triangles;  ///< all
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const TrianglePair t = read_whole(triangles[open[i]]);
+        const MeetingTriangles t = read_whole(triangles[open[i]]);
         const SheetPair& pair = pairs[t.pair];
         const OpenPair p(QuickPair(placed, pair, t), bodies[pair.first], bodies[pair.second]);
         std::uint32_t bits = 0;
         for (std::uint32_t k = 0; k < 3; ++k) bits |= mask(p, k, pair.first == pair.second);
-        masks[open[i]] = bits;
+        triangles[open[i]].features = bits;
     }
 
 private:
@@ -289,42 +300,24 @@ private:
     }
 };
 
-/// True for pairs of triangles with features that may be contacts.
-struct HasFeatures {
-    View<const std::uint32_t> masks;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return (masks[i] & FeatureBits::all) != 0; }
-};
-
-/// Per pair of triangles that has some: the number of its features.
-struct CountFeatures {
-    View<const std::uint32_t> masks, rows;
-    View<std::uint32_t> counts;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const { counts[i] = bit_count(masks[rows[i]] & FeatureBits::all); }
-};
-
-/// Per pair of triangles that has some: lists its features.
+/// Per pair of triangles: its features.
 struct ListFeatures {
     View<const BodyView> bodies;
     View<const std::uint32_t> vertex_offsets;  ///< per body
     View<const SheetPair> pairs;
     Interleaved<const PlacedTriangle> placed;
-    View<const TrianglePair> triangles;
-    View<const std::uint32_t> masks, rows, offsets;
-    View<FeaturePair> features;
+    View<const MeetingTriangles> triangles;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        write_bits<FeatureBits::count>(masks[rows[i]] & FeatureBits::all, rows[i], offsets[i],
-                                       [&](std::uint32_t both, std::uint32_t bit, std::uint32_t place) {
-                                           const TrianglePair t = read_whole(triangles[both]);
-                                           FeaturePair f = feature(t.pair, placed.read(t.first).triangle,
-                                                                   placed.read(t.second).triangle, bit);
-                                           f.separate = (masks[both] & FeatureBits::separate) != 0;
-                                           write_whole(features[place], f);
-                                       });
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return triangles[i].features; }
+    PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bit_count(bits & FeatureBits::all); }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, FeaturePair* features, std::uint32_t place) const {
+        write_bits<FeatureBits::count>(
+            bits, i, place, [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
+                const MeetingTriangles t = read_whole(triangles[item]);
+                FeaturePair f = feature(t.pair, placed.read(t.first).triangle, placed.read(t.second).triangle, bit);
+                f.separate = (mask & FeatureBits::separate) != 0;
+                write_whole(features[at], f);
+            });
     }
 
 private:

@@ -83,15 +83,22 @@ struct CountSheetItems {
     }
 };
 
-/// Per pair: how many sections the first body has, if the pair is searched.
-struct CountRows {
+/// A section of a pair's first body.
+struct SectionRow {
+    std::uint32_t pair = 0;
+    std::uint32_t section = 0;  ///< its place among all
+};
+
+/// Per pair, if it is searched: the first body's sections.
+struct FindRows {
     View<const SheetPair> pairs;
-    View<const std::uint32_t> sections;  ///< per body
-    View<std::uint32_t> counts;
+    View<const std::uint32_t> section_offsets, sections;  ///< per body
 
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const { counts[i] = pairs[i].searches ? sections[pairs[i].first] : 0; }
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return pairs[i].searches ? sections[pairs[i].first] : 0; }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, SectionRow* rows, std::uint32_t place) const {
+        for (std::uint32_t k = 0; k < found; ++k) rows[place + k] = {i, section_offsets[pairs[i].first] + k};
+    }
 };
 
 /// Two things of a pair's bodies that may be close: sections, blocks or groups, by their places among all.
@@ -101,34 +108,30 @@ struct alignas(16) ClosePair {
     std::uint32_t padding = 0;
 };
 
-/// Per section of a pair's first body: the second's sections, counted or listed. In a body itself, each two once.
-struct ListSections {
+/// Per section of a pair's first body: the second's sections. In a body itself, each two once.
+struct FindSections {
     View<const SheetPair> pairs;
-    View<const std::uint32_t> row_offsets;                ///< per pair; ones past the last
+    View<const SectionRow> rows;
     View<const std::uint32_t> section_offsets, sections;  ///< per body
-    View<std::uint32_t> counts;                           ///< written if `found` is empty
-    View<const std::uint32_t> offsets;
-    View<ClosePair> found;
 
-    static constexpr bool is_cheap = true;
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        const SheetPair& pair = pairs[rows[i].pair];
+        return section_offsets[pair.second] + sections[pair.second] - begin(i);
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, ClosePair* close, std::uint32_t place) const {
+        for (std::uint32_t k = 0; k < found; ++k)
+            write_whole(close[place + k], {rows[i].pair, rows[i].section, begin(i) + k});
+    }
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const OwnedItem row = owned_item(row_offsets, i);
-        const SheetPair& pair = pairs[row.owner];
-        const std::uint32_t mine = section_offsets[pair.first] + row.index;
-        const std::uint32_t begin = pair.is_self() ? mine : section_offsets[pair.second];
-        const std::uint32_t end = section_offsets[pair.second] + sections[pair.second];
-        if (found.data == nullptr) {
-            counts[i] = end - begin;
-            return;
-        }
-        for (std::uint32_t other = begin; other < end; ++other)
-            write_whole(found[offsets[i] + other - begin], {row.owner, mine, other});
+private:
+    PIERCE_HD std::uint32_t begin(std::uint32_t i) const {
+        const SheetPair& pair = pairs[rows[i].pair];
+        return pair.is_self() ? rows[i].section : section_offsets[pair.second];
     }
 };
 
-/// Per sixteenth of a section or block that is close to another: a bit for each sixteenth of the other one that is near, and
-/// their number.
+/// Per sixteenth of a section or block that is close to another: the sixteenths of the other one that are near.
 struct FindParts {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< sections, or blocks
@@ -136,11 +139,11 @@ struct FindParts {
     View<const QuickBox> boxes;    ///< of the parts
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
-    View<std::uint32_t> masks, counts;
 
     static constexpr int threads_at_once = 768;  // measured: with 512 a fifth slower
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    /// A bit for each.
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
         const std::uint32_t k = i % constants::group_size;
         std::uint32_t mask = 0;
@@ -148,8 +151,15 @@ struct FindParts {
             mask = packed[c.second].near(read_whole(boxes[parts.begin(c.first) + k]).inflated(pairs[c.pair].quick_margin));
         // In one itself each two once, and each with itself.
         if (c.first == c.second) mask &= ~std::uint32_t{0} << k;
-        masks[i] = ask_bits(mask, i, *this);
-        counts[i] = bit_count(masks[i]);
+        return ask_bits(mask, i, *this);
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, ClosePair* found, std::uint32_t place) const {
+        write_bits<asked_bits>(mask, i, place, [&](std::uint32_t part, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
+            const ClosePair c = read_whole(close[part / constants::group_size]);
+            write_whole(found[at],
+                        {c.pair, parts.begin(c.first) + part % constants::group_size, parts.begin(c.second) + bit});
+        });
     }
 
     /// Of a part and one of the other's: 1 if they may be near.
@@ -160,80 +170,35 @@ struct FindParts {
     }
 };
 
-/// Per sixteenth of a section or block: lists the near ones of its mask.
-struct ListParts {
-    View<const ClosePair> close;
-    Parts parts;
-    View<const std::uint32_t> masks, offsets;
-    View<ClosePair> found;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        write_bits<asked_bits>(masks[i], i, offsets[i], [&](std::uint32_t part, std::uint32_t bit, std::uint32_t place) {
-            const ClosePair c = read_whole(close[part / constants::group_size]);
-            write_whole(found[place],
-                        {c.pair, parts.begin(c.first) + part % constants::group_size, parts.begin(c.second) + bit});
-        });
-    }
+/// A triangle and those of a group that are near it.
+struct alignas(16) NearTriangles {
+    std::uint32_t pair = 0;
+    std::uint32_t first = 0;   ///< its place
+    std::uint32_t others = 0;  ///< where the group begins
+    std::uint32_t mask = 0;    ///< a bit for each of the group's
 };
 
-/// Per triangle of a near group: a bit for each triangle of the other group whose box is near.
+/// Per triangle of a near group: the triangles of the other group whose boxes are near, if there are any.
 struct FindTriangles {
     View<const SheetPair> pairs;
     View<const ClosePair> close;   ///< groups
     View<const QuickBox> boxes;    ///< of triangles
     View<const GridBoxes> packed;  ///< of triangles, per group
-    View<std::uint32_t> masks;
 
     static constexpr int threads_at_once = 1536;  // measured: with 448 a quarter slower
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
         const QuickBox box = read_whole(boxes[c.first * constants::group_size + i % constants::group_size]);
         const std::uint32_t mask = packed[c.second].near(box.inflated(pairs[c.pair].quick_margin));
-        masks[i] = c.first == c.second ? mask & ~std::uint32_t{1} << i % constants::group_size : mask;
+        return c.first == c.second ? mask & ~std::uint32_t{1} << i % constants::group_size : mask;
     }
-};
-
-/// True for triangles with another one near.
-struct HasNear {
-    View<const std::uint32_t> masks;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return masks[i] != 0; }
-};
-
-/// Per triangle with another one near: leaves out those that hang together where nothing folds, and those that a normal of
-/// the two keeps apart; and counts the rest.
-struct CullTriangles {
-    View<const SheetPair> pairs;
-    View<const ClosePair> close;  ///< groups
-    View<const std::uint32_t> rows;
-    Interleaved<const DriftingTriangle> drifting;
-    View<const FlatCorners> flat_corners;
-    View<std::uint32_t> masks, counts;  ///< masks: of all; counts: per row
-
-    static constexpr int threads_at_once = 768;
-    static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
-    static_assert(asked_bits == constants::group_size);
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t row = rows[i];
-        masks[row] = ask_bits(masks[row], row, *this);
-        counts[i] = bit_count(masks[row] & ((1u << separate_shift) - 1));
-    }
-
-    /// Of a triangle and another one near: 0 if they are left out, else 1, and 2 more if they do not meet.
-    PIERCE_HD std::uint32_t operator()(std::uint32_t row, std::uint32_t bit) const {
-        const ClosePair c = read_whole(close[row / constants::group_size]);
-        const SheetPair& pair = pairs[c.pair];
-        const std::uint32_t mine = c.first * constants::group_size + row % constants::group_size,
-                            other = c.second * constants::group_size + bit;
-        if (pair.is_self() && read_whole(flat_corners[mine]).shares_one(read_whole(flat_corners[other]))) return 0;
-        const DriftingPair both(drifting.read(mine), drifting.read(other));
-        Company company = both.along_normal_of_a(pair.quick_margin);
-        if (!company.is_settled()) company.learn(both.along_normal_of_b(pair.quick_margin));
-        return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
+    PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return mask != 0; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, NearTriangles* near, std::uint32_t place) const {
+        if (mask == 0) return;
+        const ClosePair c = read_whole(close[i / constants::group_size]);
+        write_whole(near[place], {c.pair, c.first * constants::group_size + i % constants::group_size,
+                                  c.second * constants::group_size, mask});
     }
 };
 
@@ -244,23 +209,39 @@ struct alignas(16) TrianglePair {
     std::uint32_t separate = 0;           ///< 1: it is known that they do not meet
 };
 
-/// Per triangle with another one near: lists the triangles of its mask.
-struct ListTriangles {
-    View<const ClosePair> close;
-    View<const std::uint32_t> rows;
-    View<const std::uint32_t> masks, offsets;
-    View<TrianglePair> found;
+/// Per triangle with others near: those that do not hang together with it where nothing folds, and that no normal of the two
+/// keeps apart.
+struct CullTriangles {
+    View<const SheetPair> pairs;
+    View<const NearTriangles> near;
+    Interleaved<const DriftingTriangle> drifting;
+    View<const FlatCorners> flat_corners;
 
-    static constexpr bool is_cheap = true;
+    static constexpr int threads_at_once = 768;
+    static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
+    static_assert(asked_bits == constants::group_size);
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t near = masks[rows[i]] & ((1u << CullTriangles::separate_shift) - 1);
-        write_bits<asked_bits>(near, rows[i], offsets[i], [&](std::uint32_t row, std::uint32_t bit, std::uint32_t place) {
-            const ClosePair c = read_whole(close[row / constants::group_size]);
-            write_whole(found[place],
-                        {c.pair, c.first * constants::group_size + row % constants::group_size,
-                         c.second * constants::group_size + bit, masks[row] >> (CullTriangles::separate_shift + bit) & 1});
-        });
+    /// A bit for each, and in the upper half one more if they do not meet.
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return ask_bits(near[i].mask, i, *this); }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return bit_count(found & ((1u << separate_shift) - 1)); }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, TrianglePair* triangles, std::uint32_t place) const {
+        write_bits<asked_bits>(
+            found, i, place, [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
+                const NearTriangles n = read_whole(near[item]);
+                write_whole(triangles[at], {n.pair, n.first, n.others + bit, mask >> (separate_shift + bit) & 1});
+            });
+    }
+
+    /// Of a triangle and another one near: 0 if they are left out, else 1, and 2 more if they do not meet.
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
+        const NearTriangles n = read_whole(near[i]);
+        const SheetPair& pair = pairs[n.pair];
+        const std::uint32_t other = n.others + bit;
+        if (pair.is_self() && read_whole(flat_corners[n.first]).shares_one(read_whole(flat_corners[other]))) return 0;
+        const DriftingPair both(drifting.read(n.first), drifting.read(other));
+        Company company = both.along_normal_of_a(pair.quick_margin);
+        if (!company.is_settled()) company.learn(both.along_normal_of_b(pair.quick_margin));
+        return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
     }
 };
 
