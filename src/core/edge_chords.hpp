@@ -23,7 +23,7 @@ public:
                            stages::CullEdgeBlock{scene.bodies, directed, blocks, view_of(masks_), view_of(counts_)});
         patches_.resize(tools_.place("edge_patch_scan", counts_, offsets_));
         executor_.for_each("list_edge_patches", blocks.size,
-                           stages::ListPatches{blocks, view_of(masks_), view_of(offsets_), {}, view_of(patches_)});
+                           stages::ListEdgePatches{blocks, view_of(masks_), view_of(offsets_), view_of(patches_)});
         const auto kept = static_cast<std::uint32_t>(patches_.size());
         counts_.resize(kept);
         executor_.for_each("count_edge_groups", kept,

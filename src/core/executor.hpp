@@ -55,6 +55,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
+    { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
     executor.settle();
     executor.beside(detail::AnyWork{});
     executor.join();
@@ -119,6 +120,9 @@ public:
     T read(const T& sum) const {
         return sum;
     }
+
+    /// How many items has a stage that sees to so many groups (Sixteen).
+    std::uint32_t in_sixteens(std::uint32_t groups) const { return groups; }
 
     /// A count as a number.
     std::uint32_t number(std::uint32_t count) const { return count; }

@@ -66,6 +66,13 @@ PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> posi
     block.radius[k] = longest(measured);
 }
 
+/// The mean of the k-th patch of a block that begins with patch `first`, once it is measured.
+PIERCE_HD inline Vec3d measured_center(const MeshView& mesh, View<const Vec3f> positions, const PatchBlock& block,
+                                       std::uint32_t first, std::uint32_t k) {
+    return to_double(positions[mesh.patch_vertices[patch_begin(first)]]) +
+           Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
+}
+
 /// Completes block `b`, whose patches are measured. Places past the last patch repeat its centre.
 PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t b, PatchBlock& block) {
     block.center = to_double(positions[mesh.patch_vertices[patch_begin(b * constants::block_size)]]);

@@ -226,31 +226,24 @@ private:
     }
 
     void measure_deformation(const Scene& scene) {
-        patch_bounds_.resize(scene.patch_items.size);
+        const Count blocks = executor_.in_sixteens(scene.block_items.size),
+                    bodies = executor_.in_sixteens(scene.ranges.size);
         block_bounds_.resize(scene.block_items.size);
-        if (scene.plan->casts_rays)
-            fit_frames(scene);
-        else
-            executor_.for_each("measure_boxes", scene.patch_items.size,
-                               stages::MeasureBoxes{scene.bodies, scene.patch_items, view_of(patch_bounds_)});
-        executor_.for_each(
-            "join_patches", scene.block_items.size,
-            stages::JoinPatches{scene.block_items, scene.bodies, view_of(patch_bounds_), view_of(block_bounds_)});
-        executor_.for_each("join_bounds", scene.ranges.size,
+        if (scene.plan->casts_rays) {
+            moments_.resize(scene.block_items.size);
+            executor_.for_each(
+                "measure_patches", blocks,
+                stages::MeasurePatches{scene.bodies, scene.block_items, scene.blocks, scene.patches, view_of(moments_)});
+            executor_.for_each("fit_frame", bodies,
+                               stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
+            executor_.for_each("measure_bounds", blocks,
+                               stages::MeasureBounds{scene.bodies, scene.block_items, scene.seen, view_of(block_bounds_)});
+        } else {
+            executor_.for_each("measure_boxes", blocks,
+                               stages::MeasureBoxes{scene.bodies, scene.block_items, view_of(block_bounds_)});
+        }
+        executor_.for_each("join_bounds", bodies,
                            stages::JoinBounds{scene.bodies, scene.ranges, view_of(block_bounds_), scene.plan->casts_rays});
-    }
-
-    /// Frames of deforming bodies, which rays are cast in, and bounds of their patches.
-    void fit_frames(const Scene& scene) {
-        moments_.resize(scene.block_items.size);
-        executor_.for_each("measure_patches", scene.patch_items.size,
-                           stages::MeasurePatch{scene.bodies, scene.patch_items, scene.blocks, scene.patches});
-        executor_.for_each("sum_moments", scene.block_items.size,
-                           stages::SumMoments{scene.bodies, scene.block_items, scene.blocks, view_of(moments_)});
-        executor_.for_each("fit_frame", scene.ranges.size,
-                           stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
-        executor_.for_each("measure_bounds", scene.patch_items.size,
-                           stages::MeasureBounds{scene.bodies, scene.patch_items, scene.seen, view_of(patch_bounds_)});
     }
 
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
@@ -263,26 +256,13 @@ private:
         executor_.sort("sweep_sort", bodies.size, stages::sweep_key_bits, view_of(keys_), view_of(order_));
         executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
         const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
-        counts_.resize(bodies.size * walks);
-        stages::SweepPairs sweep{view_of(sweep_), walks, view_of(counts_), {}, {}};
-        executor_.for_each("sweep_count", count_of(counts_), sweep);
-        box_keys_.resize(tools_.place("sweep_scan", counts_, offsets_));
-        sweep.offsets = view_of(offsets_);
-        sweep.keys = view_of(box_keys_);
-        if (!box_keys_.empty()) executor_.for_each("sweep_fill", count_of(counts_), sweep);
-
-        const Count overlapping = count_of(box_keys_);
-        counts_.resize(overlapping);
-        executor_.for_each("test_pair", overlapping, stages::TestPair{bodies, view_of(box_keys_), view_of(counts_)});
-        const Count total = tools_.place("pair_scan", counts_, offsets_);
-        pair_keys_.resize(total);
+        executor_.emit("sweep", Count{bodies.size * walks}, stages::SweepPairs{view_of(sweep_), walks}, box_keys_);
+        executor_.emit("test_pair", count_of(box_keys_), stages::TestPair{bodies, view_of(box_keys_)}, pair_keys_);
+        const Count total = count_of(pair_keys_);
         values_.resize(total);
         pairs_.resize(total);
         identities_.resize(total);
         links_.resize(total);
-        executor_.for_each("keep_pair", overlapping,
-                           stages::KeepPair{view_of(box_keys_), view_of(counts_), view_of(offsets_), view_of(pair_keys_),
-                                            view_of(values_)});
         const int bits = 32 + std::bit_width(bodies.size);
         executor_.sort("pair_sort", total, bits, view_of(pair_keys_), view_of(values_));
         executor_.for_each(
@@ -311,29 +291,18 @@ private:
         const Temporal temporal = scene.plan->temporal;
         const Count directed_count = 2 * count_of(pairs_);
         directed_.resize(directed_count);
-        counts_.resize(directed_count);
-        executor_.for_each("direct_pair", directed_count,
-                           stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_),
-                                              view_of(last_memory_), scene.settings, view_of(directed_), view_of(counts_)});
-        const Count block_count = tools_.place("block_scan", counts_, offsets_);
-        blocks_.resize(block_count);
-        block_records_.resize(temporal == Temporal::off ? Count{} : block_count);
         block_offsets_.resize(directed_count);
-        executor_.for_each("list_blocks", directed_count,
-                           stages::ListBlocks{view_of(counts_), view_of(offsets_), view_of(blocks_), view_of(memory_),
-                                              view_of(block_offsets_)});
+        executor_.emit("direct_pair", directed_count,
+                       stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_), view_of(last_memory_),
+                                          scene.settings, view_of(directed_), view_of(block_offsets_)},
+                       blocks_);
+        block_records_.resize(temporal == Temporal::off ? Count{} : count_of(blocks_));
+        executor_.emit(
+            "cull_block", count_of(blocks_),
+            stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_, view_of(block_records_)},
+            patches_);
 
-        masks_.resize(block_count);
-        counts_.resize(block_count);
-        executor_.for_each("cull_block", block_count,
-                           stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_,
-                                             view_of(block_records_), view_of(masks_), view_of(counts_)});
-        const Count kept = tools_.place("patch_scan", counts_, offsets_);
-        patches_.resize(kept);
-        executor_.for_each("list_patches", block_count,
-                           stages::ListPatches{view_of(blocks_), view_of(masks_), view_of(offsets_), view_of(block_records_),
-                                               view_of(patches_)});
-
+        const Count kept = count_of(patches_);
         patch_records_.resize(kept);
         counts_.resize(kept);
         executor_.for_each(
@@ -540,9 +509,9 @@ private:
     Sheets<E, T> sheets_;
 
     Buffer<stages::Moments> moments_;
-    Buffer<stages::PartBounds> patch_bounds_, block_bounds_;
+    Buffer<stages::PartBounds> block_bounds_;
     Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, masks_, starts_inside_, accepted_, links_, no_links_, ages_,
+    Buffer<std::uint32_t> order_, values_, counts_, offsets_, starts_inside_, accepted_, links_, no_links_, ages_,
         last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;

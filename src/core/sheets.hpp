@@ -120,27 +120,24 @@ private:
         in_groups_.resize(groups);
         group_slabs_.resize(groups);
         group_boxes_.resize(groups);
-        executor_.for_each("place_groups", in_sixteens(groups),
+        executor_.for_each("place_groups", executor_.in_sixteens(groups),
                            stages::PlaceGroups{bodies_of(scene), view_of(block_offsets_), interleaved(view_of(placed_)),
                                                interleaved(view_of(drifting_)), view_of(boxes_), view_of(in_groups_),
                                                view_of(group_slabs_), view_of(group_boxes_)});
         in_blocks_.resize(blocks);
         block_slabs_.resize(blocks);
         block_boxes_.resize(blocks);
-        executor_.for_each("bound_blocks", in_sixteens(blocks),
+        executor_.for_each("bound_blocks", executor_.in_sixteens(blocks),
                            stages::BoundBlocks{view_of(group_slabs_), view_of(group_boxes_), view_of(in_blocks_),
                                                view_of(block_slabs_), view_of(block_boxes_)});
         in_sections_.resize(sections);
         section_begins_.resize(sections);
         section_ends_.resize(sections);
-        executor_.for_each("bound_sections", in_sixteens(sections),
+        executor_.for_each("bound_sections", executor_.in_sixteens(sections),
                            stages::BoundSections{view_of(section_offsets_), view_of(block_offsets_), view_of(block_counts_),
                                                  view_of(block_boxes_), view_of(in_sections_), view_of(section_begins_),
                                                  view_of(section_ends_)});
     }
-
-    /// Items of a stage that sees to so many groups (Sixteen).
-    static Count in_sixteens(Count groups) { return (E::runs_on_host ? 1 : constants::group_size) * groups; }
 
     /// Corners of triangles around which nothing folds.
     void find_flat_corners(const Scene& scene) {

@@ -125,10 +125,14 @@ public:
     /// The k-th, for each().
     PIERCE_HD const T& at(std::uint32_t) const { return mine_; }
 
-    /// What part(thing) comes to for all of them, joined by join(all, part), the order of which must not matter.
+    /// Waits until what the others of a group wrote can be read.
+    PIERCE_HD static void settle() { __syncwarp(group()); }
+
+    /// What part(k, thing) comes to for all of them, joined by join(all, part): each of the first eight with the one eight
+    /// places on, then each of the first four with the one four places on, and so on. Of use to the first one.
     template <class All, class Part, class Join>
     PIERCE_HD All joined(const Part& part, const Join& join) const {
-        All all = part(mine_);
+        All all = part(threadIdx.x % count, mine_);
         for (std::uint32_t step = count / 2; step > 0; step /= 2) {
             const All other = from_lane(all, step);
             join(all, other);
@@ -137,14 +141,16 @@ public:
     }
 
 private:
+    /// The threads of the group, which are there all.
+    PIERCE_HD static unsigned group() { return 0xffffu << (threadIdx.x & count); }
+
     template <class All>
     PIERCE_HD static All from_lane(const All& mine, std::uint32_t step) {
         constexpr std::uint32_t words = sizeof(All) / 4;
         static_assert(sizeof(All) % 4 == 0);
         std::uint32_t word[words];
         memcpy(word, &mine, sizeof(All));
-        const unsigned group = 0xffffu << (threadIdx.x & count);  // groups are there as a whole
-        for (std::uint32_t w = 0; w < words; ++w) word[w] = __shfl_xor_sync(group, word[w], step);
+        for (std::uint32_t w = 0; w < words; ++w) word[w] = __shfl_xor_sync(group(), word[w], step);
         All other;
         memcpy(&other, word, sizeof(All));
         return other;
@@ -154,6 +160,7 @@ private:
 #else
     static std::uint32_t group_of(std::uint32_t item) { return item; }
     static bool is_first() { return true; }
+    static void settle() {}
     template <class See>
     void each(const See& see) {
         for (std::uint32_t k = 0; k < count; ++k) see(k, things_[k]);
@@ -161,9 +168,11 @@ private:
     const T& at(std::uint32_t k) const { return things_[k]; }
     template <class All, class Part, class Join>
     All joined(const Part& part, const Join& join) const {
-        All all = part(things_[0]);
-        for (std::uint32_t k = 1; k < count; ++k) join(all, part(things_[k]));
-        return all;
+        All all[count];
+        for (std::uint32_t k = 0; k < count; ++k) all[k] = part(k, things_[k]);
+        for (std::uint32_t step = count / 2; step > 0; step /= 2)
+            for (std::uint32_t k = 0; k < step; ++k) join(all[k], all[k + step]);
+        return all[0];
     }
 
 private:

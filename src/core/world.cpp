@@ -222,7 +222,6 @@ const StepStats& World::detect() {
     const Scene scene{view_of(s.views),
                       view_of(std::as_const(s.ids)),
                       view_of(s.rotations),
-                      view_of(std::as_const(s.patch_items)),
                       view_of(std::as_const(s.block_items)),
                       view_of(std::as_const(s.ranges)),
                       view_of(std::as_const(s.blocks)),

@@ -9,9 +9,7 @@ namespace pierce {
 
 void World::State::add_blocks(std::uint32_t body) {
     stages::BlockRange range{body, static_cast<std::uint32_t>(block_items.size()), 0};
-    for (std::uint32_t b = 0; b < block_count(views[body].mesh); ++b)
-        block_items.push_back({body, b, static_cast<std::uint32_t>(patch_items.size()) + b * constants::block_size});
-    for (std::uint32_t p = 0; p < patch_count(views[body].mesh); ++p) patch_items.push_back({body, p});
+    for (std::uint32_t b = 0; b < block_count(views[body].mesh); ++b) block_items.push_back({body, b});
     range.last = static_cast<std::uint32_t>(block_items.size());
     ranges.push_back(range);
 }
@@ -74,7 +72,6 @@ void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
     plan.revision = next_key++;
-    patch_items.clear();
     block_items.clear();
     ranges.clear();
     views.assign(slots.size(), {});

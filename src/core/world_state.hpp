@@ -54,7 +54,6 @@ struct World::State {
     std::vector<BodyView> views;
     std::vector<BodyId> ids;
     std::vector<Quaternion> rotations;
-    std::vector<stages::PatchItem> patch_items;
     std::vector<stages::BlockItem> block_items;
     std::vector<stages::BlockRange> ranges;
     std::vector<View<PatchBlock>> blocks;

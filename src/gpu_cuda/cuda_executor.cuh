@@ -206,6 +206,8 @@ public:
         return *sum.data();
     }
 
+    Count in_sixteens(const Count& groups) const { return constants::group_size * groups; }
+
     std::uint32_t number(const Count& count) const {
         if (count.exact == nullptr) return count.bound;
         wait();

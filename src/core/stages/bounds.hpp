@@ -5,23 +5,17 @@
 #include "pierce/core/motion_bound.hpp"
 #include "pierce/core/patch.hpp"
 #include "pierce/core/settings.hpp"
+#include "pierce/core/warp.hpp"
 
 /// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
 /// Deforming bodies are measured patch by patch and added up block by block, so sums are the
 /// same on any machine.
 namespace pierce::stages {
 
-/// A patch of a deforming body.
-struct PatchItem {
-    std::uint32_t body = 0;
-    std::uint32_t patch = 0;
-};
-
 /// A block of a deforming body's patches.
 struct BlockItem {
     std::uint32_t body = 0;
     std::uint32_t block = 0;
-    std::uint32_t first_item = 0;  ///< where its patches begin among all patches of deforming bodies
 
     PIERCE_HD std::uint32_t first_patch() const { return block * constants::block_size; }
     PIERCE_HD std::uint32_t last_patch(const MeshView& mesh) const {
@@ -29,53 +23,53 @@ struct BlockItem {
     }
 };
 
-/// Sums over a block from which the best-fitting rotation follows.
+/// Sums from which the best-fitting rotation follows.
 struct Moments {
-    Vec3d sum;            ///< of patch centres, relative to the body's first vertex
-    Vec3d rest_sum;       ///< of the rest shape's patch centres, relative to the rest centroid
-    Matrix3 correlation;  ///< sum of the products of the two
-};
+    Vec3d sum;                          ///< of patch centres, relative to the body's first vertex
+    Vec3d rest_sum;                     ///< of the rest shape's patch centres, relative to the rest centroid
+    Matrix3 correlation{{{}, {}, {}}};  ///< sum of the products of the two
 
-/// Per patch: measures it. Reads positions; writes blocks and patches.
-struct MeasurePatch {
-    View<const BodyView> bodies;
-    View<const PatchItem> items;
-    View<const View<PatchBlock>> blocks;  ///< per body
-    View<const View<Offsets>> patches;    ///< per body
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const PatchItem item = items[i];
-        const BodyView& body = bodies[item.body];
-        if (body.active)
-            measure_patch(body.mesh, body.positions, item.patch, blocks[item.body][item.patch / constants::block_size],
-                          patches[item.body][item.patch]);
+    PIERCE_HD void add(const Moments& more) {
+        sum += more.sum;
+        rest_sum += more.rest_sum;
+        for (int r = 0; r < 3; ++r) correlation.row[r] += more.correlation.row[r];
     }
 };
 
-/// Per block: completes it and adds up the moments of its patches' centres, the patches standing for their vertices.
-struct SumMoments {
+static_assert(constants::block_size == Sixteen<Moments>::count);
+
+/// Per block: measures its patches, and adds up the moments of their centres, the patches standing for their vertices. Reads
+/// positions; writes blocks and patches.
+struct MeasurePatches {
     View<const BodyView> bodies;
     View<const BlockItem> items;
     View<const View<PatchBlock>> blocks;  ///< per body
-    View<Moments> moments;
+    View<const View<Offsets>> patches;    ///< per body
+    View<Moments> moments;                ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BlockItem item = items[i];
+        const std::uint32_t at = Sixteen<Moments>::group_of(i);
+        const BlockItem item = items[at];
         const BodyView& body = bodies[item.body];
-        Moments m{{}, {}, {{{}, {}, {}}}};
-        if (body.active) {
-            const Vec3d base = to_double(body.positions[0]);
-            finish_block(body.mesh, body.positions, item.block, blocks[item.body][item.block]);
-            PIERCE_OVERLAPPED_LOOP
-            for (std::uint32_t p = item.first_patch(); p < item.last_patch(body.mesh); ++p) {
-                const Vec3d x = patch_center(blocks[item.body], p) - base;
-                const Vec3d rest = patch_center(body.mesh.blocks, p) - body.mesh.centroid;
-                m.sum += x;
-                m.rest_sum += rest;
-                for (int r = 0; r < 3; ++r) m.correlation.row[r] += x[r] * rest;
-            }
-        }
-        moments[i] = m;
+        PatchBlock& block = blocks[item.body][item.block];
+        const std::uint32_t first = item.first_patch(), last = item.last_patch(body.mesh);
+        const bool active = body.active;
+        Sixteen<Moments> of_patches;
+        of_patches.each([&](std::uint32_t k, Moments& m) {
+            m = {};
+            if (!active || first + k >= last) return;
+            measure_patch(body.mesh, body.positions, first + k, block, patches[item.body][first + k]);
+            const Vec3d center = measured_center(body.mesh, body.positions, block, first, k);
+            m.sum = center - to_double(body.positions[0]);
+            m.rest_sum = patch_center(body.mesh.blocks, first + k) - body.mesh.centroid;
+            for (int r = 0; r < 3; ++r) m.correlation.row[r] = m.sum[r] * m.rest_sum;
+        });
+        Sixteen<Moments>::settle();
+        const Moments all = of_patches.joined<Moments>([](std::uint32_t, const Moments& m) { return m; },
+                                                       [](Moments& sum, const Moments& m) { sum.add(m); });
+        if (!Sixteen<Moments>::is_first()) return;
+        if (active) finish_block(body.mesh, body.positions, item.block, block);
+        moments[at] = all;
     }
 };
 
@@ -119,15 +113,17 @@ struct FitFrame {
     View<Quaternion> rotations;  ///< per body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BlockRange range = ranges[i];
+        const BlockRange range = ranges[Sixteen<Moments>::group_of(i)];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
-        Moments m{{}, {}, {{{}, {}, {}}}};
-        for (std::uint32_t b = range.first; b < range.last; ++b) {
-            m.sum += moments[b].sum;
-            m.rest_sum += moments[b].rest_sum;
-            for (int r = 0; r < 3; ++r) m.correlation.row[r] += moments[b].correlation.row[r];
-        }
+        Sixteen<Moments> parts;
+        parts.each([&](std::uint32_t k, Moments& sum) {
+            sum = {};
+            for (std::uint32_t b = range.first + k; b < range.last; b += constants::block_size) sum.add(moments[b]);
+        });
+        Moments m = parts.joined<Moments>([](std::uint32_t, const Moments& part) { return part; },
+                                          [](Moments& sum, const Moments& part) { sum.add(part); });
+        if (!Sixteen<Moments>::is_first()) return;
         const double per_patch = 1.0 / patch_count(body.mesh);
         const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
         for (int r = 0; r < 3; ++r) m.correlation.row[r] -= m.sum[r] * rest_mean;
@@ -164,47 +160,61 @@ PIERCE_HD inline double longest_way(const BodyView& body, std::uint32_t p) {
     return std::sqrt(squared);
 }
 
-/// Per patch: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32 relative to the patch's centre:
+/// The bounds of sixteen parts.
+PIERCE_HD inline PartBounds bounds_of(const Sixteen<PartBounds>& parts) {
+    return parts.joined<PartBounds>([](std::uint32_t, const PartBounds& part) { return part; },
+                                    [](PartBounds& all, const PartBounds& part) { all.extend(part); });
+}
+
+/// Per block: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32 relative to the patch's centre:
 /// JoinBounds adds what that may lose.
 struct MeasureBounds {
     View<const BodyView> bodies;
-    View<const PatchItem> items;
+    View<const BlockItem> items;
     View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step; empty: not asked for
-    View<PartBounds> bounds;
+    View<PartBounds> bounds;           ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t p = items[i].patch;
-        const BodyView& body = bodies[items[i].body];
-        const View<SeenPatch> last = seen[items[i].body];
-        PartBounds b;
-        if (body.active) {
-            const Offsets now = body.patches[p], rest = body.mesh.patches[p];
-            const Vec3d in_world = patch_center(body.blocks, p);
-            const Vec3d center = body.fit.to_local(in_world);
-            const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
-            const TurnedOffsets turned(now, body.fit.rotation.transposed());
-            float away[constants::patch_size];
-            PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
-                const float x = moved.x + (turned.at[0][k] - rest.x[k]);
-                const float y = moved.y + (turned.at[1][k] - rest.y[k]);
-                const float z = moved.z + (turned.at[2][k] - rest.z[k]);
-                away[k] = x * x + y * y + z * z;
-            }
-            float furthest = 0;
-            for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
-            const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
-            extend(b.fit_box, center, fit_axis);
-            const float* world_axis[3] = {now.x, now.y, now.z};
-            extend(b.world_box, in_world, world_axis);
-            b.deviation = std::sqrt(static_cast<double>(furthest));
-            if (last.size > 0) b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
-            if (body.start.size > 0) b.travel = longest_way(body, p);
-        }
-        bounds[i] = b;
+        const std::uint32_t at = Sixteen<PartBounds>::group_of(i);
+        const BlockItem item = items[at];
+        const BodyView& body = bodies[item.body];
+        Sixteen<PartBounds> parts;
+        parts.each([&](std::uint32_t k, PartBounds& part) {
+            const std::uint32_t p = item.first_patch() + k;
+            part = body.active && p < item.last_patch(body.mesh) ? of_patch(body, p, seen[item.body]) : PartBounds{};
+        });
+        const PartBounds all = bounds_of(parts);
+        if (Sixteen<PartBounds>::is_first()) bounds[at] = all;
     }
 
 private:
+    PIERCE_HD static PartBounds of_patch(const BodyView& body, std::uint32_t p, View<SeenPatch> last) {
+        const Offsets now = body.patches[p], rest = body.mesh.patches[p];
+        const Vec3d in_world = patch_center(body.blocks, p);
+        const Vec3d center = body.fit.to_local(in_world);
+        const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
+        const TurnedOffsets turned(now, body.fit.rotation.transposed());
+        float away[constants::patch_size];
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+            const float x = moved.x + (turned.at[0][k] - rest.x[k]);
+            const float y = moved.y + (turned.at[1][k] - rest.y[k]);
+            const float z = moved.z + (turned.at[2][k] - rest.z[k]);
+            away[k] = x * x + y * y + z * z;
+        }
+        float furthest = 0;
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
+        PartBounds b;
+        const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
+        extend(b.fit_box, center, fit_axis);
+        const float* world_axis[3] = {now.x, now.y, now.z};
+        extend(b.world_box, in_world, world_axis);
+        b.deviation = std::sqrt(static_cast<double>(furthest));
+        if (last.size > 0) b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
+        if (body.start.size > 0) b.travel = longest_way(body, p);
+        return b;
+    }
+
     /// Takes over where a patch is now; returns the square of the longest way from where it was.
     PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets& now) {
         const Vec3f moved = to_float(center - patch.center);
@@ -238,41 +248,29 @@ private:
     }
 };
 
-/// Per patch, where no ray is cast: its box, and how far it has moved. Its body's frame is that of the world.
+/// Per block, where no ray is cast: its box, and how far it has moved. Its body's frame is that of the world.
 struct MeasureBoxes {
     View<const BodyView> bodies;
-    View<const PatchItem> items;
-    View<PartBounds> bounds;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t p = items[i].patch;
-        const BodyView& body = bodies[items[i].body];
-        PartBounds b;
-        if (body.active) {
-            PIERCE_OVERLAPPED_LOOP
-            for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k)
-                b.world_box.extend(to_double(body.positions[body.mesh.patch_vertices[patch_begin(p) + k]]));
-            b.fit_box = b.world_box;
-            if (body.start.size > 0) b.travel = longest_way(body, p);
-        }
-        bounds[i] = b;
-    }
-};
-
-/// Per block: joins its patches' bounds.
-struct JoinPatches {
     View<const BlockItem> items;
-    View<const BodyView> bodies;
-    View<const PartBounds> patches;
-    View<PartBounds> bounds;
+    View<PartBounds> bounds;  ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BlockItem item = items[i];
-        const std::uint32_t count = item.last_patch(bodies[item.body].mesh) - item.first_patch();
-        PartBounds all;
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t p = 0; p < count; ++p) all.extend(patches[item.first_item + p]);
-        bounds[i] = all;
+        const std::uint32_t at = Sixteen<PartBounds>::group_of(i);
+        const BlockItem item = items[at];
+        const BodyView& body = bodies[item.body];
+        Sixteen<PartBounds> parts;
+        parts.each([&](std::uint32_t k, PartBounds& part) {
+            part = {};
+            const std::uint32_t p = item.first_patch() + k;
+            if (!body.active || p >= item.last_patch(body.mesh)) return;
+            PIERCE_OVERLAPPED_LOOP
+            for (std::uint32_t v = 0; v < patch_length(body.mesh, p); ++v)
+                part.world_box.extend(to_double(body.positions[body.mesh.patch_vertices[patch_begin(p) + v]]));
+            part.fit_box = part.world_box;
+            if (body.start.size > 0) part.travel = longest_way(body, p);
+        });
+        const PartBounds all = bounds_of(parts);
+        if (Sixteen<PartBounds>::is_first()) bounds[at] = all;
     }
 };
 
@@ -284,13 +282,17 @@ struct JoinBounds {
     bool has_fit = true;  ///< a frame of its own
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BlockRange range = ranges[i];
+        const BlockRange range = ranges[Sixteen<PartBounds>::group_of(i)];
         BodyView& body = bodies[range.body];
         if (!body.active) return;
+        Sixteen<PartBounds> parts;
+        parts.each([&](std::uint32_t k, PartBounds& part) {
+            part = {};
+            for (std::uint32_t b = range.first + k; b < range.last; b += constants::block_size) part.extend(bounds[b]);
+        });
+        const PartBounds all = bounds_of(parts);
+        if (!Sixteen<PartBounds>::is_first()) return;
         if (!has_fit) body.fit = {};
-        PartBounds all;
-        PIERCE_OVERLAPPED_LOOP
-        for (std::uint32_t b = range.first; b < range.last; ++b) all.extend(bounds[b]);
         body.touch = constants::touch_tolerance * all.fit_box.extent();
         body.world_box = all.world_box.inflated(body.touch);
         body.fit_box = all.fit_box.inflated(body.touch);

@@ -36,6 +36,21 @@ struct CullEdgeBlock {
     }
 };
 
+/// Per block: lists the patches it keeps. Reads masks and offsets.
+struct ListEdgePatches {
+    View<const CullItem> blocks;
+    View<const std::uint32_t> masks, offsets;
+    View<CullItem> patches;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        std::uint32_t slot = offsets[i];
+        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
+            patches[slot++] = {blocks[i].directed, blocks[i].index * constants::block_size + lowest_bit(mask)};
+    }
+};
+
 /// A few edges of a directed pair's source, one after the other.
 struct EdgeGroup {
     std::uint32_t directed = 0;

@@ -62,67 +62,56 @@ struct GatherSweep {
     PIERCE_HD void operator()(std::uint32_t i) const { items[i] = SweepItem(bodies[order[i]], order[i]); }
 };
 
-/// Per place in the sweep order, `walks` items: visit the partners that come later, taking turns, counting them or writing
-/// their keys.
+/// Per place in the sweep order, `walks` items: the partners that come later, whom they visit taking turns. Pairs are keys
+/// a << 32 | b.
 struct SweepPairs {
     View<const SweepItem> items;
     std::uint32_t walks = 1;
-    View<std::uint32_t> counts;  ///< written if `keys` is empty
-    View<const std::uint32_t> offsets;
-    View<std::uint64_t> keys;  ///< a << 32 | b
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        std::uint32_t found = 0;
+        each(i, [&](std::uint32_t, std::uint32_t) { ++found; });
+        return found;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint64_t* keys, std::uint32_t place) const {
+        if (found == 0) return;
+        each(i, [&](std::uint32_t body, std::uint32_t other) {
+            keys[place++] = std::uint64_t{min_of(body, other)} << 32 | max_of(body, other);
+        });
+    }
+
+private:
+    template <class See>
+    PIERCE_HD void each(std::uint32_t i, const See& see) const {
         const std::uint32_t place = i / walks;
         const SweepItem& first = items[place];
-        std::uint32_t found = 0;
-        if (first.meets_itself && i % walks == 0) {
-            if (keys.data != nullptr) keys[offsets[i]] = std::uint64_t{first.body} << 32 | first.body;
-            ++found;
-        }
+        if (first.meets_itself && i % walks == 0) see(first.body, first.body);
         for (std::uint32_t k = place + 1 + i % walks; k < items.size; k += walks) {
             const SweepItem& second = items[k];
             if (!(second.lower.x <= first.upper.x)) break;
             // Not a branch each: which of them is apart cannot be foreseen.
             const bool apart = (second.upper.y < first.lower.y) | (second.lower.y > first.upper.y) |
                                (second.upper.z < first.lower.z) | (second.lower.z > first.upper.z);
-            if (apart | !(first.moves | second.moves)) continue;
-            if (keys.data != nullptr) {
-                const std::uint64_t a = min_of(first.body, second.body), b = max_of(first.body, second.body);
-                keys[offsets[i] + found] = a << 32 | b;
-            }
-            ++found;
+            if (!(apart | !(first.moves | second.moves))) see(first.body, second.body);
         }
-        if (keys.data == nullptr) counts[i] = found;
     }
 };
 
-/// Per pair of overlapping world boxes: 1 if their oriented boxes, too, come as close as the touch tolerance, else 0.
+/// Per pair of overlapping world boxes: itself, if the oriented boxes, too, come as close as the touch tolerance.
 struct TestPair {
     View<const BodyView> bodies;
     View<const std::uint64_t> keys;
-    View<std::uint32_t> keep;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD bool find(std::uint32_t i) const {
         const BodyView& a = bodies[static_cast<std::uint32_t>(keys[i] >> 32)];
         const BodyView& b = bodies[static_cast<std::uint32_t>(keys[i])];
-        keep[i] = oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
-                                         max_of(a.touch, b.touch) + a.outreach() + b.outreach());
+        return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
+                                      max_of(a.touch, b.touch) + a.outreach() + b.outreach());
     }
-};
-
-/// Per pair of overlapping world boxes: moves the kept ones together.
-struct KeepPair {
-    View<const std::uint64_t> keys;
-    View<const std::uint32_t> keep, offsets;
-    View<std::uint64_t> kept;
-    View<std::uint32_t> values;  ///< nothing; the sort wants some
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        if (!keep[i]) return;
-        kept[offsets[i]] = keys[i];
-        values[offsets[i]] = 0;
+    PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
+    PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint64_t* kept, std::uint32_t place) const {
+        if (overlap) kept[place] = keys[i];
     }
 };
 

@@ -135,7 +135,7 @@ static_assert(constants::group_size == Sixteen<QuickBox>::count);
 
 /// The box around sixteen.
 PIERCE_HD inline QuickBox box_around(const Sixteen<QuickBox>& parts) {
-    return parts.joined<QuickBox>([](const QuickBox& part) { return part; },
+    return parts.joined<QuickBox>([](std::uint32_t, const QuickBox& part) { return part; },
                                   [](QuickBox& all, const QuickBox& part) { all.extend(part); });
 }
 
@@ -194,10 +194,10 @@ struct PlaceGroups {
 
 private:
     PIERCE_HD static Slab slab_around(const Sixteen<PlacedTriangle>& triangles, const QuickBox& box) {
-        const SlabFrame frame(triangles.joined<Vec3d>([](const PlacedTriangle& t) { return t.end_normal(); },
+        const SlabFrame frame(triangles.joined<Vec3d>([](std::uint32_t, const PlacedTriangle& t) { return t.end_normal(); },
                                                       [](Vec3d& all, Vec3d part) { all += part; }));
         const Vec3d origin = to_double(box.lower);
-        const auto extent_of = [&](const PlacedTriangle& t) {
+        const auto extent_of = [&](std::uint32_t, const PlacedTriangle& t) {
             Box extent;
             for (int c = 0; c < 3 && t.triangle != no_triangle; ++c) {
                 extent.extend(frame.along(to_double(t.start[c]) - origin));
@@ -233,10 +233,10 @@ struct BoundBlocks {
 
 private:
     PIERCE_HD static Slab slab_around(const Sixteen<Slab>& held, const QuickBox& box) {
-        const SlabFrame frame(held.joined<Vec3d>([](const Slab& slab) { return to_double(slab.axis[0]); },
+        const SlabFrame frame(held.joined<Vec3d>([](std::uint32_t, const Slab& slab) { return to_double(slab.axis[0]); },
                                                  [](Vec3d& all, Vec3d part) { all += part; }));
         const Vec3d origin = to_double(box.lower);
-        const auto extent_of = [&](const Slab& slab) {
+        const auto extent_of = [&](std::uint32_t, const Slab& slab) {
             if (!slab.holds_something()) return Box{};
             const Vec3d middle = frame.along(to_double(slab.center) - origin);
             Vec3d reach;

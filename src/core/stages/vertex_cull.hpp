@@ -35,18 +35,27 @@ PIERCE_HD inline bool proofs_pay(const DirectedPair& d, const BodyView& target) 
                                      constants::certificate_steps * static_cast<double>(d.step);
 }
 
-/// Per directed pair (pair * 2 + side): the frames, and how many blocks of patches there are to test; none if the target
-/// has no inside. Reads pairs, bodies and, if steps remember, the pairs' memory; writes directed pairs and counts.
+/// A block of patches, or a patch, of a directed pair's source.
+struct CullItem {
+    std::uint32_t directed = 0;
+    std::uint32_t index = 0;
+};
+
+/// Per directed pair (pair * 2 + side): the frames, and the blocks of patches there are to test; none if the target has no
+/// inside. Reads pairs, bodies and, if steps remember, the pairs' memory; writes directed pairs, blocks and where they
+/// begin.
 struct DirectPair {
     View<const BodyView> bodies;
     View<const Pair> pairs;
     View<const std::uint32_t> links;
-    View<const PairMemory> memory, last;  ///< empty if steps do not remember
+    View<PairMemory> memory;  ///< this and the next are empty if steps do not remember
+    View<const PairMemory> last;
     Settings settings;
     View<DirectedPair> directed;
-    View<std::uint32_t> block_counts;
+    View<std::uint32_t> begins;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    /// The number of blocks.
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const Pair pair = pairs[i / 2];
         DirectedPair d;
         d.source = pair.source(i % 2);
@@ -74,29 +83,13 @@ struct DirectPair {
         directed[i] = d;
         const bool asked =
             d.along_velocity || (target.is_solid() && target.mesh.clearance.steps.size > 0 && !(d.is_self() && i % 2 == 1));
-        block_counts[i] = asked ? block_count(source.mesh) : 0;
+        return asked ? block_count(source.mesh) : 0;
     }
-};
-
-/// A block of patches, or a patch, of a directed pair's source.
-struct CullItem {
-    std::uint32_t directed = 0;
-    std::uint32_t index = 0;
-};
-
-/// Per directed pair: lists its blocks, and writes where they begin. Reads counts and offsets; writes items.
-struct ListBlocks {
-    View<const std::uint32_t> counts, offsets;
-    View<CullItem> items;
-    View<PairMemory> memory;  ///< empty if steps do not remember
-    View<std::uint32_t> begins;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        begins[i] = offsets[i];
-        if (memory.size > 0) memory[i].first_block = offsets[i];
-        for (std::uint32_t b = 0; b < counts[i]; ++b) items[offsets[i] + b] = {i, b};
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, CullItem* blocks, std::uint32_t place) const {
+        begins[i] = place;
+        if (memory.size > 0) memory[i].first_block = place;
+        for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
     }
 };
 
@@ -158,19 +151,19 @@ struct BallsNearby {
 /// The lowest `count` bits.
 PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) { return count < 32 ? (1u << count) - 1u : ~0u; }
 
-/// Per block: a bit for every patch that may hold a vertex inside the target or touching it, and their number. With block
-/// records: patches that were proved to be outside until now are not looked at again, and in a walk pass only those that
-/// were kept in the last step. Writes those records.
+/// Per block: the patches that may hold a vertex inside the target or touching it. With block records: patches that were
+/// proved to be outside until now are not looked at again, and in a walk pass only those that were kept in the last step.
+/// Writes those records.
 struct CullBlock {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> blocks;
     Temporal temporal = Temporal::off;
     RecordsView last;
-    View<BlockRecord> records;
-    View<std::uint32_t> masks, counts;
+    View<BlockRecord> records;  ///< empty if steps do not remember
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    /// A bit for each.
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const DirectedPair& d = directed[blocks[i].directed];
         const BodyView& source = bodies[d.source];
         const BlockRecord* before = d.last_blocks == no_record ? nullptr : &last.blocks[d.last_blocks + blocks[i].index];
@@ -204,8 +197,13 @@ struct CullBlock {
             }
         }
         if (temporal != Temporal::off) records[i].kept = mask;
-        masks[i] = mask;
-        counts[i] = bit_count(mask);
+        return mask;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, CullItem* patches, std::uint32_t place) const {
+        if (records.size > 0) records[i].first_patch = place;
+        for (std::uint32_t left = mask; left != 0; left &= left - 1)
+            patches[place++] = {blocks[i].directed, blocks[i].index * constants::block_size + lowest_bit(left)};
     }
 
 private:
@@ -214,23 +212,6 @@ private:
         for (std::uint32_t k = 0; k < constants::block_size; ++k)
             mask |= static_cast<std::uint32_t>(!(record.expiry[k] > odometer)) << k;
         return mask & all;
-    }
-};
-
-/// Per block: lists the patches it keeps, and writes where they begin. Reads masks and offsets; writes patches.
-struct ListPatches {
-    View<const CullItem> blocks;
-    View<const std::uint32_t> masks, offsets;
-    View<BlockRecord> records;  ///< empty if steps do not remember
-    View<CullItem> patches;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        std::uint32_t slot = offsets[i];
-        if (records.size > 0) records[i].first_patch = slot;
-        for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            patches[slot++] = {blocks[i].directed, blocks[i].index * constants::block_size + lowest_bit(mask)};
     }
 };
 
