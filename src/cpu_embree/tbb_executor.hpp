@@ -91,7 +91,7 @@ private:
     // Items per task at least; smaller tasks cost more than they balance.
     static constexpr std::uint32_t usual_grain = 16;
     static constexpr std::uint32_t cheap_grain = 512;
-    static constexpr std::uint32_t emitted_chunk = 128;
+    static constexpr std::uint32_t emitted_chunk = 32;
 
     template <class F>
     void share(std::uint32_t n, std::uint32_t grain, const F& item) {

@@ -5,6 +5,7 @@
 #include "pierce/core/patch.hpp"
 #include "pierce/core/stages/approach.hpp"
 #include "pierce/core/stages/displacement.hpp"
+#include "pierce/core/warp.hpp"
 
 /// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then vertices.
 namespace pierce::stages {
@@ -202,8 +203,10 @@ struct CullBlock {
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, CullItem* patches, std::uint32_t place) const {
         if (records.size > 0) records[i].first_patch = place;
-        for (std::uint32_t left = mask; left != 0; left &= left - 1)
-            patches[place++] = {blocks[i].directed, blocks[i].index * constants::block_size + lowest_bit(left)};
+        write_bits<constants::block_size>(
+            mask, i, place, [&](std::uint32_t block, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
+                patches[at] = {blocks[block].directed, blocks[block].index * constants::block_size + bit};
+            });
     }
 
 private:

@@ -1,0 +1,47 @@
+// Lists that stages emit: on any number of threads what one thread finds, in the order of the items.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "pierce/cpu_embree/tbb_executor.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+/// Of each item as many things as `counts` says, each the item and a number of its own.
+struct Things {
+    View<const std::uint32_t> counts;
+
+    std::uint32_t find(std::uint32_t i) const { return counts[i]; }
+    static std::uint32_t count(std::uint32_t found) { return found; }
+    void write(std::uint32_t i, std::uint32_t found, std::uint64_t* list, std::uint32_t place) const {
+        for (std::uint32_t k = 0; k < found; ++k) list[place + k] = std::uint64_t{i} << 32 | k;
+    }
+};
+
+TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
+    test::Random random(1);
+    for (const int threads : {1, 2, 5}) {
+        TbbExecutor executor(threads);
+        SerialExecutor serial;
+        HostBuffer<std::uint64_t> list, of_one_thread;
+        for (const std::uint32_t n : {0u, 1u, 31u, 32u, 33u, 64u, 1000u, 20000u}) {
+            std::vector<std::uint32_t> counts(n);
+            std::vector<std::uint64_t> expected;
+            for (std::uint32_t i = 0; i < n; ++i) {
+                counts[i] = random.integer(0, 2) == 0 ? static_cast<std::uint32_t>(random.integer(0, 40)) : 0;
+                for (std::uint32_t k = 0; k < counts[i]; ++k) expected.push_back(std::uint64_t{i} << 32 | k);
+            }
+            const Things things{view_of(std::as_const(counts))};
+            executor.run([&] { executor.emit("things", n, things, list); });
+            serial.emit("things", n, things, of_one_thread);
+            ASSERT_EQ(std::vector(list.begin(), list.end()), expected) << "seed " << random.seed() << ", " << n << " items";
+            ASSERT_EQ(std::vector(of_one_thread.begin(), of_one_thread.end()), expected);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace pierce
