@@ -39,12 +39,14 @@ PIERCE_HD inline float quick_max(float a, float b) {
 #endif
 }
 
-/// What is not a number, or below 0, becomes 0, and what is above 1 becomes 1: on a GPU as part of another instruction.
+/// What is below 0 becomes 0, what is above 1 becomes 1, and what is not a number one of the two: on a GPU as part of
+/// another instruction, elsewhere without a branch.
 PIERCE_HD inline float quick_clamp(float a) {
 #if defined(__CUDA_ARCH__)
     return __saturatef(a);
 #else
-    return min_of(max_of(a, 0.0f), 1.0f);
+    const auto bits = std::bit_cast<std::int32_t>(a), positive = bits & ~(bits >> 31);
+    return std::bit_cast<float>(min_of(positive, std::bit_cast<std::int32_t>(1.0f)));
 #endif
 }
 
