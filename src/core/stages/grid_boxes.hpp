@@ -104,13 +104,11 @@ struct alignas(16) GridBoxes {
     Row lower[3], upper[3];
     BoxSteps steps;
 
-    /// An empty one begins after the last step and ends before the first one: no box reaches so far here.
+    /// An empty one ends before the first step, where no box begins.
     PIERCE_HD void set(std::uint32_t k, const BoxSteps& grid, const QuickBox& box) {
         for (int axis = 0; axis < 3; ++axis) {
-            const std::uint32_t begin = box.empty() ? BoxSteps::last + 1 : grid.at(box.lower[axis], axis, 0);
-            const std::uint32_t end = box.empty() ? 0 : grid.at(box.upper[axis], axis, 1);
-            lower[axis].set(k, begin);
-            upper[axis].set(k, end | top_bit);
+            lower[axis].set(k, grid.at(box.lower[axis], axis, 0));
+            upper[axis].set(k, (box.empty() ? 0 : grid.at(box.upper[axis], axis, 1)) | top_bit);
         }
     }
 
