@@ -154,14 +154,15 @@ private:
     void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         executor_.emit("find_features", count_of(triangles_),
                        stages::FindFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_)},
-                       meeting_);
-        const Count open = tools_.list("open_list", count_of(meeting_), stages::IsOpen{view_of(meeting_)}, open_);
+                       meeting_triangles_);
+        const Count open =
+            tools_.list("open_list", count_of(meeting_triangles_), stages::IsOpen{view_of(meeting_triangles_)}, open_);
         executor_.for_each("find_open_features", open,
                            stages::FindOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
-                                                    view_of(open_), view_of(meeting_)});
-        executor_.emit("list_features", count_of(meeting_),
+                                                    view_of(open_), view_of(meeting_triangles_)});
+        executor_.emit("list_features", count_of(meeting_triangles_),
                        stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_),
-                                            interleaved(view_of(placed_)), view_of(meeting_)},
+                                            interleaved(view_of(placed_)), view_of(meeting_triangles_)},
                        features_);
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
         executor_.beside([&] { order_features(pairs); });
@@ -243,7 +244,7 @@ private:
     Buffer<stages::ClosePair> sections_, blocks_, groups_;
     Buffer<stages::NearTriangles> near_;
     Buffer<stages::TrianglePair> triangles_;
-    Buffer<stages::MeetingTriangles> meeting_;
+    Buffer<stages::MeetingTriangles> meeting_triangles_;
     Buffer<stages::FeaturePair> features_;
     Buffer<stages::SheetMeeting> meetings_;
     Buffer<Contact> contacts_;

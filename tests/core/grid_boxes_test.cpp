@@ -95,8 +95,8 @@ TEST(GridBoxesTest, BoxesThatOverlapAreNeverLeftOut) {
 TEST(GridBoxesTest, AnEmptyBoxIsNearNothing) {
     GridBoxes grid;
     QuickBox box;
-    box.extend({1, 2, 3});
-    box.extend({2, 4, 5});
+    box.extend(Vec3f{1, 2, 3});
+    box.extend(Vec3f{2, 4, 5});
     grid.steps = BoxSteps(box);
     for (std::uint32_t k = 0; k < constants::group_size; ++k) grid.set(k, grid.steps, box);
     EXPECT_EQ(grid.near(box), 0xffffu);

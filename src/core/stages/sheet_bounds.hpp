@@ -67,14 +67,6 @@ struct MovingTriangle {
         }
     }
 
-    PIERCE_HD Box box() const {
-        Box all;
-        for (const MovingPoint& p : corner) {
-            all.extend(p.start);
-            all.extend(p.end);
-        }
-        return all;
-    }
     PIERCE_HD Vec3d start_normal() const {
         return cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
     }
