@@ -49,7 +49,8 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
     // A list of what a stage finds: of each item `count(find(item))` things, which `write(item, found, list, place)` puts at
-    // places from `place` on. What comes first in the list nobody knows.
+    // places from `place` on. What comes first in the list nobody knows. An item may be asked twice what it finds: what it
+    // writes meanwhile is the same then.
     executor.emit("stage", n, detail::AnyFinder{}, list);
     executor.sort("stage", n, 64, keys, out);
     executor.reduce("stage", n, detail::AnyTerm{}, sum);

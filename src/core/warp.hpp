@@ -129,7 +129,8 @@ public:
     PIERCE_HD static void settle() { __syncwarp(group()); }
 
     /// What part(k, thing) comes to for all of them, joined by join(all, part): each of the first eight with the one eight
-    /// places on, then each of the first four with the one four places on, and so on. Of use to the first one.
+    /// places on, then each of the first four with the one four places on, and so on. On a GPU all sixteen get it, the same
+    /// if a join does not depend on which of two comes first.
     template <class All, class Part, class Join>
     PIERCE_HD All joined(const Part& part, const Join& join) const {
         All all = part(threadIdx.x % count, mine_);

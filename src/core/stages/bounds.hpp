@@ -38,6 +38,12 @@ struct Moments {
 
 static_assert(constants::block_size == Sixteen<Moments>::count);
 
+/// The sum of sixteen.
+PIERCE_HD inline Moments sum_of(const Sixteen<Moments>& parts) {
+    return parts.joined<Moments>([](std::uint32_t, const Moments& part) { return part; },
+                                 [](Moments& sum, const Moments& part) { sum.add(part); });
+}
+
 /// Per block: measures its patches, and adds up the moments of their centres, the patches standing for their vertices. Reads
 /// positions; writes blocks and patches.
 struct MeasurePatches {
@@ -65,8 +71,7 @@ struct MeasurePatches {
             for (int r = 0; r < 3; ++r) m.correlation.row[r] = m.sum[r] * m.rest_sum;
         });
         Sixteen<Moments>::settle();
-        const Moments all = of_patches.joined<Moments>([](std::uint32_t, const Moments& m) { return m; },
-                                                       [](Moments& sum, const Moments& m) { sum.add(m); });
+        const Moments all = sum_of(of_patches);
         if (!Sixteen<Moments>::is_first()) return;
         if (active) finish_block(body.mesh, body.positions, item.block, block);
         moments[at] = all;
@@ -119,10 +124,9 @@ struct FitFrame {
         Sixteen<Moments> parts;
         parts.each([&](std::uint32_t k, Moments& sum) {
             sum = {};
-            for (std::uint32_t b = range.first + k; b < range.last; b += constants::block_size) sum.add(moments[b]);
+            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count) sum.add(moments[b]);
         });
-        Moments m = parts.joined<Moments>([](std::uint32_t, const Moments& part) { return part; },
-                                          [](Moments& sum, const Moments& part) { sum.add(part); });
+        Moments m = sum_of(parts);
         if (!Sixteen<Moments>::is_first()) return;
         const double per_patch = 1.0 / patch_count(body.mesh);
         const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
@@ -288,7 +292,7 @@ struct JoinBounds {
         Sixteen<PartBounds> parts;
         parts.each([&](std::uint32_t k, PartBounds& part) {
             part = {};
-            for (std::uint32_t b = range.first + k; b < range.last; b += constants::block_size) part.extend(bounds[b]);
+            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count) part.extend(bounds[b]);
         });
         const PartBounds all = bounds_of(parts);
         if (!Sixteen<PartBounds>::is_first()) return;
