@@ -89,6 +89,9 @@ inline constexpr std::uint32_t separation_vertices = 4;
 /// Items that share a body's partners in the sweep on a GPU: one alone would be the whole step's longest.
 inline constexpr std::uint32_t sweep_walks = 8;
 
+/// Bodies up to which a GPU looks at all pairs of them in one launch: with more, a sweep's launches are sooner over.
+inline constexpr std::uint32_t few_bodies = 1024;
+
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
 

@@ -61,7 +61,7 @@ public:
     void cast(const Scene& scene, View<const stages::DirectedPair> directed, RayBatch<E>& batch, Buffer<Route>& routes) {
         find_chords(scene, directed);
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()), count = static_cast<std::uint32_t>(found_.size());
-        executor_.sort("chord_sort", count, 64, view_of(keys_), view_of(order_));
+        tools_.sort("chord_sort", 64, keys_, unsorted_, sorted_keys_, order_);
         chords_.resize(count);
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
@@ -79,7 +79,7 @@ private:
         finished_.resize(count_of(segments_));
         found_.clear();
         keys_.clear();
-        order_.clear();
+        unsorted_.clear();
         while (!active_.empty()) {
             const auto count = static_cast<std::uint32_t>(active_.size());
             now_rays_.resize(count);
@@ -97,10 +97,10 @@ private:
             const std::uint32_t all = begin + tools_.place("chord_scan", counts_, offsets_);
             found_.resize(all);
             keys_.resize(all);
-            order_.resize(all);
+            unsorted_.resize(all);
             executor_.for_each("keep_chords", count,
                                stages::KeepChord{view_of(counts_), view_of(offsets_), view_of(now_found_), begin,
-                                                 view_of(found_), view_of(keys_), view_of(order_)});
+                                                 view_of(found_), view_of(keys_), view_of(unsorted_)});
             const std::uint32_t left =
                 tools_.list("active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)}, places_);
             next_active_.resize(left);
@@ -112,8 +112,9 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, order_;
-    Buffer<std::uint64_t> keys_;
+    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, unsorted_,
+        order_;
+    Buffer<std::uint64_t> keys_, sorted_keys_;
     Buffer<stages::CullItem> patches_;
     Buffer<stages::EdgeGroup> groups_;
     Buffer<stages::EdgeItem> items_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <memory>
@@ -24,7 +25,7 @@ struct AnyTest {
 struct AnyFinder {
     PIERCE_HD bool find(std::uint32_t) const { return true; }
     PIERCE_HD static std::uint32_t count(bool found) { return found; }
-    PIERCE_HD void write(std::uint32_t, bool, float*, std::uint32_t) const {}
+    PIERCE_HD void write(std::uint32_t, bool, std::uint32_t, float*) const {}
 };
 struct AnySum {
     PIERCE_HD friend AnySum operator+(AnySum, AnySum) { return {}; }
@@ -45,14 +46,17 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     typename E::Count;
     typename E::template Buffer<float>;
     { E::runs_on_host } -> std::convertible_to<bool>;
+    // Where a list has room for more than `n` items, a stage may say what is to be there: `pad(place)`.
     executor.for_each("stage", n, detail::AnyStage{});
+    // Stages of the same items, one after the other: what they read of the others' they read of their own item.
+    executor.in_turn("stage", n, detail::AnyStage{}, detail::AnyStage{});
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
-    // A list of what a stage finds: of each item `count(find(item))` things, which `write(item, found, list, place)` puts at
-    // places from `place` on. What comes first in the list nobody knows. An item may be asked twice what it finds: what it
-    // writes meanwhile is the same then.
+    // A list of what a stage finds, or several lists side by side: of each item `count(find(item))` things, which
+    // `write(item, found, place, lists...)` puts at places from `place` on, those of the next item after them. An item may be
+    // asked twice what it finds: what it writes meanwhile is the same then.
     executor.emit("stage", n, detail::AnyFinder{}, list);
-    executor.sort("stage", n, 64, keys, out);
+    executor.sort("stage", n, 64, keys, in, keys, out);
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
@@ -168,6 +172,11 @@ public:
         for (std::uint32_t i = 0; i < n; ++i) stage(i);
     }
 
+    template <class... F>
+    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
+        (for_each(name, n, stages), ...);
+    }
+
     /// out[i] = in[0] + ... + in[i-1]; returns the total.
     std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         std::uint32_t sum = 0;
@@ -192,21 +201,25 @@ public:
     }
 
     /// Things in the order of the items that they were found by.
-    template <class F, class T>
-    void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>& list) {
-        list.clear();
-        for (std::uint32_t i = 0; i < n; ++i) {
+    template <class F, class... T>
+    void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+        std::uint32_t place = 0, end = 0;
+        (lists.clear(), ...);
+        for (std::uint32_t i = 0; i < n; ++i, place = end) {
             const auto found = finder.find(i);
-            const std::uint32_t place = count_of(list);
-            list.resize(place + finder.count(found));
-            finder.write(i, found, list.data(), place);
+            end = place + finder.count(found);
+            (lists.resize(end), ...);
+            finder.write(i, found, place, lists.data()...);
         }
     }
 
-    /// Sorts keys by their lowest `bits` bits and moves their values along; stable. Any key's higher bits must be zero, or
+    /// Sorts keys by their lowest `bits` bits, and their values with them; stable. Any key's higher bits must be zero, or
     /// all its bits must be ones.
-    void sort(const char*, std::uint32_t n, int, View<std::uint64_t> keys, View<std::uint32_t> values) {
-        sort_({keys.data, n}, {values.data, n});
+    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys, View<const std::uint32_t> values,
+              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+        std::copy_n(keys.data, n, sorted_keys.data);
+        std::copy_n(values.data, n, sorted_values.data);
+        sort_({sorted_keys.data, n}, {sorted_values.data, n});
     }
 
     /// sum[0] = term(0) + ... + term(n - 1), default-made for none.

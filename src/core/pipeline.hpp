@@ -186,9 +186,8 @@ private:
             if (remembers) scatter_hits();
         });
         if (scene.plan->velocity_rays) time("sheets", [&] { relate_to_layers(scene.bodies); });
-        time("classify", [&] { test_inside(scene.bodies); });
+        time("classify", [&] { test_inside(scene); });
         if (scene.plan->traces_own_exits) {
-            time("classify", [&] { generate_own_rays(scene.bodies); });
             time("update", [&] { tools_.update(scene.bodies, own_rays_); });
             time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
         }
@@ -202,8 +201,13 @@ private:
         if (remembers) time("remember", [&] { remember(scene); });
     }
 
-    /// The last step's rays, and what came of them.
+    /// The last step's rays, and what came of them and was remembered.
     void forget_rays() {
+        memory_.clear();
+        block_records_.clear();
+        patch_records_.clear();
+        records_.clear();
+        routes_.clear();
         batch_.clear();
         own_rays_.clear();
         own_hits_.clear();
@@ -249,26 +253,32 @@ private:
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
     void pairs(const Scene& scene) {
         const View<const BodyView> bodies = scene.bodies;
-        keys_.resize(bodies.size);
-        order_.resize(bodies.size);
-        sweep_.resize(bodies.size);
-        executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(keys_), view_of(order_)});
-        executor_.sort("sweep_sort", bodies.size, stages::sweep_key_bits, view_of(keys_), view_of(order_));
-        executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
-        const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
-        executor_.emit("sweep", Count{bodies.size * walks}, stages::SweepPairs{view_of(sweep_), walks}, box_keys_);
-        executor_.emit("test_pair", count_of(box_keys_), stages::TestPair{bodies, view_of(box_keys_)}, pair_keys_);
+        if (!E::runs_on_host && bodies.size <= constants::few_bodies)
+            executor_.emit("find_pairs", Count{bodies.size * bodies.size}, stages::FindPairs{bodies}, pair_keys_);
+        else
+            sweep(bodies);
         const Count total = count_of(pair_keys_);
-        values_.resize(total);
         pairs_.resize(total);
         identities_.resize(total);
         links_.resize(total);
-        const int bits = 32 + std::bit_width(bodies.size);
-        executor_.sort("pair_sort", total, bits, view_of(pair_keys_), view_of(values_));
         executor_.for_each(
             "link_pair", total,
             stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
                              view_of(pairs_), view_of(identities_), view_of(links_)});
+    }
+
+    void sweep(View<const BodyView> bodies) {
+        unsorted_keys_.resize(bodies.size);
+        unsorted_.resize(bodies.size);
+        sweep_.resize(bodies.size);
+        executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(unsorted_keys_), view_of(unsorted_)});
+        tools_.sort("sweep_sort", stages::sweep_key_bits, unsorted_keys_, unsorted_, keys_, order_);
+        executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
+        const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
+        executor_.emit("sweep", Count{bodies.size * walks}, stages::SweepPairs{view_of(sweep_), walks}, box_keys_);
+        executor_.emit("test_pair", count_of(box_keys_), stages::TestPair{bodies, view_of(box_keys_)}, unsorted_keys_);
+        unsorted_.resize(count_of(unsorted_keys_));
+        tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), unsorted_keys_, unsorted_, pair_keys_, order_);
     }
 
     void sheets(const Scene& scene) {
@@ -296,37 +306,36 @@ private:
                        stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_), view_of(last_memory_),
                                           scene.settings, view_of(directed_), view_of(block_offsets_)},
                        blocks_);
-        block_records_.resize(temporal == Temporal::off ? Count{} : count_of(blocks_));
+        const bool remembers = scene.plan->temporal != Temporal::off;
+        if (remembers) block_records_.resize(count_of(blocks_));
         executor_.emit(
             "cull_block", count_of(blocks_),
             stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_, view_of(block_records_)},
             patches_);
-
-        const Count kept = count_of(patches_);
-        patch_records_.resize(kept);
-        counts_.resize(kept);
-        executor_.for_each(
-            "cull_vertices", kept,
-            stages::CullVertices{bodies, view_of(directed_), view_of(patches_), temporal, last_, view_of(block_offsets_),
-                                 view_of(block_records_), view_of(patch_records_), view_of(counts_)});
+        if (remembers) patch_records_.resize(count_of(patches_));
+        const stages::CullVertices vertices{bodies,
+                                            view_of(directed_),
+                                            view_of(patches_),
+                                            temporal,
+                                            last_,
+                                            view_of(links_),
+                                            view_of(last_contact_keys_),
+                                            view_of(block_offsets_),
+                                            view_of(block_records_),
+                                            view_of(patch_records_)};
+        if (remembers)
+            executor_.emit("cull_vertices", count_of(patches_), vertices, batch_.sources, routes_, records_);
+        else
+            executor_.emit("cull_vertices", count_of(patches_), vertices, batch_.sources);
     }
 
     // Stage 5. A ray per vertex left, or what stands in for it.
     void ray_gen(const Scene& scene) {
-        const bool remembers = scene.plan->temporal != Temporal::off;
-        const Count total = tools_.place("ray_scan", counts_, offsets_);
-        batch_.rays.resize(total);
-        batch_.sources.resize(total);
-        batch_.hits.resize(total);
-        routes_.resize(remembers ? total : Count{});
-        records_.resize(remembers ? total : Count{});
+        const Count count = count_of(batch_.sources);
+        batch_.rays.resize(count);
+        batch_.hits.resize(count);
         executor_.for_each(
-            "list_vertices", count_of(patches_),
-            stages::ListVertices{scene.bodies, view_of(directed_), view_of(patches_), view_of(offsets_),
-                                 view_of(patch_records_), scene.plan->temporal, last_, view_of(links_),
-                                 view_of(last_contact_keys_), view_of(batch_.sources), view_of(routes_), view_of(records_)});
-        executor_.for_each(
-            "generate_rays", total,
+            "generate_rays", count,
             stages::GenerateRay{scene.bodies, view_of(directed_), view_of(batch_.sources), scene.settings, view_of(records_),
                                 view_of(batch_.rays), view_of(batch_.hits), view_of(routes_)});
     }
@@ -362,24 +371,17 @@ private:
     }
 
     // Stage 9, first half. R1: which rays start inside their target.
-    void test_inside(View<const BodyView> bodies) {
-        const Count ray_count = count_of(batch_.rays);
-        counts_.resize(ray_count);
-        batch_.meetings.resize(ray_count);
-        executor_.for_each("test_inside", ray_count,
-                           stages::TestInside{bodies, view_of(batch_.rays), view_of(batch_.hits), view_of(routes_),
-                                              view_of(counts_), view_of(batch_.meetings)});
-        tools_.list("inside_list", ray_count, stages::IsInside{view_of(counts_)}, batch_.candidates);
-    }
-
-    void generate_own_rays(View<const BodyView> bodies) {
-        const Count count = count_of(batch_.candidates);
-        own_rays_.resize(count);
-        starts_inside_.resize(count);
-        executor_.for_each("generate_own_rays", count,
-                           stages::GenerateOwnRays{bodies, view_of(pairs_), edges_.chords(), view_of(batch_.rays),
-                                                   view_of(batch_.sources), view_of(batch_.meetings),
-                                                   view_of(batch_.candidates), view_of(own_rays_), view_of(starts_inside_)});
+    void test_inside(const Scene& scene) {
+        const Count count = count_of(batch_.rays);
+        batch_.meetings.resize(count);
+        const stages::TestInside inside{scene.bodies, view_of(batch_.rays), view_of(batch_.hits), view_of(routes_),
+                                        view_of(batch_.meetings)};
+        if (scene.plan->traces_own_exits)
+            executor_.emit("test_inside", count,
+                           stages::TestInsideBoth{inside, view_of(pairs_), edges_.chords(), view_of(batch_.sources)},
+                           batch_.candidates, own_rays_, starts_inside_);
+        else
+            executor_.emit("test_inside", count, inside, batch_.candidates);
     }
 
     // Stage 9, second half. R2 and R3: which of them are contacts.
@@ -397,22 +399,20 @@ private:
         if (separation_.cast(scene, view_of(pairs_), view_of(directed_), edges_.chords(), batch_, routes_) == 0) return;
         // What was a candidate so far stays one; of the new rays, those that start inside are contacts.
         const std::uint32_t count = count_of(batch_.rays) - before;
-        counts_.resize(count);
         batch_.meetings.resize(count_of(batch_.rays));
-        executor_.for_each("test_separation", count,
-                           stages::TestInside{scene.bodies,
-                                              {batch_.rays.data() + before, count},
-                                              {batch_.hits.data() + before, count},
-                                              {},
-                                              view_of(counts_),
-                                              {batch_.meetings.data() + before, count}});
-        tools_.list("separated", count, stages::IsInside{view_of(counts_)}, values_);
-        const std::uint32_t candidates = count_of(batch_.candidates), added = count_of(values_);
+        executor_.emit("test_separation", count,
+                       stages::TestInside{scene.bodies,
+                                          {batch_.rays.data() + before, count},
+                                          {batch_.hits.data() + before, count},
+                                          {},
+                                          {batch_.meetings.data() + before, count}},
+                       separated_);
+        const std::uint32_t candidates = count_of(batch_.candidates), added = count_of(separated_);
         batch_.candidates.resize(candidates + added);
         batch_.keep.resize(candidates + added);
         executor_.for_each(
             "keep_separated", added,
-            stages::KeepSeparated{view_of(values_), before, candidates, view_of(batch_.candidates), view_of(batch_.keep)});
+            stages::KeepSeparated{view_of(separated_), before, candidates, view_of(batch_.candidates), view_of(batch_.keep)});
     }
 
     /// Contacts move to the closest point of the target's surface.
@@ -435,17 +435,15 @@ private:
 
     // Stage 10. The list, in (pair, side, vertex) order.
     void contacts(const Scene& scene) {
-        const Count total = tools_.place("contact_scan", batch_.keep, offsets_);
-        contact_keys_.resize(total);
-        order_.resize(total);
+        executor_.emit("key_contacts", count_of(batch_.candidates),
+                       stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates),
+                                           view_of(batch_.keep)},
+                       unsorted_keys_, unsorted_);
+        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.size()));
+        tools_.sort("contact_sort", bits, unsorted_keys_, unsorted_, contact_keys_, order_);
+        const Count total = count_of(contact_keys_);
         ages_.resize(total);
         contacts_.resize(total);
-        executor_.for_each(
-            "key_contacts", count_of(batch_.candidates),
-            stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates), view_of(batch_.keep),
-                                view_of(offsets_), view_of(contact_keys_), view_of(order_)});
-        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.size()));
-        executor_.sort("contact_sort", total, bits, view_of(contact_keys_), view_of(order_));
         executor_.for_each(
             "fill_contact", total,
             stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
@@ -510,8 +508,8 @@ private:
 
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> block_bounds_;
-    Buffer<std::uint64_t> keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> order_, values_, counts_, offsets_, starts_inside_, accepted_, links_, no_links_, ages_,
+    Buffer<std::uint64_t> unsorted_keys_, keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
+    Buffer<std::uint32_t> unsorted_, order_, separated_, starts_inside_, accepted_, links_, no_links_, ages_,
         last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;

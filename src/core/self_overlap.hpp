@@ -49,7 +49,7 @@ private:
         executor_.for_each("advance_outward", count,
                            stages::AdvanceOutward{scene.bodies, view_of(now_hits_), view_of(active_), view_of(outward_),
                                                   view_of(winding_), view_of(goes_on_)});
-        const std::uint32_t left = tools_.list("outward_list", count, stages::IsInside{view_of(goes_on_)}, places_);
+        const std::uint32_t left = tools_.list("outward_list", count, stages::IsUnderWay{view_of(goes_on_)}, places_);
         next_active_.resize(left);
         executor_.for_each("gather_active", left,
                            stages::Gather<std::uint32_t>{view_of(active_), view_of(places_), view_of(next_active_)});

@@ -184,14 +184,11 @@ private:
     void order_features(const Buffer<Pair>& pairs) {
         const Count count = count_of(features_);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
-        feature_keys_.resize(count);
-        order_.resize(count);
+        unsorted_keys_.resize(count);
+        unsorted_.resize(count);
         executor_.for_each("key_features", count,
-                           stages::KeyFeatures{view_of(features_), bits_, view_of(feature_keys_), view_of(order_)});
-        executor_.sort("feature_sort", count, pair_bits + 3 + static_cast<int>(bits_), view_of(feature_keys_),
-                       view_of(order_));
-        executor_.for_each("order_ties", count,
-                           stages::OrderTies{view_of(features_), view_of(feature_keys_), view_of(order_)});
+                           stages::KeyFeatures{view_of(features_), bits_, view_of(unsorted_keys_), view_of(unsorted_)});
+        tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(bits_), unsorted_keys_, unsorted_, feature_keys_, order_);
         // What is past the last contact's stays: the next step searches in all of it.
         executor_.assign(keys_, static_cast<std::uint32_t>(features_.size()), ~std::uint64_t{0});
         deepest_.resize(count_of(pairs));
@@ -232,8 +229,8 @@ private:
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, section_ends_, block_counts_,
         block_offsets_, vertex_offsets_, flat_;
-    Buffer<std::uint32_t> counts_, open_, verdicts_, undecided_, kept_, order_, ages_;
-    Buffer<std::uint64_t> feature_keys_;
+    Buffer<std::uint32_t> counts_, open_, verdicts_, undecided_, kept_, unsorted_, order_, ages_;
+    Buffer<std::uint64_t> unsorted_keys_, feature_keys_;
     Buffer<stages::QuickBox> boxes_, group_boxes_, block_boxes_;
     Buffer<stages::GridBoxes> in_groups_, in_blocks_, in_sections_;
     Buffer<stages::PlacedTriangle> placed_;

@@ -62,6 +62,15 @@ public:
         return found;
     }
 
+    /// Keys and their values, sorted by the lowest `bits` bits of the keys.
+    void sort(const char* name, int bits, Buffer<std::uint64_t>& unsorted_keys, const Buffer<std::uint32_t>& unsorted,
+              Buffer<std::uint64_t>& keys, Buffer<std::uint32_t>& values) {
+        const Count count = count_of(unsorted_keys);
+        keys.resize(count);
+        values.resize(count);
+        executor.sort(name, count, bits, view_of(unsorted_keys), view_of(unsorted), view_of(keys), view_of(values));
+    }
+
     /// Stage 7 on a device, as soon as it is known where bodies are: trees of all, beside what comes until update(). A refit
     /// of all is over before it is known which are wanted.
     void update_all(View<const BodyView> bodies) {

@@ -31,6 +31,11 @@ public:
         share(n, grain, stage);
     }
 
+    template <class... F>
+    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
+        (for_each(name, n, stages), ...);
+    }
+
     /// Like for_each, for few items that are work enough for a task each.
     template <class F>
     void for_each_task(std::uint32_t n, const F& task) {
@@ -49,9 +54,9 @@ public:
     }
 
     /// Things in the order of the items that they were found by: chunks of items find theirs, and then write them.
-    template <class F, class T>
-    void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>& list) {
-        if (n <= emitted_chunk) return serial_.emit(name, n, finder, list);
+    template <class F, class... T>
+    void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+        if (n <= emitted_chunk) return serial_.emit(name, n, finder, lists...);
         using Seen = decltype(finder.find(0));
         static_assert(std::is_trivially_copyable_v<Seen> && alignof(Seen) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
         found_.resize(n * sizeof(Seen));
@@ -66,19 +71,20 @@ public:
         });
         places_[0] = 0;
         std::partial_sum(places_.begin(), places_.end(), places_.begin());
-        list.resize(places_.back());
+        (lists.resize(places_.back()), ...);
         share(chunks, 1, [&](std::uint32_t chunk) {
             std::uint32_t place = places_[chunk];
             for (std::uint32_t i = chunk * emitted_chunk; i < min_of((chunk + 1) * emitted_chunk, n); ++i) {
-                finder.write(i, found[i], list.data(), place);
+                finder.write(i, found[i], place, lists.data()...);
                 place += finder.count(found[i]);
             }
         });
     }
 
     /// Serial too: keys are few.
-    void sort(const char* name, std::uint32_t n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
-        serial_.sort(name, n, bits, keys, values);
+    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys, View<const std::uint32_t> values,
+              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+        serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
     }
 
     /// Serial, so that sums of floating-point numbers do not depend on the number of threads.

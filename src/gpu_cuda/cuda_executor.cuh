@@ -42,8 +42,10 @@ public:
         overflow_.resize(2);
         check(cudaHostAlloc(&host_totals_, (2 * most_totals + 1) * sizeof(std::uint32_t), cudaHostAllocDefault),
               "allocation of pinned memory");
-        check(cudaMemset(totals_.data(), 0, 2 * most_totals * sizeof(std::uint32_t)), "clearing device memory");
-        check(cudaMemset(overflow_.data(), 0, 2 * sizeof(std::uint32_t)), "clearing device memory");
+        epoch_.resize(1);
+        clear(totals_);
+        clear(overflow_);
+        clear(epoch_);
     }
     CudaExecutor(const CudaExecutor&) = delete;
     ~CudaExecutor() {
@@ -63,7 +65,7 @@ public:
     }
     void begin_bounded(std::uint32_t bank) {
         begin_repetition(bank);
-        clear_totals(totals_.data() + bank * most_totals, most_totals);
+        begin_epoch();
     }
     void begin_repetition(std::uint32_t bank) {
         bounded_ = true;
@@ -79,7 +81,7 @@ public:
     bool finish() {
         cuda::check(cudaStreamSynchronize(stream_), "a step");
         if (host_totals_[2 * most_totals] == 0) return true;
-        cuda::check(cudaMemsetAsync(overflow_.data(), 0, sizeof(std::uint32_t), stream_), "clearing device memory");
+        clear(overflow_);
         return false;
     }
 
@@ -113,6 +115,14 @@ public:
         cuda::check(cudaGetLastError(), "a launch");
     }
 
+    template <class... F>
+    void in_turn(const char* name, Count n, const F&... stages) {
+        if (n.bound <= cuda::few_items)
+            for_each(name, n, cuda::InTurn<F...>(stages...));
+        else
+            (for_each(name, n, stages), ...);
+    }
+
     Count exclusive_scan(const char* name, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing(name);
         const cuda::CountAt count{items(n), in.data};
@@ -130,22 +140,26 @@ public:
         return noted(name, to);
     }
 
-    template <class F, class T>
-    void emit(const char* name, Count n, const F& finder, Buffer<T>& list) {
-        if (n.bound == 0) return list.resize(next_total_of_nothing(name));
-        const cuda::NoteTotal to = next_total(name, 0xffffffffu);
-        if (bounded_) {
-            list.resize({to.room, to.total, 1});
-            emit(n, finder, cuda::EmittedList<T>{list.data(), to.room, to.total, to.overflow});
-            ++next_;
-            return;
+    template <class F, class... T>
+    void emit(const char* name, Count n, const F& finder, Buffer<T>&... lists) {
+        if (n.bound == 0) {
+            const Count none = next_total_of_nothing(name);
+            return (lists.resize(none), ...);
         }
-        // Twice: once to see how much room they need.
-        clear_totals(to.total, 1);
-        emit(n, finder, cuda::EmittedList<T>{nullptr, 0, to.total, to.overflow});
-        list.resize(noted(name, to));
-        clear_totals(to.total, 1);
-        emit(n, finder, cuda::EmittedList<T>{list.data(), static_cast<std::uint32_t>(list.size()), to.total, to.overflow});
+        cuda::NoteTotal to = next_total(name, 0xffffffffu);
+        if (!bounded_) {
+            // Once to see how much room they need.
+            begin_epoch();
+            to.room = 0xffffffffu;
+            launch_emit(name, n, finder, to);
+            const Count count = noted(name, to);
+            (lists.resize(count), ...);
+            begin_epoch();
+            return launch_emit(name, n, finder, to, lists.data()...);
+        }
+        (lists.resize({to.room, to.total, 1}), ...);
+        launch_emit(name, n, finder, to, lists.data()...);
+        ++next_;
     }
 
     template <class F>
@@ -167,25 +181,20 @@ public:
         return noted(name, to);
     }
 
-    void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<std::uint32_t> values) {
+    void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<const std::uint32_t> values,
+              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
         if (n.bound == 0) return;
-        sorted_keys_.resize(n.bound);
-        sorted_values_.resize(n.bound);
         if (n.bound <= cuda::counted_list) {
             const std::uint32_t blocks = (n.bound - 1) / cuda::counted_keys + 1;
             cuda::sort_by_counting<<<blocks, cuda::counted_keys * cuda::counted_parts, 0, stream_>>>(
-                items(n), keys.data, values.data, sorted_keys_.data(), sorted_values_.data());
-            cuda::check(cudaGetLastError(), "a launch");
-            return take_sorted(n.bound, keys, values);
+                items(n), keys.data, values.data, sorted_keys.data, sorted_values.data);
+            return cuda::check(cudaGetLastError(), "a launch");
         }
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
-        cub::DoubleBuffer<std::uint64_t> both_keys(keys.data, sorted_keys_.data());
-        cub::DoubleBuffer<std::uint32_t> both_values(values.data, sorted_values_.data());
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceRadixSort::SortPairs(scratch, bytes, both_keys, both_values, static_cast<int>(n.bound), 0,
-                                                   bits, stream_);
+            return cub::DeviceRadixSort::SortPairs(scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
+                                                   sorted_values.data, static_cast<int>(n.bound), 0, bits, stream_);
         });
-        if (both_keys.Current() != keys.data) take_sorted(n.bound, keys, values);
     }
 
     template <class F, class T>
@@ -293,26 +302,31 @@ private:
         known = max_of(bound, known);
     }
 
-    void clear_totals(std::uint32_t* first, std::uint32_t count) const {
-        cuda::check(cudaMemsetAsync(first, 0, count * sizeof(std::uint32_t), stream_), "clearing device memory");
+    template <class T>
+    void clear(Buffer<T>& buffer) const {
+        cuda::check(cudaMemsetAsync(buffer.data(), 0, buffer.size() * sizeof(T), stream_), "clearing device memory");
     }
 
-    template <class F, class T>
-    void emit(Count n, const F& finder, const cuda::EmittedList<T>& to) {
+    /// Before anything is emitted: once in a bounded step, in which every list is emitted once.
+    void begin_epoch() { for_each("begin_epoch", 1, cuda::BeginEpoch{epoch_.data()}); }
+
+    template <class F, class... T>
+    void launch_emit(const char* name, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
         const std::uint32_t threads = n.bound < cuda::many_items ? cuda::few_threads : cuda::block_threads;
-        cuda::emit_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(finder, items(n), to);
+        const std::uint32_t blocks = (n.bound - 1) / threads + 1;
+        Buffer<std::uint64_t>& sums = sums_of_blocks_[name];
+        if (sums.size() < blocks) {
+            sums.resize(blocks);
+            clear(sums);
+        }
+        const cuda::Emitted emitted{to.room, to.total, to.overflow, {sums.data(), epoch_.data()}};
+        cuda::emit_stage<<<blocks, threads, 0, stream_>>>(finder, items(n), emitted, lists...);
         cuda::check(cudaGetLastError(), "a launch");
     }
 
     void swap_sides() {
         std::swap(stream_, side_.stream);
         std::swap(scratch_, side_.scratch);
-        std::swap(sorted_keys_, side_.sorted_keys);
-        std::swap(sorted_values_, side_.sorted_values);
-    }
-
-    void take_sorted(std::uint32_t count, View<std::uint64_t> keys, View<std::uint32_t> values) {
-        for_each("take_sorted", count, cuda::CopySorted{sorted_keys_.data(), sorted_values_.data(), keys.data, values.data});
     }
 
     /// Calls a function of CUB's twice: for the size of its scratch memory, and with it.
@@ -328,18 +342,16 @@ private:
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
     std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their operation
+    std::map<std::string_view, Buffer<std::uint64_t>> sums_of_blocks_;  ///< likewise
     Buffer<std::uint32_t> totals_;
+    Buffer<std::uint32_t> epoch_;  ///< of the sums of blocks
     Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, had one when the work beside began?
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;
-    Buffer<std::uint64_t> sorted_keys_;
-    Buffer<std::uint32_t> sorted_values_;
     /// What work beside the rest has of its own.
     struct {
         cudaStream_t stream = nullptr;
         Buffer<std::byte> scratch;
-        Buffer<std::uint64_t> sorted_keys;
-        Buffer<std::uint32_t> sorted_values;
     } side_;
     cudaEvent_t forked_ = nullptr, joined_ = nullptr;
     bool is_forked_ = false, is_beside_ = false;

@@ -17,6 +17,10 @@ namespace pierce::cuda {
 /// waiting for the next block to start: one starts in about 0.7 ns.
 inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads, many_items = 1u << 18;
 
+/// So few items have their stages in one launch: it takes their thread all registers that one of them asks for, but all
+/// items are under way at once all the same.
+inline constexpr std::uint32_t few_items = 1u << 15;
+
 /// Lists up to this long are scanned and selected from by one block: launches cost more than the work.
 inline constexpr std::uint32_t short_list = 1u << 14;
 
@@ -55,26 +59,91 @@ constexpr bool is_uneven() {
         return false;
 }
 
+/// Stages one after the other, by the same thread.
+template <class First, class... Rest>
+struct InTurn {
+    First first;
+    InTurn<Rest...> rest;
+
+    InTurn(const First& its_first, const Rest&... its_rest) : first(its_first), rest(its_rest...) {}
+    __device__ void operator()(std::uint32_t i) const {
+        first(i);
+        rest(i);
+    }
+};
+template <class Last>
+struct InTurn<Last> {
+    Last last;
+
+    explicit InTurn(const Last& its_last) : last(its_last) {}
+    __device__ void operator()(std::uint32_t i) const { last(i); }
+};
+
 template <class F>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     run_stage(const __grid_constant__ F stage, const Items items) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-    if (i < items.count()) stage(i);
+    if (i < items.count()) return stage(i);
+    if constexpr (requires { stage.pad(i); })
+        if (i < items.bound) stage.pad(i);
 }
 
-/// Where items put what they find: at places that blocks of them take one after the other, as they come. Nothing is written
-/// if there is no list, nor by a block for which there is not room enough.
-template <class T>
-struct EmittedList {
-    T* list;
-    std::uint32_t room;
-    std::uint32_t* total;  ///< zero at first; all there are, also if there is not room
-    std::uint32_t* overflow;
+/// What the blocks of a launch add up to, a word for each: its own sum at first, then that of all up to it. A word is read
+/// and written whole. `epoch` differs from launch to launch, so that words of earlier ones need not be cleared.
+struct BlockSums {
+    std::uint64_t* words;
+    const std::uint32_t* epoch;
+
+    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are looked back for, a warp of
+    /// them at a time, until one knows the sum of all before it (Merrill and Garland 2016, decoupled look-back). Blocks
+    /// start in their order, so those waited for are under way.
+    __device__ std::uint32_t before(std::uint32_t sum) const {
+        const std::uint32_t block = blockIdx.x, lane = threadIdx.x % warp_threads, now = *epoch;
+        if (lane == 0) write(block, now, block == 0, sum);
+        std::uint32_t before = 0;
+        for (std::uint32_t end = block; end > 0; end -= min_of(end, warp_threads)) {
+            std::uint64_t word = 0;
+            if (lane < end) {
+                do word = static_cast<volatile std::uint64_t*>(words)[end - 1 - lane];
+                while (static_cast<std::uint32_t>(word >> 33) != now);
+            }
+            const std::uint32_t of_all = __ballot_sync(0xffffffffu, word >> 32 & 1);
+            const std::uint32_t nearest = of_all == 0 ? warp_threads - 1 : lowest_bit(of_all);
+            before += __reduce_add_sync(0xffffffffu, lane <= nearest ? static_cast<std::uint32_t>(word) : 0u);
+            if (of_all != 0) break;
+        }
+        if (lane == 0 && block > 0) write(block, now, true, before + sum);
+        return before;
+    }
+
+private:
+    __device__ void write(std::uint32_t block, std::uint32_t now, bool is_of_all, std::uint32_t sum) const {
+        static_cast<volatile std::uint64_t*>(words)[block] =
+            std::uint64_t{now} << 33 | std::uint64_t{is_of_all} << 32 | sum;
+    }
 };
 
-template <class F, class T>
+/// Begins a launch that adds up the sums of its blocks, or several that have words of their own. No epoch is zero, which is
+/// what new words are.
+struct BeginEpoch {
+    std::uint32_t* epoch;
+
+    __device__ void operator()(std::uint32_t) const { *epoch = max_of((*epoch + 1) & 0x7fffffffu, 1u); }
+};
+
+/// How much room there is for what items find, and where it is said how many things there are: also if there is not room.
+struct Emitted {
+    std::uint32_t room;
+    std::uint32_t* total;
+    std::uint32_t* overflow;
+    BlockSums sums;
+};
+
+/// Writes what items find, in their order; nothing by a block for which there is not room enough. Without lists things are
+/// only counted.
+template <class F, class... T>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
-    emit_stage(const __grid_constant__ F finder, const Items items, const EmittedList<T> to) {
+    emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to, T* const... lists) {
     __shared__ std::uint32_t of_warps[block_warps], begin;
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     const std::uint32_t lane = threadIdx.x % warp_threads, warp = threadIdx.x / warp_threads;
@@ -89,21 +158,22 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     }
     if (lane == warp_threads - 1) of_warps[warp] = end;
     __syncthreads();
-    if (threadIdx.x == 0) {
-        std::uint32_t sum = 0;
-        for (std::uint32_t w = 0; w < blockDim.x / warp_threads; ++w) {
-            const std::uint32_t of_warp = of_warps[w];
-            of_warps[w] = sum;
-            sum += of_warp;
+    std::uint32_t place = end - count, sum = 0;
+    for (std::uint32_t w = 0; w < blockDim.x / warp_threads; ++w) {
+        if (w == warp) place += sum;
+        sum += of_warps[w];
+    }
+    if (warp == 0) {
+        const std::uint32_t before = to.sums.before(sum);
+        if (lane == 0) {
+            begin = before;
+            if (blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
+            if (before + sum > to.room) *to.overflow = 1;
         }
-        begin = sum > 0 ? atomicAdd(to.total, sum) : 0;
-        const bool fits = to.list != nullptr && begin + sum <= to.room;
-        if (to.list != nullptr && !fits) *to.overflow = 1;
-        if (sum == 0 || !fits) begin = ~std::uint32_t{0};
     }
     __syncthreads();
-    if (begin == ~std::uint32_t{0} || !is_item) return;
-    finder.write(i, found, to.list, begin + of_warps[warp] + end - count);
+    if constexpr (sizeof...(T) > 0)
+        if (is_item && begin + sum <= to.room) finder.write(i, found, begin + place, lists...);
 }
 
 /// Keys past the last one go last in a sort.
@@ -316,18 +386,5 @@ inline __global__ void __launch_bounds__(counted_keys* counted_parts)
     sorted_keys[place] = i < chunks.count ? key : ~std::uint64_t{0};
     sorted_values[place] = values[i];
 }
-
-/// Brings a sorted list back to where it came from.
-struct CopySorted {
-    const std::uint64_t* sorted_keys;
-    const std::uint32_t* sorted_values;
-    std::uint64_t* keys;
-    std::uint32_t* values;
-
-    __device__ void operator()(std::uint32_t i) const {
-        keys[i] = sorted_keys[i];
-        values[i] = sorted_values[i];
-    }
-};
 
 }  // namespace pierce::cuda

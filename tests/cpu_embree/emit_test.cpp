@@ -16,7 +16,7 @@ struct Things {
 
     std::uint32_t find(std::uint32_t i) const { return counts[i]; }
     static std::uint32_t count(std::uint32_t found) { return found; }
-    void write(std::uint32_t i, std::uint32_t found, std::uint64_t* list, std::uint32_t place) const {
+    void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* list) const {
         for (std::uint32_t k = 0; k < found; ++k) list[place + k] = std::uint64_t{i} << 32 | k;
     }
 };

@@ -122,11 +122,9 @@ public:
     void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
                       View<Hit> hits) {
         candidates_.resize(count);
-        executor.for_each("find_candidates", count,
-                          bvh::FindCandidates{bodies, forest(), rays, view_of(candidates_), view_of(work_)});
-        executor.for_each(name, count, bvh::Trace{bodies, rays, view_of(std::as_const(candidates_)), hits});
-        executor.for_each("trace_tree", count,
-                          bvh::TraceTree{bodies, forest(), rays, view_of(std::as_const(candidates_)), hits});
+        executor.in_turn(name, count, bvh::FindCandidates{bodies, forest(), rays, view_of(candidates_), view_of(work_)},
+                         bvh::Trace{bodies, rays, view_of(std::as_const(candidates_)), hits},
+                         bvh::TraceTree{bodies, forest(), rays, view_of(std::as_const(candidates_)), hits});
     }
 
     void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,

@@ -35,11 +35,14 @@ public:
         const std::uint32_t bits = tree_bits(forest.trees.size);
         keys_.resize(leaves);
         leaves_.resize(leaves);
+        sorted_keys_.resize(leaves);
+        sorted_leaves_.resize(leaves);
         executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
         executor.for_each("leaf_keys", leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
-        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_));
-        const auto sorted = view_of(std::as_const(leaves_));
-        const Lbvh lbvh{bodies, forest, view_of(std::as_const(keys_)), sorted, bits};
+        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_),
+                      view_of(sorted_keys_), view_of(sorted_leaves_));
+        const auto sorted = view_of(std::as_const(sorted_leaves_));
+        const Lbvh lbvh{bodies, forest, view_of(std::as_const(sorted_keys_)), sorted, bits};
         switch (how_) {
             case TreeBuilder::hlbvh:
                 hlbvh_.build(executor, forest, lbvh);
@@ -60,8 +63,8 @@ private:
     using Buffer = typename E::template Buffer<T>;
 
     TreeBuilder how_;
-    Buffer<std::uint64_t> keys_;
-    Buffer<std::uint32_t> leaves_;
+    Buffer<std::uint64_t> keys_, sorted_keys_;
+    Buffer<std::uint32_t> leaves_, sorted_leaves_;
     Hlbvh<E> hlbvh_;
     Ploc<E> ploc_;
     TreeletRestructuring<E> restructuring_;

@@ -82,32 +82,27 @@ struct RelateToLayer {
     }
 };
 
-/// Per ray: R1. Reads rays and hits; writes 1 where the vertex is inside its target, 0 elsewhere, and how its ray leaves the
-/// target there. Walks have met their triangle already; a contact that is kept was inside and is.
+/// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates, and writes how they leave
+/// the target. Walks have met their triangle already; a contact that is kept was inside and is.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
     View<const Hit> hits;
     View<const Route> routes;  ///< empty if steps do not remember
-    View<std::uint32_t> inside;
-    View<Meeting> meetings;  ///< written where inside
+    View<Meeting> meetings;    ///< written where inside
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        inside[i] = routes.size > 0 && routes[i] == Route::kept;
-        if (inside[i]) return;
-        if (hits[i].triangle == no_triangle || hits[i].predicted) return;
+    PIERCE_HD bool find(std::uint32_t i) const {
+        if (routes.size > 0 && routes[i] == Route::kept) return true;
+        if (hits[i].triangle == no_triangle || hits[i].predicted) return false;
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
         // A ray into a sheet is one of its own, and needs no inside.
-        inside[i] = meetings[i].exit || bodies[rays[i].target].collision.sheet;
+        return meetings[i].exit || bodies[rays[i].target].collision.sheet;
     }
-};
-
-/// True for rays that passed R1.
-struct IsInside {
-    View<const std::uint32_t> inside;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return inside[i] != 0; }
+    PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
+    PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place, std::uint32_t* candidates) const {
+        if (inside) candidates[place] = i;
+    }
 };
 
 /// True if a ray from `vertex` meets no triangle of its own body within `depth`, those around the vertex left aside: they
@@ -116,26 +111,26 @@ PIERCE_HD inline bool is_free(const BodyView& body, std::uint32_t vertex, double
     return depth + 2 * (body.deviation + body.touch) < body.mesh.star_clearance[vertex];
 }
 
-/// Per candidate: the ray into its own body, unless that body's own_exit table has limited the ray already. Where the
-/// triangles it starts from show that the ray starts inside (R2), it need not look further than the hit (R3), nor be traced
-/// if nothing is that near; elsewhere it looks for its first crossing.
-struct GenerateOwnRays {
-    View<const BodyView> bodies;
+/// Per ray: R1, and of a candidate the ray into its own body, unless that body's own_exit table has limited the ray already.
+/// Where the triangles it starts from show that the ray starts inside (R2), it need not look further than the hit (R3), nor
+/// be traced if nothing is that near; elsewhere it looks for its first crossing.
+struct TestInsideBoth {
+    TestInside in_target;
     View<const Pair> pairs;
     View<const Chord> chords;
-    View<const Ray> rays;
     View<const RaySource> sources;
-    View<const Meeting> meetings;
-    View<const std::uint32_t> candidates;
-    View<Ray> own_rays;
-    View<std::uint32_t> starts_inside;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const Ray& into_target = rays[candidates[i]];
-        const RaySource source = sources[candidates[i]];
+    PIERCE_HD bool find(std::uint32_t i) const { return in_target.find(i); }
+    PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
+    PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place, std::uint32_t* candidates, Ray* own_rays,
+                         std::uint32_t* starts_inside) const {
+        if (!inside) return;
+        candidates[place] = i;
+        const Ray& into_target = in_target.rays[i];
+        const RaySource source = sources[i];
         const std::uint32_t body_index = pairs[source.pair].source(source.side);
-        const BodyView& body = bodies[body_index];
-        const BodyView& target = bodies[into_target.target];
+        const BodyView& body = in_target.bodies[body_index];
+        const BodyView& target = in_target.bodies[into_target.target];
         const bool is_vertex = source.start == RayStart::vertex;
         Ray ray;
         ray.t_max = -1.0;
@@ -146,15 +141,16 @@ struct GenerateOwnRays {
             const Edge edge = is_vertex ? Edge{{source.item, source.item}, {}} : body.mesh.edges[chords[source.item].edge];
             ray.excluded[0] = edge.vertex[0];
             ray.excluded[1] = edge.vertex[1];
-            starts_inside[i] = is_vertex ? leads_inside(body.mesh, body.positions, source.item, ray.direction)
-                                         : leads_inside(body.mesh, body.positions, edge, ray.direction);
-            const double depth = meetings[candidates[i]].t;
-            if (!starts_inside[i])
+            const bool starts = is_vertex ? leads_inside(body.mesh, body.positions, source.item, ray.direction)
+                                          : leads_inside(body.mesh, body.positions, edge, ray.direction);
+            const double depth = in_target.meetings[i].t;
+            if (!starts)
                 ray.t_max = body.fit_box.extent();
             else if (!is_vertex || !is_free(body, source.item, depth))
                 ray.t_max = depth;
+            starts_inside[place] = starts;
         }
-        own_rays[i] = ray;
+        own_rays[place] = ray;
     }
 };
 

@@ -16,21 +16,20 @@ PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t 
 }
 static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
-/// Per candidate: the key of kept ones. Reads flags and offsets; writes keys and candidate indices.
+/// Per candidate: if it is kept, its key and itself.
 struct KeyContacts {
     View<const Chord> chords;
     View<const RaySource> sources;
-    View<const std::uint32_t> candidates, keep, offsets;
-    View<std::uint64_t> keys;
-    View<std::uint32_t> order;
+    View<const std::uint32_t> candidates, keep;
 
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        if (!keep[i]) return;
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return keep[i]; }
+    PIERCE_HD static std::uint32_t count(std::uint32_t kept) { return kept; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t kept, std::uint32_t place, std::uint64_t* keys,
+                         std::uint32_t* order) const {
+        if (!kept) return;
         const RaySource s = sources[candidates[i]];
-        keys[offsets[i]] = contact_key(s, s.pair, chords);
-        order[offsets[i]] = i;
+        keys[place] = contact_key(s, s.pair, chords);
+        order[place] = i;
     }
 };
 

@@ -7,7 +7,7 @@
 #include "pierce/core/oriented_box.hpp"
 
 /// Stage 2, pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted by (a, b). Sort and
-/// sweep along x, then the oriented boxes.
+/// sweep along x, then the oriented boxes; on a device all pairs at once, if bodies are few.
 namespace pierce::stages {
 
 /// A key that orders like the number it is made from.
@@ -35,7 +35,17 @@ struct alignas(16) SweepItem {
         lower = {round_down(box.lower.x), round_down(box.lower.y), round_down(box.lower.z)};
         upper = {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)};
     }
+
+    /// True unless their boxes are apart along y or z, or neither moves. Not a branch each: which of them is apart cannot be
+    /// foreseen.
+    PIERCE_HD bool may_meet(const SweepItem& other) const {
+        const bool apart = (other.upper.y < lower.y) | (other.lower.y > upper.y) | (other.upper.z < lower.z) |
+                           (other.lower.z > upper.z);
+        return !(apart | !(moves | other.moves));
+    }
 };
+
+PIERCE_HD inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
 
 /// Per body: the key to sweep by.
 struct SweepKey {
@@ -74,10 +84,10 @@ struct SweepPairs {
         return found;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint64_t* keys, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* keys) const {
         if (found == 0) return;
         each(i, [&](std::uint32_t body, std::uint32_t other) {
-            keys[place++] = std::uint64_t{min_of(body, other)} << 32 | max_of(body, other);
+            keys[place++] = pair_key(min_of(body, other), max_of(body, other));
         });
     }
 
@@ -90,27 +100,44 @@ private:
         for (std::uint32_t k = place + 1 + i % walks; k < items.size; k += walks) {
             const SweepItem& second = items[k];
             if (!(second.lower.x <= first.upper.x)) break;
-            // Not a branch each: which of them is apart cannot be foreseen.
-            const bool apart = (second.upper.y < first.lower.y) | (second.lower.y > first.upper.y) |
-                               (second.upper.z < first.lower.z) | (second.lower.z > first.upper.z);
-            if (!(apart | !(first.moves | second.moves))) see(first.body, second.body);
+            if (first.may_meet(second)) see(first.body, second.body);
         }
     }
 };
 
-/// Per pair of overlapping world boxes: itself, if the oriented boxes, too, come as close as the touch tolerance.
+/// True if the oriented boxes of two bodies come as close as the touch tolerance.
+PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
+    return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch) + a.outreach() + b.outreach());
+}
+
+/// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair.
+struct FindPairs {
+    View<const BodyView> bodies;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        const std::uint32_t a = i / bodies.size, b = i % bodies.size;
+        if (b < a) return false;
+        const SweepItem first(bodies[a], a), second(bodies[b], b);
+        if (a == b) return first.meets_itself;
+        if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
+        return first.may_meet(second) && fits_overlap(bodies[a], bodies[b]);
+    }
+    PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
+    PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys) const {
+        if (is_pair) keys[place] = pair_key(i / bodies.size, i % bodies.size);
+    }
+};
+
+/// Per pair of overlapping world boxes: itself, if the oriented boxes overlap, too.
 struct TestPair {
     View<const BodyView> bodies;
     View<const std::uint64_t> keys;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        const BodyView& a = bodies[static_cast<std::uint32_t>(keys[i] >> 32)];
-        const BodyView& b = bodies[static_cast<std::uint32_t>(keys[i])];
-        return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
-                                      max_of(a.touch, b.touch) + a.outreach() + b.outreach());
+        return fits_overlap(bodies[static_cast<std::uint32_t>(keys[i] >> 32)], bodies[static_cast<std::uint32_t>(keys[i])]);
     }
     PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
-    PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint64_t* kept, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place, std::uint64_t* kept) const {
         if (overlap) kept[place] = keys[i];
     }
 };
@@ -132,7 +159,8 @@ inline constexpr std::uint32_t no_pair = 0xffffffffu;
 struct LinkPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
-    View<const std::uint64_t> keys, last_keys;
+    View<std::uint64_t> keys;
+    View<const std::uint64_t> last_keys;
     View<const PairIdentity> last;
     View<Pair> pairs;
     View<PairIdentity> identities;
@@ -150,6 +178,8 @@ struct LinkPair {
         identities[i] = identity;
         links[i] = low < last_keys.size && last_keys[low] == keys[i] && last[low].is(identity) ? low : no_pair;
     }
+    /// The next step searches in all there is room for.
+    PIERCE_HD void pad(std::uint32_t i) const { keys[i] = ~std::uint64_t{0}; }
 };
 
 }  // namespace pierce::stages

@@ -98,44 +98,6 @@ PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView&
     return length(to_fit * (now - origin) - to_double(record.seen_offset));
 }
 
-/// Per kept patch: lists the vertices left and, if steps remember, their records of the last step; no ray is asked for while
-/// a vertex is proved to be outside, or nothing has moved. Reads offsets; completes the patches' records.
-struct ListVertices {
-    View<const BodyView> bodies;
-    View<const DirectedPair> directed;
-    View<const CullItem> patches;
-    View<const std::uint32_t> offsets;
-    View<PatchRecord> patch_records;
-    Temporal temporal = Temporal::off;
-    RecordsView last;
-    View<const std::uint32_t> links;      ///< per pair, to last step's
-    View<const std::uint64_t> last_keys;  ///< of last step's contacts
-    View<RaySource> sources;
-    View<Route> routes;  ///< this and the next are empty if steps do not remember
-    View<VertexRecord> records;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const CullItem item = patches[i];
-        const DirectedPair& d = directed[item.directed];
-        const View<const std::uint32_t> vertices = bodies[d.source].mesh.patch_vertices;
-        const PatchRecord* before = routes.size > 0 ? last.patch(d.last_blocks, item.index) : nullptr;
-        std::uint32_t slot = patch_records[i].first_vertex = offsets[i];
-        for (std::uint32_t mask = patch_records[i].mask; mask != 0; mask &= mask - 1, ++slot) {
-            const std::uint32_t k = lowest_bit(mask);
-            sources[slot] = {item.directed / 2, vertices[patch_begin(item.index) + k],
-                             static_cast<std::uint8_t>(item.directed % 2)};
-            if (routes.size == 0) continue;
-            const VertexRecord* record = last.vertex(before, k);
-            records[slot] = record != nullptr ? *record : VertexRecord{};
-            const bool skips = record != nullptr && record->expiry > d.odometer && d.waits(temporal);
-            routes[slot] = skips ? Route::skip : Route::full;
-            if (!d.still) continue;
-            const std::uint64_t key = vertex_contact_key(links[item.directed / 2], item.directed % 2, sources[slot].item);
-            routes[slot] = is_contact(last_keys, records[slot].contact, key) ? Route::kept : Route::skip;
-        }
-    }
-};
-
 /// Per vertex left: its ray and, if steps remember, what becomes of it: a walk from its record, or a full ray.
 struct GenerateRay {
     View<const BodyView> bodies;

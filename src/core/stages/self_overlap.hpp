@@ -65,6 +65,13 @@ struct AdvanceOutward {
     }
 };
 
+/// True for rays that go on.
+struct IsUnderWay {
+    View<const std::uint32_t> goes_on;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return goes_on[i] != 0; }
+};
+
 /// Per candidate of a body itself: 1 if its vertex is inside another part, which at rest is not near it.
 struct KeepSelf {
     View<const BodyView> bodies;

@@ -129,7 +129,7 @@ struct FindFeatures {
         return t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bits != 0; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, MeetingTriangles* meeting, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, std::uint32_t place, MeetingTriangles* meeting) const {
         if (bits == 0) return;
         const TrianglePair t = read_whole(triangles[i]);
         write_whole(meeting[place], {t.pair, t.first, t.second, bits});
@@ -310,7 +310,7 @@ struct ListFeatures {
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return triangles[i].features; }
     PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bit_count(bits & FeatureBits::all); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, FeaturePair* features, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, std::uint32_t place, FeaturePair* features) const {
         write_bits<FeatureBits::count>(
             bits, i, place, [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
                 const MeetingTriangles t = read_whole(triangles[item]);

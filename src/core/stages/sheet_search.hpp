@@ -96,7 +96,7 @@ struct FindRows {
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return pairs[i].searches ? sections[pairs[i].first] : 0; }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, SectionRow* rows, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, SectionRow* rows) const {
         for (std::uint32_t k = 0; k < found; ++k) rows[place + k] = {i, section_offsets[pairs[i].first] + k};
     }
 };
@@ -119,7 +119,7 @@ struct FindSections {
         return section_offsets[pair.second] + sections[pair.second] - begin(i);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, ClosePair* close, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, ClosePair* close) const {
         for (std::uint32_t k = 0; k < found; ++k)
             write_whole(close[place + k], {rows[i].pair, rows[i].section, begin(i) + k});
     }
@@ -154,7 +154,7 @@ struct FindParts {
         return ask_bits(mask, i, *this);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, ClosePair* found, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, ClosePair* found) const {
         write_bits<asked_bits>(mask, i, place, [&](std::uint32_t part, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
             const ClosePair c = read_whole(close[part / constants::group_size]);
             write_whole(found[at],
@@ -194,7 +194,7 @@ struct FindTriangles {
         return c.first == c.second ? mask & ~std::uint32_t{1} << i % constants::group_size : mask;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return mask != 0; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, NearTriangles* near, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, NearTriangles* near) const {
         if (mask == 0) return;
         const ClosePair c = read_whole(close[i / constants::group_size]);
         write_whole(near[place], {c.pair, c.first * constants::group_size + i % constants::group_size,
@@ -224,7 +224,7 @@ struct CullTriangles {
     /// A bit for each, and in the upper half one more if they do not meet.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return ask_bits(near[i].mask, i, *this); }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return bit_count(found & ((1u << separate_shift) - 1)); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, TrianglePair* triangles, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, TrianglePair* triangles) const {
         write_bits<asked_bits>(
             found, i, place, [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
                 const NearTriangles n = read_whole(near[item]);

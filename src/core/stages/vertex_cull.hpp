@@ -3,6 +3,7 @@
 #include "pierce/core/bits.hpp"
 #include "pierce/core/body.hpp"
 #include "pierce/core/patch.hpp"
+#include "pierce/core/ray.hpp"
 #include "pierce/core/stages/approach.hpp"
 #include "pierce/core/stages/displacement.hpp"
 #include "pierce/core/warp.hpp"
@@ -87,7 +88,7 @@ struct DirectPair {
         return asked ? block_count(source.mesh) : 0;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, CullItem* blocks, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, CullItem* blocks) const {
         begins[i] = place;
         if (memory.size > 0) memory[i].first_block = place;
         for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
@@ -201,7 +202,7 @@ struct CullBlock {
         return mask;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, CullItem* patches, std::uint32_t place) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, CullItem* patches) const {
         if (records.size > 0) records[i].first_patch = place;
         write_bits<constants::block_size>(
             mask, i, place, [&](std::uint32_t block, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
@@ -218,26 +219,29 @@ private:
     }
 };
 
-/// Per kept patch: a bit for every vertex that may be inside the target or touch it, and their number. With records: while
-/// the others are proved to be outside, the bits stay; a patch all whose vertices turn out to be outside need not be looked
-/// at until one of them may be near; in a walk pass the vertices with a triangle are kept. Writes patch records.
+/// Per kept patch: the vertices that may be inside the target or touch it. With records: while the others are proved to be
+/// outside, those stay; a patch all whose vertices turn out to be outside need not be looked at until one of them may be
+/// near; in a walk pass the vertices with a triangle are kept. Writes patch records; lists, beside the vertices left, their
+/// records of the last step, and that no ray is asked for while a vertex is proved to be outside, or nothing has moved.
 struct CullVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> patches;
     Temporal temporal = Temporal::off;
     RecordsView last;
+    View<const std::uint32_t> links;          ///< per pair, to last step's
+    View<const std::uint64_t> last_keys;      ///< of last step's contacts
     View<const std::uint32_t> block_offsets;  ///< per directed pair
-    View<BlockRecord> block_records;
+    View<BlockRecord> block_records;          ///< this and the next are empty if steps do not remember
     View<PatchRecord> records;
-    View<std::uint32_t> counts;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    /// A bit for each.
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const DirectedPair& d = directed[patches[i].directed];
         const BodyView& source = bodies[d.source];
         const std::uint32_t p = patches[i].index;
         PatchRecord record;
-        const PatchRecord* before = temporal == Temporal::off ? nullptr : last.patch(d.last_blocks, p);
+        const PatchRecord* before = before_of(d, p);
         if (d.still) {
             record = *before;
         } else if (d.along_velocity) {
@@ -263,11 +267,45 @@ struct CullVertices {
                         .expiry[p % constants::block_size] = record.expiry;
             }
         }
-        records[i] = record;
-        counts[i] = bit_count(record.mask);
+        if (temporal != Temporal::off) records[i] = record;
+        return record.mask;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, RaySource* sources) const {
+        write_bits<constants::patch_size>(
+            mask, i, place, [&](std::uint32_t patch, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
+                sources[at] = source_of(patches[patch], bit);
+            });
+    }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, RaySource* sources, Route* routes,
+                         VertexRecord* vertices) const {
+        const CullItem item = patches[i];
+        const DirectedPair& d = directed[item.directed];
+        const PatchRecord* before = before_of(d, item.index);
+        records[i].first_vertex = place;
+        for (std::uint32_t left = mask; left != 0; left &= left - 1, ++place) {
+            const std::uint32_t k = lowest_bit(left);
+            sources[place] = source_of(item, k);
+            const VertexRecord* record = last.vertex(before, k);
+            vertices[place] = record != nullptr ? *record : VertexRecord{};
+            const bool skips = record != nullptr && record->expiry > d.odometer && d.waits(temporal);
+            routes[place] = skips ? Route::skip : Route::full;
+            if (!d.still) continue;
+            const std::uint64_t key = vertex_contact_key(links[item.directed / 2], item.directed % 2, sources[place].item);
+            routes[place] = is_contact(last_keys, vertices[place].contact, key) ? Route::kept : Route::skip;
+        }
     }
 
 private:
+    PIERCE_HD const PatchRecord* before_of(const DirectedPair& d, std::uint32_t patch) const {
+        return temporal == Temporal::off ? nullptr : last.patch(d.last_blocks, patch);
+    }
+
+    PIERCE_HD RaySource source_of(const CullItem& patch, std::uint32_t k) const {
+        const View<const std::uint32_t> vertices = bodies[directed[patch.directed].source].mesh.patch_vertices;
+        return {patch.directed / 2, vertices[patch_begin(patch.index) + k], static_cast<std::uint8_t>(patch.directed % 2)};
+    }
+
     PIERCE_HD static float least_gap(const BallsNearby& balls, std::uint32_t mask) {
         float least = INFINITY;
         for (std::uint32_t k = 0; k < constants::patch_size; ++k)
