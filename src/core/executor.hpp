@@ -46,15 +46,16 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     typename E::Count;
     typename E::template Buffer<float>;
     { E::runs_on_host } -> std::convertible_to<bool>;
-    // Where a list has room for more than `n` items, a stage may say what is to be there: `pad(place)`.
     executor.for_each("stage", n, detail::AnyStage{});
     // Stages of the same items, one after the other: what they read of the others' they read of their own item.
     executor.in_turn("stage", n, detail::AnyStage{}, detail::AnyStage{});
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
     // A list of what a stage finds, or several lists side by side: of each item `count(find(item))` things, which
-    // `write(item, found, place, lists...)` puts at places from `place` on, those of the next item after them. An item may be
-    // asked twice what it finds: what it writes meanwhile is the same then.
+    // `write(item, found, place, lists...)` puts at places from `place` on, those of the next item after them, unless the
+    // stage says that any order will do: `static constexpr bool in_any_order = true`. An item may be asked twice what it
+    // finds: what it writes meanwhile is the same then. Where there is more room in the lists, a stage may say what is to be
+    // there: `pad(place, lists...)`.
     executor.emit("stage", n, detail::AnyFinder{}, list);
     executor.sort("stage", n, 64, keys, in, keys, out);
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
@@ -109,6 +110,27 @@ PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {
     else
         return i;
 }
+
+/// Emits what another stage finds of an item, after a stage that sees to the item first.
+template <class First, class Finder>
+struct FindAfter {
+    First first;
+    Finder finder;
+
+    FindAfter(const First& before, const Finder& after) : first(before), finder(after) {}
+    PIERCE_HD auto find(std::uint32_t i) const {
+        first(i);
+        return finder.find(i);
+    }
+    template <class Found>
+    PIERCE_HD static std::uint32_t count(const Found& found) {
+        return Finder::count(found);
+    }
+    template <class Found, class... T>
+    PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place, T*... lists) const {
+        finder.write(i, found, place, lists...);
+    }
+};
 
 /// What executors on the host have in common: counts are numbers, buffers are vectors, sums are values.
 class HostExecutor {

@@ -191,13 +191,18 @@ private:
             time("update", [&] { tools_.update(scene.bodies, own_rays_); });
             time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
         }
-        time("classify", [&] { test_own_exit(scene.bodies); });
+        batch_.keep.resize(count_of(batch_.candidates));
+        const bool asks_on = scene.plan->meets_itself || complete || scene.plan->reprojects;
+        if (asks_on)
+            time("classify", [&] {
+                executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies));
+            });
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
         if (complete) time("separation", [&] { separation(scene); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         // What follows changes neither hits nor own rays.
         time("stats", [&] { executor_.beside([&] { count_rays(); }); });
-        time("contacts", [&] { contacts(scene); });
+        time("contacts", [&] { contacts(scene, asks_on); });
         if (remembers) time("remember", [&] { remember(scene); });
     }
 
@@ -218,7 +223,8 @@ private:
 
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
-        executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
+        if (scene.ranges.size < scene.bodies.size)
+            executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
         if (scene.plan->measures_deformation) measure_deformation(scene);
         if (scene.plan->temporal == Temporal::off) return;
         seen_bodies_.resize(scene.bodies.size);
@@ -252,19 +258,19 @@ private:
 
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
     void pairs(const Scene& scene) {
-        const View<const BodyView> bodies = scene.bodies;
-        if (!E::runs_on_host && bodies.size <= constants::few_bodies)
-            executor_.emit("find_pairs", Count{bodies.size * bodies.size}, stages::FindPairs{bodies}, pair_keys_);
-        else
-            sweep(bodies);
+        const std::uint32_t bodies = scene.bodies.size;
+        const stages::LinkPair link{scene.bodies, scene.ids, view_of(last_pair_keys_), view_of(last_identities_)};
+        if (!E::runs_on_host && bodies <= constants::few_bodies)
+            return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link}, pair_keys_, pairs_,
+                                  identities_, links_);
+        sweep(scene.bodies);
         const Count total = count_of(pair_keys_);
         pairs_.resize(total);
         identities_.resize(total);
         links_.resize(total);
         executor_.for_each(
             "link_pair", total,
-            stages::LinkPair{bodies, scene.ids, view_of(pair_keys_), view_of(last_pair_keys_), view_of(last_identities_),
-                             view_of(pairs_), view_of(identities_), view_of(links_)});
+            stages::LinkSorted{link, view_of(pair_keys_), view_of(pairs_), view_of(identities_), view_of(links_)});
     }
 
     void sweep(View<const BodyView> bodies) {
@@ -385,12 +391,15 @@ private:
     }
 
     // Stage 9, second half. R2 and R3: which of them are contacts.
-    void test_own_exit(View<const BodyView> bodies) {
-        batch_.keep.resize(count_of(batch_.candidates));
-        executor_.for_each(
-            "test_own_exit", count_of(batch_.candidates),
-            stages::TestOwnExit{bodies, view_of(batch_.rays), view_of(batch_.meetings), view_of(batch_.candidates),
-                                view_of(own_rays_), view_of(own_hits_), view_of(starts_inside_), view_of(batch_.keep)});
+    stages::TestOwnExit own_exit_test(View<const BodyView> bodies) {
+        return {bodies,
+                view_of(batch_.rays),
+                view_of(batch_.meetings),
+                view_of(batch_.candidates),
+                view_of(own_rays_),
+                view_of(own_hits_),
+                view_of(starts_inside_),
+                view_of(batch_.keep)};
     }
 
     /// Contacts for pairs that overlap and have none.
@@ -433,12 +442,16 @@ private:
                                                  view_of(aimed_.meetings), view_of(accepted_)});
     }
 
-    // Stage 10. The list, in (pair, side, vertex) order.
-    void contacts(const Scene& scene) {
-        executor_.emit("key_contacts", count_of(batch_.candidates),
-                       stages::KeyContacts{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates),
-                                           view_of(batch_.keep)},
-                       unsorted_keys_, unsorted_);
+    // Stage 10. The list, in (pair, side, vertex) order. Candidates are tested on the way, unless they were.
+    void contacts(const Scene& scene, bool tested) {
+        const Count candidates = count_of(batch_.candidates);
+        const stages::KeyContacts keys{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates),
+                                       view_of(batch_.keep)};
+        if (tested)
+            executor_.emit("key_contacts", candidates, keys, unsorted_keys_, unsorted_);
+        else
+            executor_.emit("key_contacts", candidates, FindAfter(own_exit_test(scene.bodies), keys), unsorted_keys_,
+                           unsorted_);
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.size()));
         tools_.sort("contact_sort", bits, unsorted_keys_, unsorted_, contact_keys_, order_);
         const Count total = count_of(contact_keys_);

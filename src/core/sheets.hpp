@@ -189,6 +189,8 @@ private:
         executor_.for_each("key_features", count,
                            stages::KeyFeatures{view_of(features_), bits_, view_of(unsorted_keys_), view_of(unsorted_)});
         tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(bits_), unsorted_keys_, unsorted_, feature_keys_, order_);
+        executor_.for_each("order_ties", count,
+                           stages::OrderTies{view_of(features_), view_of(feature_keys_), view_of(order_)});
         // What is past the last contact's stays: the next step searches in all of it.
         executor_.assign(keys_, static_cast<std::uint32_t>(features_.size()), ~std::uint64_t{0});
         deepest_.resize(count_of(pairs));

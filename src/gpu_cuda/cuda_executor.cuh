@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 #include <map>
@@ -46,6 +45,8 @@ public:
         clear(totals_);
         clear(overflow_);
         clear(epoch_);
+        blocks_done_.resize(2);
+        clear(blocks_done_);
     }
     CudaExecutor(const CudaExecutor&) = delete;
     ~CudaExecutor() {
@@ -65,7 +66,7 @@ public:
     }
     void begin_bounded(std::uint32_t bank) {
         begin_repetition(bank);
-        begin_epoch();
+        begin_lists(totals_.data() + bank * most_totals, most_totals);
     }
     void begin_repetition(std::uint32_t bank) {
         bounded_ = true;
@@ -149,12 +150,12 @@ public:
         cuda::NoteTotal to = next_total(name, 0xffffffffu);
         if (!bounded_) {
             // Once to see how much room they need.
-            begin_epoch();
+            begin_lists(to.total, 1);
             to.room = 0xffffffffu;
             launch_emit(name, n, finder, to);
-            const Count count = noted(name, to);
-            (lists.resize(count), ...);
-            begin_epoch();
+            to.room = noted(name, to).bound;
+            (lists.resize(to.room), ...);
+            begin_lists(to.total, 1);
             return launch_emit(name, n, finder, to, lists.data()...);
         }
         (lists.resize({to.room, to.total, 1}), ...);
@@ -200,12 +201,11 @@ public:
     template <class F, class T>
     void reduce(const char*, Count n, const F& term, Sum<T>& sum) {
         if (n.bound == 0) return for_each("no_sum", 1, cuda::FillWith<T>{sum.data(), T{}});
-        const auto terms =
-            thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), cuda::TermAt<F, T>{items(n), term});
-        with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceReduce::Reduce(scratch, bytes, terms, sum.data(), static_cast<int>(n.bound), cuda::Plus{}, T{},
-                                             stream_);
-        });
+        const std::uint32_t blocks = min_of((n.bound - 1) / cuda::sum_threads + 1, cuda::most_sums);
+        scratch_.resize(static_cast<std::uint32_t>(cuda::most_sums * sizeof(T)));
+        cuda::add_up<<<blocks, cuda::sum_threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
+                                                                blocks_done_.data() + is_beside_, sum.data());
+        cuda::check(cudaGetLastError(), "a launch");
     }
 
     /// What a reduction came to. Waits for the device, as the next ones do.
@@ -308,7 +308,9 @@ private:
     }
 
     /// Before anything is emitted: once in a bounded step, in which every list is emitted once.
-    void begin_epoch() { for_each("begin_epoch", 1, cuda::BeginEpoch{epoch_.data()}); }
+    void begin_lists(std::uint32_t* totals, std::uint32_t count) {
+        for_each("begin_lists", count, cuda::BeginLists{totals, epoch_.data()});
+    }
 
     template <class F, class... T>
     void launch_emit(const char* name, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
@@ -344,7 +346,8 @@ private:
     std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their operation
     std::map<std::string_view, Buffer<std::uint64_t>> sums_of_blocks_;  ///< likewise
     Buffer<std::uint32_t> totals_;
-    Buffer<std::uint32_t> epoch_;  ///< of the sums of blocks
+    Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks
+    Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of one beside the rest
     Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, had one when the work beside began?
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;

@@ -2,6 +2,7 @@
 
 #include <cuda_runtime.h>
 
+#include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
 
 #include "pierce/core/executor.hpp"
@@ -83,9 +84,7 @@ template <class F>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     run_stage(const __grid_constant__ F stage, const Items items) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-    if (i < items.count()) return stage(i);
-    if constexpr (requires { stage.pad(i); })
-        if (i < items.bound) stage.pad(i);
+    if (i < items.count()) stage(i);
 }
 
 /// What the blocks of a launch add up to, a word for each: its own sum at first, then that of all up to it. A word is read
@@ -123,24 +122,37 @@ private:
     }
 };
 
-/// Begins a launch that adds up the sums of its blocks, or several that have words of their own. No epoch is zero, which is
-/// what new words are.
-struct BeginEpoch {
+/// Per total: none so far. Begins a launch that emits a list, or several with words and totals of their own. No epoch is
+/// zero, which is what new words are.
+struct BeginLists {
+    std::uint32_t* totals;
     std::uint32_t* epoch;
 
-    __device__ void operator()(std::uint32_t) const { *epoch = max_of((*epoch + 1) & 0x7fffffffu, 1u); }
+    __device__ void operator()(std::uint32_t i) const {
+        totals[i] = 0;
+        if (i == 0) *epoch = max_of((*epoch + 1) & 0x7fffffffu, 1u);
+    }
 };
 
 /// How much room there is for what items find, and where it is said how many things there are: also if there is not room.
 struct Emitted {
     std::uint32_t room;
-    std::uint32_t* total;
+    std::uint32_t* total;  ///< zero at first
     std::uint32_t* overflow;
     BlockSums sums;
 };
 
-/// Writes what items find, in their order; nothing by a block for which there is not room enough. Without lists things are
-/// only counted.
+/// True for a stage whose list may have any order (`static constexpr bool in_any_order = true`): a block need not wait for
+/// those before it, which in long lists takes longer than the work.
+template <class F>
+constexpr bool in_any_order() {
+    if constexpr (requires { F::in_any_order; })
+        return F::in_any_order;
+    else
+        return false;
+}
+
+/// Writes what items find; nothing by a block for which there is not room enough. Without lists things are only counted.
 template <class F, class... T>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to, T* const... lists) {
@@ -164,16 +176,25 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
         sum += of_warps[w];
     }
     if (warp == 0) {
-        const std::uint32_t before = to.sums.before(sum);
+        std::uint32_t before = 0;
+        if constexpr (!in_any_order<F>())
+            before = to.sums.before(sum);
+        else if (lane == 0 && sum > 0)
+            before = atomicAdd(to.total, sum);
         if (lane == 0) {
             begin = before;
-            if (blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
-            if (before + sum > to.room) *to.overflow = 1;
+            if (!in_any_order<F>() && blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
+            if (sum > 0 && before + sum > to.room) *to.overflow = 1;
         }
     }
     __syncthreads();
     if constexpr (sizeof...(T) > 0)
-        if (is_item && begin + sum <= to.room) finder.write(i, found, begin + place, lists...);
+        if (is_item && sum > 0 && begin + sum <= to.room) finder.write(i, found, begin + place, lists...);
+    if constexpr (requires { finder.pad(i, lists...); }) {
+        static_assert(!in_any_order<F>(), "the last block knows where the list ends");
+        if (blockIdx.x + 1 == gridDim.x)
+            for (std::uint32_t k = begin + sum + threadIdx.x; k < to.room; k += blockDim.x) finder.pad(k, lists...);
+    }
 }
 
 /// Keys past the last one go last in a sort.
@@ -194,15 +215,6 @@ struct CountAt {
     __device__ std::uint32_t operator()(std::uint32_t i) const { return i < items.count() ? in[i] : 0; }
 };
 
-/// Terms of a sum, continued with nothing.
-template <class F, class T>
-struct TermAt {
-    Items items;
-    F term;
-
-    __device__ T operator()(std::uint32_t i) const { return i < items.count() ? term(i) : T{}; }
-};
-
 template <class F>
 struct WantedAt {
     Items items;
@@ -219,12 +231,6 @@ struct ListedAt {
     __device__ std::uint32_t operator()(std::uint32_t i) const { return listed(wanted, i); }
 };
 
-struct Plus {
-    template <class T>
-    __host__ __device__ T operator()(const T& a, const T& b) const {
-        return a + b;
-    }
-};
 
 template <class T>
 struct FillWith {
@@ -260,6 +266,44 @@ struct WriteOffset {
         if (i + 1 == counts.items.bound) to.note(offset + counts(i));
     }
 };
+
+inline constexpr std::uint32_t sum_threads = 256, most_sums = 512;
+
+struct Plus {
+    template <class T>
+    __device__ T operator()(const T& a, const T& b) const {
+        return a + b;
+    }
+};
+
+/// Adds up the terms of all items, in an order that depends on nothing but the launch: every block those of its threads, and
+/// the last one to be done the sums of all blocks. `done`: how many blocks are; zero before and after.
+template <class F, class T>
+__global__ void __launch_bounds__(sum_threads)
+    add_up(const __grid_constant__ F term, const Items items, T* sums, std::uint32_t* done, T* total) {
+    using Reduce = cub::BlockReduce<T, sum_threads>;
+    __shared__ typename Reduce::TempStorage scratch;
+    __shared__ bool is_last;
+    const std::uint32_t count = items.count();
+    T sum{};
+    for (std::uint32_t i = blockIdx.x * sum_threads + threadIdx.x; i < count; i += gridDim.x * sum_threads)
+        sum = sum + term(i);
+    sum = Reduce(scratch).Reduce(sum, Plus{});
+    if (threadIdx.x == 0) {
+        sums[blockIdx.x] = sum;
+        __threadfence();
+        is_last = atomicAdd(done, 1) + 1 == gridDim.x;
+    }
+    __syncthreads();
+    if (!is_last) return;
+    __threadfence();
+    sum = T{};
+    for (std::uint32_t b = threadIdx.x; b < gridDim.x; b += sum_threads) sum = sum + sums[b];
+    sum = Reduce(scratch).Reduce(sum, Plus{});
+    if (threadIdx.x != 0) return;
+    *total = sum;
+    *done = 0;
+}
 
 inline constexpr std::uint32_t scan_threads = 1024, scan_items = 8;
 

@@ -110,24 +110,6 @@ PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
     return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch) + a.outreach() + b.outreach());
 }
 
-/// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair.
-struct FindPairs {
-    View<const BodyView> bodies;
-
-    PIERCE_HD bool find(std::uint32_t i) const {
-        const std::uint32_t a = i / bodies.size, b = i % bodies.size;
-        if (b < a) return false;
-        const SweepItem first(bodies[a], a), second(bodies[b], b);
-        if (a == b) return first.meets_itself;
-        if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
-        return first.may_meet(second) && fits_overlap(bodies[a], bodies[b]);
-    }
-    PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
-    PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys) const {
-        if (is_pair) keys[place] = pair_key(i / bodies.size, i % bodies.size);
-    }
-};
-
 /// Per pair of overlapping world boxes: itself, if the oriented boxes overlap, too.
 struct TestPair {
     View<const BodyView> bodies;
@@ -155,31 +137,61 @@ struct PairIdentity {
 
 inline constexpr std::uint32_t no_pair = 0xffffffffu;
 
-/// Per sorted key: the pair, who it is, and which of last step's pairs it was, if any.
+/// Which of last step's pairs a pair was.
 struct LinkPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
-    View<std::uint64_t> keys;
     View<const std::uint64_t> last_keys;
     View<const PairIdentity> last;
+
+    /// Writes the pair of a key, who it is, and which of last step's pairs it was, if any.
+    PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity, std::uint32_t& link) const {
+        pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+        identity = {ids[pair.a], ids[pair.b], bodies[pair.a].mesh_key, bodies[pair.b].mesh_key};
+        std::uint32_t low = 0, high = last_keys.size;
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
+        }
+        link = low < last_keys.size && last_keys[low] == key && last[low].is(identity) ? low : no_pair;
+    }
+};
+
+/// Per sorted key: the pair, and which it was.
+struct LinkSorted {
+    LinkPair link;
+    View<const std::uint64_t> keys;
     View<Pair> pairs;
     View<PairIdentity> identities;
     View<std::uint32_t> links;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const Pair pair{static_cast<std::uint32_t>(keys[i] >> 32), static_cast<std::uint32_t>(keys[i])};
-        const PairIdentity identity{ids[pair.a], ids[pair.b], bodies[pair.a].mesh_key, bodies[pair.b].mesh_key};
-        std::uint32_t low = 0, high = last_keys.size;
-        while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            (last_keys[middle] < keys[i] ? low : high) = last_keys[middle] < keys[i] ? middle + 1 : middle;
-        }
-        pairs[i] = pair;
-        identities[i] = identity;
-        links[i] = low < last_keys.size && last_keys[low] == keys[i] && last[low].is(identity) ? low : no_pair;
+    PIERCE_HD void operator()(std::uint32_t i) const { link(keys[i], pairs[i], identities[i], links[i]); }
+};
+
+/// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair, and which it was.
+struct FindPairs {
+    LinkPair link;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        const View<const BodyView> bodies = link.bodies;
+        const std::uint32_t a = i / bodies.size, b = i % bodies.size;
+        if (b < a) return false;
+        const SweepItem first(bodies[a], a), second(bodies[b], b);
+        if (a == b) return first.meets_itself;
+        if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
+        return first.may_meet(second) && fits_overlap(bodies[a], bodies[b]);
+    }
+    PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
+    PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys, Pair* pairs,
+                         PairIdentity* identities, std::uint32_t* links) const {
+        if (!is_pair) return;
+        keys[place] = pair_key(i / link.bodies.size, i % link.bodies.size);
+        link(keys[place], pairs[place], identities[place], links[place]);
     }
     /// The next step searches in all there is room for.
-    PIERCE_HD void pad(std::uint32_t i) const { keys[i] = ~std::uint64_t{0}; }
+    PIERCE_HD void pad(std::uint32_t place, std::uint64_t* keys, Pair*, PairIdentity*, std::uint32_t*) const {
+        keys[place] = ~std::uint64_t{0};
+    }
 };
 
 }  // namespace pierce::stages

@@ -10,7 +10,7 @@
 /// Sheets, last part: the list of their contacts, in order, what is remembered of each, and what they add up to.
 namespace pierce::stages {
 
-/// Per two features: what they are sorted by. Those of one feature stay in the order in which they were found.
+/// Per two features: what they are sorted by. Those of one feature are then in any order (OrderTies).
 struct KeyFeatures {
     View<const FeaturePair> features;
     std::uint32_t bits = 0;  ///< of a feature's number
@@ -23,6 +23,24 @@ struct KeyFeatures {
         const FeaturePair f = read_whole(features[i]);
         keys[i] = feature_key(f.pair, f.kind, f.item, bits);
         order[i] = i;
+    }
+};
+
+/// Per two features in their order: those with the same key are brought into the order of the other ones, by the first of
+/// them. They are few.
+struct OrderTies {
+    View<const FeaturePair> features;
+    View<const std::uint64_t> keys;
+    View<std::uint32_t> order;
+
+    PIERCE_HD void operator()(std::uint32_t first) const {
+        if (first > 0 && keys[first - 1] == keys[first]) return;
+        for (std::uint32_t i = first + 1; i < keys.size && keys[i] == keys[first]; ++i) {
+            const std::uint32_t feature = order[i], other = features[feature].other;
+            std::uint32_t place = i;
+            for (; place > first && features[order[place - 1]].other > other; --place) order[place] = order[place - 1];
+            order[place] = feature;
+        }
     }
 };
 

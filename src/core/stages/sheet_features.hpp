@@ -124,6 +124,8 @@ struct FindFeatures {
     Interleaved<const DriftingTriangle> drifting;
     View<const TrianglePair> triangles;
 
+    static constexpr bool in_any_order = true;
+
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
         return t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
@@ -307,6 +309,8 @@ struct ListFeatures {
     View<const SheetPair> pairs;
     Interleaved<const PlacedTriangle> placed;
     View<const MeetingTriangles> triangles;
+
+    static constexpr bool in_any_order = true;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return triangles[i].features; }
     PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bit_count(bits & FeatureBits::all); }
