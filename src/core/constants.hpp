@@ -90,7 +90,7 @@ inline constexpr std::uint32_t separation_vertices = 4;
 inline constexpr std::uint32_t sweep_walks = 8;
 
 /// Bodies up to which a GPU looks at all pairs of them in one launch: with more, a sweep's launches are sooner over.
-inline constexpr std::uint32_t few_bodies = 1024;
+inline constexpr std::uint32_t few_bodies = 512;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;

@@ -112,8 +112,7 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, unsorted_,
-        order_;
+    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, unsorted_, order_;
     Buffer<std::uint64_t> keys_, sorted_keys_;
     Buffer<stages::CullItem> patches_;
     Buffer<stages::EdgeGroup> groups_;

@@ -52,15 +52,17 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
     // A list of what a stage finds, or several lists side by side: of each item `count(find(item))` things, which
-    // `write(item, found, place, lists...)` puts at places from `place` on, those of the next item after them, unless the
-    // stage says that any order will do: `static constexpr bool in_any_order = true`. An item may be asked twice what it
-    // finds: what it writes meanwhile is the same then. Where there is more room in the lists, a stage may say what is to be
-    // there: `pad(place, lists...)`.
+    // `write(item, found, place, lists...)` puts at places from `place` on. What comes first in the list nobody knows,
+    // unless the stage says that things are to be in the order of their items: `static constexpr bool in_order = true`. It
+    // may then say, too, what is to be in the lists past the last thing, where they have more room: `pad(place, lists...)`.
+    // An item may be asked twice what it finds: what it writes meanwhile is the same then.
     executor.emit("stage", n, detail::AnyFinder{}, list);
     executor.sort("stage", n, 64, keys, in, keys, out);
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
+    // True for so few groups of sixteen that threads are left for a thread each of the sixteen.
+    { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
     executor.settle();
     executor.beside(detail::AnyWork{});
@@ -150,6 +152,8 @@ public:
 
     /// How many items has a stage that sees to so many groups (Sixteen).
     std::uint32_t in_sixteens(std::uint32_t groups) const { return groups; }
+
+    bool are_few_sixteens(std::uint32_t) const { return false; }
 
     /// A count as a number.
     std::uint32_t number(std::uint32_t count) const { return count; }

@@ -3,6 +3,7 @@
 #include "pierce/core/constants.hpp"
 #include "pierce/core/mesh.hpp"
 #include "pierce/core/pose.hpp"
+#include "pierce/core/warp.hpp"
 
 namespace pierce {
 
@@ -85,16 +86,19 @@ PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> posit
     block.reach = longest(block.offsets) + reach;
 }
 
-/// Offsets turned by `rotation`, in float32.
+/// Offsets turned by `rotation`, in float32: all of them, or a share.
+template <class Share = AllOfSixteen>
 struct TurnedOffsets {
-    float at[3][Offsets::count];
+    float at[3][Share::count];
 
-    PIERCE_HD TurnedOffsets(Offsets offsets, const Matrix3& rotation) {
+    PIERCE_HD TurnedOffsets(const Offsets& offsets, const Matrix3& rotation) {
+        static_assert(Offsets::count == AllOfSixteen::count);
+        const std::uint32_t first = Share::first();
         for (int r = 0; r < 3; ++r) {
             const Vec3f row = to_float(rotation.row[r]);
             PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < Offsets::count; ++k)
-                at[r][k] = row.x * offsets.x[k] + row.y * offsets.y[k] + row.z * offsets.z[k];
+            for (std::uint32_t k = 0; k < Share::count; ++k)
+                at[r][k] = row.x * offsets.x[first + k] + row.y * offsets.y[first + k] + row.z * offsets.z[first + k];
         }
     }
 };

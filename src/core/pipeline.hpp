@@ -194,9 +194,8 @@ private:
         batch_.keep.resize(count_of(batch_.candidates));
         const bool asks_on = scene.plan->meets_itself || complete || scene.plan->reprojects;
         if (asks_on)
-            time("classify", [&] {
-                executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies));
-            });
+            time("classify",
+                 [&] { executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies)); });
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
         if (complete) time("separation", [&] { separation(scene); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
@@ -312,27 +311,40 @@ private:
                        stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_), view_of(last_memory_),
                                           scene.settings, view_of(directed_), view_of(block_offsets_)},
                        blocks_);
-        const bool remembers = scene.plan->temporal != Temporal::off;
+        const bool remembers = temporal != Temporal::off;
         if (remembers) block_records_.resize(count_of(blocks_));
-        executor_.emit(
-            "cull_block", count_of(blocks_),
-            stages::CullBlock{bodies, view_of(directed_), view_of(blocks_), temporal, last_, view_of(block_records_)},
-            patches_);
+        share_out(count_of(blocks_), [&](auto share, Count blocks) {
+            executor_.emit("cull_block", blocks,
+                           stages::CullBlock<decltype(share)>{bodies, view_of(directed_), view_of(blocks_), temporal, last_,
+                                                              view_of(block_records_)},
+                           patches_);
+        });
         if (remembers) patch_records_.resize(count_of(patches_));
-        const stages::CullVertices vertices{bodies,
-                                            view_of(directed_),
-                                            view_of(patches_),
-                                            temporal,
-                                            last_,
-                                            view_of(links_),
-                                            view_of(last_contact_keys_),
-                                            view_of(block_offsets_),
-                                            view_of(block_records_),
-                                            view_of(patch_records_)};
-        if (remembers)
-            executor_.emit("cull_vertices", count_of(patches_), vertices, batch_.sources, routes_, records_);
+        share_out(count_of(patches_), [&](auto share, Count patches) {
+            const stages::CullVertices<decltype(share)> vertices{bodies,
+                                                                 view_of(directed_),
+                                                                 view_of(patches_),
+                                                                 temporal,
+                                                                 last_,
+                                                                 view_of(links_),
+                                                                 view_of(last_contact_keys_),
+                                                                 view_of(block_offsets_),
+                                                                 view_of(block_records_),
+                                                                 view_of(patch_records_)};
+            if (remembers)
+                executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_, records_);
+            else
+                executor_.emit("cull_vertices", patches, vertices, batch_.sources);
+        });
+    }
+
+    /// A stage of groups of sixteen; of few groups, its items see to one of the sixteen each.
+    template <class Stage>
+    void share_out(const Count& groups, const Stage& stage) {
+        if (executor_.are_few_sixteens(groups))
+            stage(OneOfSixteen{}, executor_.in_sixteens(groups));
         else
-            executor_.emit("cull_vertices", count_of(patches_), vertices, batch_.sources);
+            stage(AllOfSixteen{}, groups);
     }
 
     // Stage 5. A ray per vertex left, or what stands in for it.
@@ -419,9 +431,9 @@ private:
         const std::uint32_t candidates = count_of(batch_.candidates), added = count_of(separated_);
         batch_.candidates.resize(candidates + added);
         batch_.keep.resize(candidates + added);
-        executor_.for_each(
-            "keep_separated", added,
-            stages::KeepSeparated{view_of(separated_), before, candidates, view_of(batch_.candidates), view_of(batch_.keep)});
+        executor_.for_each("keep_separated", added,
+                           stages::KeepSeparated{view_of(separated_), before, candidates, view_of(batch_.candidates),
+                                                 view_of(batch_.keep)});
     }
 
     /// Contacts move to the closest point of the target's surface.
@@ -522,8 +534,7 @@ private:
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> block_bounds_;
     Buffer<std::uint64_t> unsorted_keys_, keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> unsorted_, order_, separated_, starts_inside_, accepted_, links_, no_links_, ages_,
-        last_ages_;
+    Buffer<std::uint32_t> unsorted_, order_, separated_, starts_inside_, accepted_, links_, no_links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
     Buffer<stages::PairIdentity> identities_, last_identities_;

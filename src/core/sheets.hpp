@@ -155,9 +155,8 @@ private:
         executor_.emit("find_features", count_of(triangles_),
                        stages::FindFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_)},
                        meeting_triangles_);
-        const Count open =
-            tools_.list("open_list", count_of(meeting_triangles_), stages::IsOpen{view_of(meeting_triangles_)}, open_);
-        executor_.for_each("find_open_features", open,
+        executor_.emit("open_list", count_of(meeting_triangles_), stages::IsOpen{view_of(meeting_triangles_)}, open_);
+        executor_.for_each("find_open_features", count_of(open_),
                            stages::FindOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
                                                     view_of(open_), view_of(meeting_triangles_)});
         executor_.emit("list_features", count_of(meeting_triangles_),
@@ -188,7 +187,8 @@ private:
         unsorted_.resize(count);
         executor_.for_each("key_features", count,
                            stages::KeyFeatures{view_of(features_), bits_, view_of(unsorted_keys_), view_of(unsorted_)});
-        tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(bits_), unsorted_keys_, unsorted_, feature_keys_, order_);
+        tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(bits_), unsorted_keys_, unsorted_, feature_keys_,
+                    order_);
         executor_.for_each("order_ties", count,
                            stages::OrderTies{view_of(features_), view_of(feature_keys_), view_of(order_)});
         // What is past the last contact's stays: the next step searches in all of it.
@@ -202,18 +202,18 @@ private:
         const Count count = count_of(features_);
         meetings_.resize(count);
         verdicts_.resize(count);
-        executor_.for_each("meet_features", count,
-                           stages::MeetFeatures<false>{bodies_of(scene),
-                                                       view_of(pairs),
-                                                       view_of(sheet_pairs_),
-                                                       view_of(features_),
-                                                       {},
-                                                       memory,
-                                                       view_of(meetings_),
-                                                       view_of(verdicts_)});
-        const Count undecided = tools_.list("undecided_list", count, stages::IsUndecided{view_of(verdicts_)}, undecided_);
+        executor_.emit("meet_features", count,
+                       stages::MeetFeatures<false>{bodies_of(scene),
+                                                   view_of(pairs),
+                                                   view_of(sheet_pairs_),
+                                                   view_of(features_),
+                                                   {},
+                                                   memory,
+                                                   view_of(meetings_),
+                                                   view_of(verdicts_)},
+                       undecided_);
         executor_.for_each(
-            "search_meetings", undecided,
+            "search_meetings", count_of(undecided_),
             stages::MeetFeatures<true>{bodies_of(scene), view_of(pairs), view_of(sheet_pairs_), view_of(features_),
                                        view_of(undecided_), memory, view_of(meetings_), view_of(verdicts_)});
         ages_.resize(count);

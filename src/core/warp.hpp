@@ -105,6 +105,42 @@ PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t 
     for (std::uint32_t left = written; left != 0; left &= left - 1) write(item, mask, lowest_bit(left), place++);
 }
 
+/// How the sixteen things of a group are shared out: an item of a stage sees to all of them.
+struct AllOfSixteen {
+    static constexpr std::uint32_t count = 16;  ///< that an item sees to
+    PIERCE_HD static std::uint32_t first() { return 0; }
+    PIERCE_HD static std::uint32_t group_of(std::uint32_t item) { return item; }
+
+    /// Those bits of a mask that are this item's.
+    PIERCE_HD static std::uint32_t mine(std::uint32_t mask) { return mask; }
+    /// The bits that items say of their own; all items of a group have to say them.
+    PIERCE_HD static std::uint32_t of_all(std::uint32_t bits) { return bits; }
+    PIERCE_HD static float least_of_all(float least) { return least; }
+};
+
+#if defined(__CUDACC__)
+/// Likewise: an item sees to one of them, so that few groups are sooner done on a GPU.
+struct OneOfSixteen {
+    static constexpr std::uint32_t count = 1;
+    static __device__ std::uint32_t first() { return threadIdx.x % AllOfSixteen::count; }
+    static __device__ std::uint32_t group_of(std::uint32_t item) { return item / AllOfSixteen::count; }
+    static __device__ std::uint32_t mine(std::uint32_t mask) { return mask & 1u << first(); }
+    static __device__ std::uint32_t of_all(std::uint32_t bits) {
+        return (__ballot_sync(group(), bits != 0) >> (threadIdx.x & AllOfSixteen::count)) & 0xffffu;
+    }
+    static __device__ float least_of_all(float least) {
+        for (std::uint32_t step = AllOfSixteen::count / 2; step > 0; step /= 2)
+            least = fminf(least, __shfl_xor_sync(group(), least, step));
+        return least;
+    }
+
+private:
+    static __device__ unsigned group() { return 0xffffu << (threadIdx.x & AllOfSixteen::count); }
+};
+#else
+using OneOfSixteen = AllOfSixteen;
+#endif
+
 /// Sixteen things that a stage sees to as a group: on the host an item of the stage is a group, on a GPU one of the things,
 /// so that threads side by side share the work.
 template <class T>

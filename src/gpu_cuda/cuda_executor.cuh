@@ -215,6 +215,7 @@ public:
         return *sum.data();
     }
 
+    bool are_few_sixteens(const Count& groups) const { return groups.bound <= cuda::few_sixteens; }
     Count in_sixteens(const Count& groups) const { return constants::group_size * groups; }
 
     std::uint32_t number(const Count& count) const {
@@ -314,14 +315,15 @@ private:
 
     template <class F, class... T>
     void launch_emit(const char* name, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
-        const std::uint32_t threads = n.bound < cuda::many_items ? cuda::few_threads : cuda::block_threads;
+        const std::uint32_t threads = n.bound < cuda::many_emitting ? cuda::few_threads : cuda::block_threads;
         const std::uint32_t blocks = (n.bound - 1) / threads + 1;
         Buffer<std::uint64_t>& sums = sums_of_blocks_[name];
         if (sums.size() < blocks) {
             sums.resize(blocks);
             clear(sums);
         }
-        const cuda::Emitted emitted{to.room, to.total, to.overflow, {sums.data(), epoch_.data()}};
+        const cuda::Emitted emitted{
+            to.room, to.total, to.overflow, {sums.data(), epoch_.data()}, cuda::in_order<F>() || blocks <= cuda::few_blocks};
         cuda::emit_stage<<<blocks, threads, 0, stream_>>>(finder, items(n), emitted, lists...);
         cuda::check(cudaGetLastError(), "a launch");
     }
@@ -343,11 +345,11 @@ private:
     cudaStream_t stream_ = nullptr;
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
-    std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their operation
+    std::map<std::string_view, std::uint32_t> bounds_;                  ///< of totals, by the name of their operation
     std::map<std::string_view, Buffer<std::uint64_t>> sums_of_blocks_;  ///< likewise
     Buffer<std::uint32_t> totals_;
-    Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks
-    Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of one beside the rest
+    Buffer<std::uint32_t> epoch_;           ///< of the sums of blocks
+    Buffer<std::uint32_t> blocks_done_;     ///< of a reduction, and of one beside the rest
     Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, had one when the work beside began?
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;

@@ -18,9 +18,15 @@ namespace pierce::cuda {
 /// waiting for the next block to start: one starts in about 0.7 ns.
 inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads, many_items = 1u << 18;
 
+/// Items from which those who emit a list come in large blocks: small ones would wait for each other.
+inline constexpr std::uint32_t many_emitting = 1u << 15;
+
 /// So few items have their stages in one launch: it takes their thread all registers that one of them asks for, but all
 /// items are under way at once all the same.
 inline constexpr std::uint32_t few_items = 1u << 15;
+
+/// Groups of sixteen up to which a thread each of the sixteen pays: they all run at once.
+inline constexpr std::uint32_t few_sixteens = 1u << 13;
 
 /// Lists up to this long are scanned and selected from by one block: launches cost more than the work.
 inline constexpr std::uint32_t short_list = 1u << 14;
@@ -93,8 +99,8 @@ struct BlockSums {
     std::uint64_t* words;
     const std::uint32_t* epoch;
 
-    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are looked back for, a warp of
-    /// them at a time, until one knows the sum of all before it (Merrill and Garland 2016, decoupled look-back). Blocks
+    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are looked back for, a warp
+    /// of them at a time, until one knows the sum of all before it (Merrill and Garland 2016, decoupled look-back). Blocks
     /// start in their order, so those waited for are under way.
     __device__ std::uint32_t before(std::uint32_t sum) const {
         const std::uint32_t block = blockIdx.x, lane = threadIdx.x % warp_threads, now = *epoch;
@@ -117,8 +123,7 @@ struct BlockSums {
 
 private:
     __device__ void write(std::uint32_t block, std::uint32_t now, bool is_of_all, std::uint32_t sum) const {
-        static_cast<volatile std::uint64_t*>(words)[block] =
-            std::uint64_t{now} << 33 | std::uint64_t{is_of_all} << 32 | sum;
+        static_cast<volatile std::uint64_t*>(words)[block] = std::uint64_t{now} << 33 | std::uint64_t{is_of_all} << 32 | sum;
     }
 };
 
@@ -140,14 +145,18 @@ struct Emitted {
     std::uint32_t* total;  ///< zero at first
     std::uint32_t* overflow;
     BlockSums sums;
+    bool in_order;
 };
 
-/// True for a stage whose list may have any order (`static constexpr bool in_any_order = true`): a block need not wait for
-/// those before it, which in long lists takes longer than the work.
+/// Blocks up to which what they find is listed in order, also where nobody asks: contacts of a list that is nearly sorted
+/// are sooner sorted. A block waits for those before it, which takes longer than the work where they are many.
+inline constexpr std::uint32_t few_blocks = 512;
+
+/// True for a stage whose list is in the order of its items in any case (`static constexpr bool in_order = true`).
 template <class F>
-constexpr bool in_any_order() {
-    if constexpr (requires { F::in_any_order; })
-        return F::in_any_order;
+constexpr bool in_order() {
+    if constexpr (requires { F::in_order; })
+        return F::in_order;
     else
         return false;
 }
@@ -177,13 +186,13 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     }
     if (warp == 0) {
         std::uint32_t before = 0;
-        if constexpr (!in_any_order<F>())
+        if (to.in_order)
             before = to.sums.before(sum);
         else if (lane == 0 && sum > 0)
             before = atomicAdd(to.total, sum);
         if (lane == 0) {
             begin = before;
-            if (!in_any_order<F>() && blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
+            if (to.in_order && blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
             if (sum > 0 && before + sum > to.room) *to.overflow = 1;
         }
     }
@@ -191,7 +200,7 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     if constexpr (sizeof...(T) > 0)
         if (is_item && sum > 0 && begin + sum <= to.room) finder.write(i, found, begin + place, lists...);
     if constexpr (requires { finder.pad(i, lists...); }) {
-        static_assert(!in_any_order<F>(), "the last block knows where the list ends");
+        static_assert(in_order<F>(), "the last block knows where the list ends");
         if (blockIdx.x + 1 == gridDim.x)
             for (std::uint32_t k = begin + sum + threadIdx.x; k < to.room; k += blockDim.x) finder.pad(k, lists...);
     }
@@ -230,7 +239,6 @@ struct ListedAt {
 
     __device__ std::uint32_t operator()(std::uint32_t i) const { return listed(wanted, i); }
 };
-
 
 template <class T>
 struct FillWith {

@@ -40,11 +40,11 @@ TEST(BallsNearbyTest, AGapHoldsWhileTheBallMovesByLess) {
         for (int i = 0; i < 300; ++i) {
             const Offsets offsets = random_offsets(random, 0.2);
             const Vec3d center = random.in_box(1.3);
-            const stages::BallsNearby before(target, {}, center, offsets, nullptr, 0.4, 0);
+            const stages::BallsNearby<> before(target, {}, center, offsets, nullptr, 0.4, 0);
             for (std::uint32_t k = 0; k < Offsets::count; ++k) {
                 if (!(before.gap(k) > 0)) continue;
                 const Vec3d way = random.uniform(0, 0.999) * static_cast<double>(before.gap(k)) * random.unit_vector();
-                const stages::BallsNearby after(target, {}, center + way, offsets, nullptr, 0.4, 0);
+                const stages::BallsNearby<> after(target, {}, center + way, offsets, nullptr, 0.4, 0);
                 ++held;
                 ASSERT_FALSE(after.near >> k & 1u) << "mesh " << m << " try " << i << " ball " << k;
             }
@@ -62,7 +62,7 @@ TEST(BallsNearbyTest, WhatIsNotNearIsOutside) {
         for (int i = 0; i < 100; ++i) {
             const Offsets offsets = random_offsets(random, 0.2);
             const Vec3d center = random.in_box(1.3);
-            const stages::BallsNearby balls(target, {}, center, offsets, nullptr, 0.4, 0);
+            const stages::BallsNearby<> balls(target, {}, center, offsets, nullptr, 0.4, 0);
             for (std::uint32_t k = 0; k < Offsets::count; ++k) {
                 const Vec3d p = center + Vec3d{offsets.x[k], offsets.y[k], offsets.z[k]};
                 double nearest = 9;

@@ -39,8 +39,8 @@ public:
         sorted_leaves_.resize(leaves);
         executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
         executor.for_each("leaf_keys", leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
-        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_),
-                      view_of(sorted_keys_), view_of(sorted_leaves_));
+        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
+                      view_of(sorted_leaves_));
         const auto sorted = view_of(std::as_const(sorted_leaves_));
         const Lbvh lbvh{bodies, forest, view_of(std::as_const(sorted_keys_)), sorted, bits};
         switch (how_) {

@@ -197,7 +197,7 @@ private:
         const Vec3d in_world = patch_center(body.blocks, p);
         const Vec3d center = body.fit.to_local(in_world);
         const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
-        const TurnedOffsets turned(now, body.fit.rotation.transposed());
+        const TurnedOffsets<> turned(now, body.fit.rotation.transposed());
         float away[constants::patch_size];
         PIERCE_VECTOR_LOOP
         for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
@@ -220,7 +220,7 @@ private:
     }
 
     /// Takes over where a patch is now; returns the square of the longest way from where it was.
-    PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets& now) {
+    PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets<>& now) {
         const Vec3f moved = to_float(center - patch.center);
         float way[constants::patch_size];
         PIERCE_VECTOR_LOOP

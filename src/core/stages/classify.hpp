@@ -82,8 +82,8 @@ struct RelateToLayer {
     }
 };
 
-/// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates, and writes how they leave
-/// the target. Walks have met their triangle already; a contact that is kept was inside and is.
+/// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates, and writes how they
+/// leave the target. Walks have met their triangle already; a contact that is kept was inside and is.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;

@@ -29,8 +29,8 @@ struct CullEdgeBlock {
             longest_edge = max_of(edge, longest_edge);
         }
         const double span = static_cast<double>(block.reach) + static_cast<double>(longest_edge);
-        const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
-                                2 * source.deviation + constants::touch_tolerance * span);
+        const BallsNearby<> balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
+                                  2 * source.deviation + constants::touch_tolerance * span);
         masks[i] = d.is_self() ? 0 : balls.near & first_bits(count);
         counts[i] = bit_count(masks[i]);
     }
@@ -119,8 +119,8 @@ struct CullEdgeGroup {
             radius[k] = std::sqrt(halves.x[k] * halves.x[k] + halves.y[k] * halves.y[k] + halves.z[k] * halves.z[k]);
         for (std::uint32_t k = 0; k < group.count; ++k) span = max_of(radius[k], span);
         const double reach = static_cast<double>(longest(middles)) + static_cast<double>(span);
-        const BallsNearby balls(bodies[d.target], d.to_fit, center, middles, radius, reach,
-                                constants::touch_tolerance * reach);
+        const BallsNearby<> balls(bodies[d.target], d.to_fit, center, middles, radius, reach,
+                                  constants::touch_tolerance * reach);
         masks[i] = balls.near & first_bits(group.count);
         counts[i] = bit_count(masks[i]);
     }

@@ -39,8 +39,8 @@ struct alignas(16) SweepItem {
     /// True unless their boxes are apart along y or z, or neither moves. Not a branch each: which of them is apart cannot be
     /// foreseen.
     PIERCE_HD bool may_meet(const SweepItem& other) const {
-        const bool apart = (other.upper.y < lower.y) | (other.lower.y > upper.y) | (other.upper.z < lower.z) |
-                           (other.lower.z > upper.z);
+        const bool apart =
+            (other.upper.y < lower.y) | (other.lower.y > upper.y) | (other.upper.z < lower.z) | (other.lower.z > upper.z);
         return !(apart | !(moves | other.moves));
     }
 };
@@ -107,7 +107,8 @@ private:
 
 /// True if the oriented boxes of two bodies come as close as the touch tolerance.
 PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
-    return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box, max_of(a.touch, b.touch) + a.outreach() + b.outreach());
+    return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
+                                  max_of(a.touch, b.touch) + a.outreach() + b.outreach());
 }
 
 /// Per pair of overlapping world boxes: itself, if the oriented boxes overlap, too.
@@ -171,6 +172,8 @@ struct LinkSorted {
 /// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair, and which it was.
 struct FindPairs {
     LinkPair link;
+
+    static constexpr bool in_order = true;
 
     PIERCE_HD bool find(std::uint32_t i) const {
         const View<const BodyView> bodies = link.bodies;

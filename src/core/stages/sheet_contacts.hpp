@@ -102,7 +102,7 @@ struct FillSheetContact {
     View<std::uint32_t> deepest;  ///< per pair
     View<Contact> contacts;
 
-    static constexpr int threads_at_once = 512;
+    static constexpr int threads_at_once = 768;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t feature = kept[i];

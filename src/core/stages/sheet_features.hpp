@@ -124,8 +124,6 @@ struct FindFeatures {
     Interleaved<const DriftingTriangle> drifting;
     View<const TrianglePair> triangles;
 
-    static constexpr bool in_any_order = true;
-
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
         return t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
@@ -196,7 +194,11 @@ private:
 struct IsOpen {
     View<const MeetingTriangles> triangles;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return triangles[i].features == FeatureBits::open; }
+    PIERCE_HD bool find(std::uint32_t i) const { return triangles[i].features == FeatureBits::open; }
+    PIERCE_HD static std::uint32_t count(bool open) { return open; }
+    PIERCE_HD void write(std::uint32_t i, bool open, std::uint32_t place, std::uint32_t* list) const {
+        if (open) list[place] = i;
+    }
 };
 
 /// Per pair of triangles that is open: which of their features may meet or come close.
@@ -309,8 +311,6 @@ struct ListFeatures {
     View<const SheetPair> pairs;
     Interleaved<const PlacedTriangle> placed;
     View<const MeetingTriangles> triangles;
-
-    static constexpr bool in_any_order = true;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return triangles[i].features; }
     PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bit_count(bits & FeatureBits::all); }

@@ -31,18 +31,9 @@ static_assert(sizeof(SheetMeeting) == 80);
 /// What is said of two features.
 enum class Verdict : std::uint32_t { nothing, contact, undecided };
 
-/// True for features about which nothing is settled yet.
-struct IsUndecided {
-    View<const std::uint32_t> verdicts;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const {
-        return verdicts[i] == static_cast<std::uint32_t>(Verdict::undecided);
-    }
-};
-
 /// Per two features: whether they are a contact, and how. Reads the memory of the last step. First of all features, without
-/// searching for the time of a meeting: nearly all are settled by a direction that separates them; then, searching, of those
-/// that were left undecided. The search needs so much of a GPU's registers that few threads could run with it.
+/// searching for the time of a meeting: nearly all are settled by a direction that separates them, and the others listed as
+/// undecided; then, searching, of those. The search needs so much of a GPU's registers that few threads could run with it.
 template <bool searching>
 struct MeetFeatures {
     SheetBodies bodies;
@@ -56,8 +47,17 @@ struct MeetFeatures {
 
     static constexpr int threads_at_once = searching ? 256 : 512;  // measured: with 384 a quarter slower
 
-    PIERCE_HD void operator()(std::uint32_t item) const {
-        const std::uint32_t i = searching ? undecided[item] : item;
+    PIERCE_HD void operator()(std::uint32_t item) const { judge(undecided[item]); }
+
+    /// Without searching: true if they are undecided.
+    PIERCE_HD bool find(std::uint32_t i) const { return judge(i) == Verdict::undecided; }
+    PIERCE_HD static std::uint32_t count(bool is_undecided) { return is_undecided; }
+    PIERCE_HD void write(std::uint32_t i, bool is_undecided, std::uint32_t place, std::uint32_t* list) const {
+        if (is_undecided) list[place] = i;
+    }
+
+private:
+    PIERCE_HD Verdict judge(std::uint32_t i) const {
         const FeaturePair f = read_whole(features[i]);
         const SheetPair pair = read_whole(sheet_pairs[f.pair]);
         // Whatever they are, their vertices are read side by side; places of one body or the other are not looked up again.
@@ -77,9 +77,9 @@ struct MeetFeatures {
             write_whole(meetings[i], m);
         else
             write_side_by_side(meetings.data, i, m);
+        return verdict;
     }
 
-private:
     PIERCE_HD static Verdict said(bool contact) { return contact ? Verdict::contact : Verdict::nothing; }
 
     /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to the triangle's first

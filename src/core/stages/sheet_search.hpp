@@ -94,8 +94,6 @@ struct FindRows {
     View<const SheetPair> pairs;
     View<const std::uint32_t> section_offsets, sections;  ///< per body
 
-    static constexpr bool in_any_order = true;
-
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return pairs[i].searches ? sections[pairs[i].first] : 0; }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, SectionRow* rows) const {
@@ -115,8 +113,6 @@ struct FindSections {
     View<const SheetPair> pairs;
     View<const SectionRow> rows;
     View<const std::uint32_t> section_offsets, sections;  ///< per body
-
-    static constexpr bool in_any_order = true;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const SheetPair& pair = pairs[rows[i].pair];
@@ -144,7 +140,6 @@ struct FindParts {
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
 
-    static constexpr bool in_any_order = true;
     static constexpr int threads_at_once = 768;  // measured: with 512 a fifth slower
 
     /// A bit for each.
@@ -190,7 +185,6 @@ struct FindTriangles {
     View<const QuickBox> boxes;    ///< of triangles
     View<const GridBoxes> packed;  ///< of triangles, per group
 
-    static constexpr bool in_any_order = true;
     static constexpr int threads_at_once = 1536;  // measured: with 448 a quarter slower
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -223,7 +217,6 @@ struct CullTriangles {
     Interleaved<const DriftingTriangle> drifting;
     View<const FlatCorners> flat_corners;
 
-    static constexpr bool in_any_order = true;
     static constexpr int threads_at_once = 768;
     static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
     static_assert(asked_bits == constants::group_size);

@@ -95,15 +95,17 @@ struct DirectPair {
     }
 };
 
-/// Balls as a target sees them: how far outside of its box they are, and how far outside of its solid by the clearance of
-/// their centres, less its deviation. Their centres are `center` and offsets from it, turned and placed by `to_fit`; `span`
-/// is how far the balls go from `center` at most. They are points if `radius` is null, and larger by `extra`.
+/// Balls as a target sees them, all sixteen or a share: how far outside of its box they are, and how far outside of its
+/// solid by the clearance of their centres, less its deviation. Their centres are `center` and offsets from it, turned and
+/// placed by `to_fit`; `span` is how far the balls go from `center` at most. They are points if `radius` is null, and larger
+/// by `extra`.
+template <class Share = AllOfSixteen>
 struct BallsNearby {
-    float beyond_squared[Offsets::count] = {};
-    float clearance[Offsets::count];
-    float size[Offsets::count];
+    float beyond_squared[Share::count] = {};
+    float clearance[Share::count];
+    float size[Share::count];
     float jump = 0;          ///< by how much the clearance found may drop without the ball moving
-    std::uint32_t near = 0;  ///< a bit for every ball that may reach the solid or touch it
+    std::uint32_t near = 0;  ///< a bit for every ball, of the share, that may reach the solid or touch it
 
     PIERCE_HD BallsNearby(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
                           const float* radius, double span, double extra) {
@@ -111,18 +113,18 @@ struct BallsNearby {
         const Vec3d corner = grid.box.lower;
         const Vec3d in_grid = to_fit.to_parent(center) - corner;
         const Vec3f c = to_float(in_grid);
-        const TurnedOffsets turned(offsets, to_fit.rotation);
+        const TurnedOffsets<Share> turned(offsets, to_fit.rotation);
         // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of their size each at most.
         const double rounding =
             4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + span);
         const auto margin = static_cast<float>(2 * target.touch + rounding + extra);
         const Vec3f low = to_float(target.fit_box.lower - corner), high = to_float(target.fit_box.upper - corner);
         const auto per_length = static_cast<float>(grid.per_length);
-        std::int32_t cell[3][Offsets::count];
+        std::int32_t cell[3][Share::count];
         for (int r = 0; r < 3; ++r) {
             const float last = static_cast<float>(grid.size[r]) - 1.0f;
             PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < Offsets::count; ++k) {
+            for (std::uint32_t k = 0; k < Share::count; ++k) {
                 const float x = c[r] + turned.at[r][k];
                 cell[r][k] = static_cast<std::int32_t>(clamp_to(x * per_length, 0.0f, last));
                 const float gap = max_of(max_of(low[r] - x, x - high[r]), 0.0f);
@@ -134,17 +136,18 @@ struct BallsNearby {
         if (!target.is_simple()) jump = static_cast<float>(2 * constants::cell_diagonal * grid.cell);
         const auto deviation = static_cast<float>(target.deviation);
         const auto step = static_cast<float>(grid.step);
-        for (std::uint32_t k = 0; k < Offsets::count; ++k) size[k] = (radius != nullptr ? radius[k] : 0.0f) + margin;
-        for (std::uint32_t k = 0; k < Offsets::count; ++k) {
+        const std::uint32_t first = Share::first();
+        for (std::uint32_t k = 0; k < Share::count; ++k) size[k] = (radius != nullptr ? radius[first + k] : 0.0f) + margin;
+        for (std::uint32_t k = 0; k < Share::count; ++k) {
             clearance[k] = 0;
             if (beyond_squared[k] > size[k] * size[k]) continue;  // the box decides: spares fetching the cell
             clearance[k] = step * static_cast<float>(grid.steps_at(cell[0][k], cell[1][k], cell[2][k])) - deviation;
-            near |= static_cast<std::uint32_t>(!(clearance[k] > size[k])) << k;
+            near |= static_cast<std::uint32_t>(!(clearance[k] > size[k])) << (first + k);
         }
     }
 
-    /// How far the k-th ball may move, or the target, and still not be near: from a simple target, because it is that far
-    /// outside; from any other, because it would still be found to be that far.
+    /// How far the k-th ball of the share may move, or the target, and still not be near: from a simple target, because it
+    /// is that far outside; from any other, because it would still be found to be that far.
     PIERCE_HD float gap(std::uint32_t k) const {
         return max_of(std::sqrt(beyond_squared[k]), clearance[k] - jump) - size[k];
     }
@@ -156,6 +159,7 @@ PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) { return count < 
 /// Per block: the patches that may hold a vertex inside the target or touching it. With block records: patches that were
 /// proved to be outside until now are not looked at again, and in a walk pass only those that were kept in the last step.
 /// Writes those records.
+template <class Share = AllOfSixteen>
 struct CullBlock {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -165,7 +169,8 @@ struct CullBlock {
     View<BlockRecord> records;  ///< empty if steps do not remember
 
     /// A bit for each.
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t find(std::uint32_t item) const {
+        const std::uint32_t i = Share::group_of(item), first = Share::first();
         const DirectedPair& d = directed[blocks[i].directed];
         const BodyView& source = bodies[d.source];
         const BlockRecord* before = d.last_blocks == no_record ? nullptr : &last.blocks[d.last_blocks + blocks[i].index];
@@ -173,41 +178,42 @@ struct CullBlock {
         std::uint32_t mask = 0;
         if (d.still) {
             mask = before->kept & expired(*before, d.odometer, all);
-            for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
+            for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = before->expiry[k];
         } else if (d.along_velocity) {
             mask = all;
-            for (std::uint32_t k = 0; temporal != Temporal::off && k < constants::block_size; ++k) records[i].expiry[k] = 0;
+            if (temporal != Temporal::off)
+                for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = 0;
         } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
             mask = before->kept;
         } else if (temporal == Temporal::certified && before != nullptr &&
                    (expired(*before, d.odometer, all) & ~(bodies[d.target].is_simple() ? before->kept : 0u)) == 0) {
             // Nothing new: what was near is looked at vertex by vertex, the rest is still outside.
             mask = expired(*before, d.odometer, all);
-            for (std::uint32_t k = 0; k < constants::block_size; ++k) records[i].expiry[k] = before->expiry[k];
+            for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = before->expiry[k];
         } else {
             const PatchBlock& block = source.blocks[blocks[i].index];
-            const BallsNearby balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
-                                    static_cast<double>(block.reach),
-                                    d.approach.reach(block.center, static_cast<double>(block.reach)));
-            mask = balls.near & all;
+            const BallsNearby<Share> balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
+                                           static_cast<double>(block.reach),
+                                           d.approach.reach(block.center, static_cast<double>(block.reach)));
+            mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
                 if (before != nullptr) mask &= expired(*before, d.odometer, all);
-                for (std::uint32_t k = 0; k < constants::block_size; ++k) {
+                for (std::uint32_t k = 0; k < Share::count; ++k) {
                     const float until = d.odometer + balls.gap(k);
-                    records[i].expiry[k] = before != nullptr ? max_of(before->expiry[k], until) : until;
+                    records[i].expiry[first + k] = before != nullptr ? max_of(before->expiry[first + k], until) : until;
                 }
             }
         }
-        if (temporal != Temporal::off) records[i].kept = mask;
-        return mask;
+        if (temporal != Temporal::off && first == 0) records[i].kept = mask;
+        return Share::mine(mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, CullItem* patches) const {
-        if (records.size > 0) records[i].first_patch = place;
-        write_bits<constants::block_size>(
-            mask, i, place, [&](std::uint32_t block, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
-                patches[at] = {blocks[block].directed, blocks[block].index * constants::block_size + bit};
-            });
+    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place, CullItem* patches) const {
+        const std::uint32_t i = Share::group_of(item);
+        if (records.size > 0 && Share::first() == 0) records[i].first_patch = place;
+        const CullItem block = blocks[i];
+        for (std::uint32_t left = mask; left != 0; left &= left - 1)
+            patches[place++] = {block.directed, block.index * constants::block_size + lowest_bit(left)};
     }
 
 private:
@@ -223,6 +229,7 @@ private:
 /// outside, those stay; a patch all whose vertices turn out to be outside need not be looked at until one of them may be
 /// near; in a walk pass the vertices with a triangle are kept. Writes patch records; lists, beside the vertices left, their
 /// records of the last step, and that no ray is asked for while a vertex is proved to be outside, or nothing has moved.
+template <class Share = AllOfSixteen>
 struct CullVertices {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -236,7 +243,8 @@ struct CullVertices {
     View<PatchRecord> records;
 
     /// A bit for each.
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t find(std::uint32_t item) const {
+        const std::uint32_t i = Share::group_of(item);
         const DirectedPair& d = directed[patches[i].directed];
         const BodyView& source = bodies[d.source];
         const std::uint32_t p = patches[i].index;
@@ -257,41 +265,41 @@ struct CullVertices {
             const PatchBlock& block = source.blocks[p / constants::block_size];
             const Vec3d center = patch_center(source.blocks, p);
             const auto radius = static_cast<double>(block.radius[p % constants::block_size]);
-            const BallsNearby balls(bodies[d.target], d.to_fit, center, source.patches[p], nullptr, radius,
-                                    d.approach.reach(center, radius));
-            record.mask = balls.near & first_bits(patch_length(source.mesh, p));
+            const BallsNearby<Share> balls(bodies[d.target], d.to_fit, center, source.patches[p], nullptr, radius,
+                                           d.approach.reach(center, radius));
+            const std::uint32_t all = first_bits(patch_length(source.mesh, p));
+            record.mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
-                record.expiry = d.odometer + least_gap(balls, first_bits(patch_length(source.mesh, p)) & ~record.mask);
-                if (record.mask == 0)
+                record.expiry = d.odometer + least_gap(balls, all & ~record.mask);
+                if (record.mask == 0 && Share::first() == 0)
                     block_records[block_offsets[patches[i].directed] + p / constants::block_size]
                         .expiry[p % constants::block_size] = record.expiry;
             }
         }
-        if (temporal != Temporal::off) records[i] = record;
-        return record.mask;
+        if (temporal != Temporal::off && Share::first() == 0) records[i] = record;
+        return Share::mine(record.mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, RaySource* sources) const {
-        write_bits<constants::patch_size>(
-            mask, i, place, [&](std::uint32_t patch, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
-                sources[at] = source_of(patches[patch], bit);
-            });
+    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place, RaySource* sources) const {
+        const CullItem patch = patches[Share::group_of(item)];
+        for (std::uint32_t left = mask; left != 0; left &= left - 1) sources[place++] = source_of(patch, lowest_bit(left));
     }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, RaySource* sources, Route* routes,
+    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place, RaySource* sources, Route* routes,
                          VertexRecord* vertices) const {
-        const CullItem item = patches[i];
-        const DirectedPair& d = directed[item.directed];
-        const PatchRecord* before = before_of(d, item.index);
-        records[i].first_vertex = place;
+        const std::uint32_t i = Share::group_of(item);
+        const CullItem patch = patches[i];
+        const DirectedPair& d = directed[patch.directed];
+        const PatchRecord* before = before_of(d, patch.index);
+        if (Share::first() == 0) records[i].first_vertex = place;
         for (std::uint32_t left = mask; left != 0; left &= left - 1, ++place) {
             const std::uint32_t k = lowest_bit(left);
-            sources[place] = source_of(item, k);
+            sources[place] = source_of(patch, k);
             const VertexRecord* record = last.vertex(before, k);
             vertices[place] = record != nullptr ? *record : VertexRecord{};
             const bool skips = record != nullptr && record->expiry > d.odometer && d.waits(temporal);
             routes[place] = skips ? Route::skip : Route::full;
             if (!d.still) continue;
-            const std::uint64_t key = vertex_contact_key(links[item.directed / 2], item.directed % 2, sources[place].item);
+            const std::uint64_t key = vertex_contact_key(links[patch.directed / 2], patch.directed % 2, sources[place].item);
             routes[place] = is_contact(last_keys, vertices[place].contact, key) ? Route::kept : Route::skip;
         }
     }
@@ -306,14 +314,14 @@ private:
         return {patch.directed / 2, vertices[patch_begin(patch.index) + k], static_cast<std::uint8_t>(patch.directed % 2)};
     }
 
-    PIERCE_HD static float least_gap(const BallsNearby& balls, std::uint32_t mask) {
+    PIERCE_HD static float least_gap(const BallsNearby<Share>& balls, std::uint32_t mask) {
         float least = INFINITY;
-        for (std::uint32_t k = 0; k < constants::patch_size; ++k)
-            if (mask >> k & 1u) least = min_of(balls.gap(k), least);
-        return least;
+        for (std::uint32_t k = 0; k < Share::count; ++k)
+            if (mask >> (Share::first() + k) & 1u) least = min_of(balls.gap(k), least);
+        return Share::least_of_all(least);
     }
 };
 
-static_assert(constants::patch_size <= 32 && constants::block_size <= 32, "a bit of a mask each");
+static_assert(constants::patch_size == AllOfSixteen::count && constants::block_size == AllOfSixteen::count);
 
 }  // namespace pierce::stages
