@@ -19,6 +19,10 @@ struct Things {
     void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* list) const {
         for (std::uint32_t k = 0; k < found; ++k) list[place + k] = std::uint64_t{i} << 32 | k;
     }
+    void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* list, std::uint32_t* items) const {
+        write(i, found, place, list);
+        for (std::uint32_t k = 0; k < found; ++k) items[place + k] = i;
+    }
 };
 
 TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
@@ -27,6 +31,7 @@ TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
         TbbExecutor executor(threads);
         SerialExecutor serial;
         HostBuffer<std::uint64_t> list, of_one_thread;
+        HostBuffer<std::uint32_t> items;
         for (const std::uint32_t n : {0u, 1u, 31u, 32u, 33u, 64u, 1000u, 20000u}) {
             std::vector<std::uint32_t> counts(n);
             std::vector<std::uint64_t> expected;
@@ -39,6 +44,10 @@ TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
             serial.emit("things", n, things, of_one_thread);
             ASSERT_EQ(std::vector(list.begin(), list.end()), expected) << "seed " << random.seed() << ", " << n << " items";
             ASSERT_EQ(std::vector(of_one_thread.begin(), of_one_thread.end()), expected);
+            executor.run([&] { executor.emit("things", n, things, list, items); });
+            ASSERT_EQ(std::vector(list.begin(), list.end()), expected);
+            ASSERT_EQ(items.size(), expected.size());
+            for (std::size_t k = 0; k < items.size(); ++k) ASSERT_EQ(items[k], expected[k] >> 32);
         }
     }
 }

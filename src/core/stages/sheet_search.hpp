@@ -209,6 +209,17 @@ struct alignas(16) TrianglePair {
     std::uint32_t separate = 0;           ///< 1: it is known that they do not meet
 };
 
+/// Of a triangle and another one of its body that is near: 1 if they hang together where nothing folds.
+struct HangTogether {
+    View<const NearTriangles> near;
+    View<const FlatCorners> flat_corners;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
+        const NearTriangles n = read_whole(near[i]);
+        return read_whole(flat_corners[n.first]).shares_one(read_whole(flat_corners[n.others + bit]));
+    }
+};
+
 /// Per triangle with others near: those that do not hang together with it where nothing folds, and that no normal of the two
 /// keeps apart.
 struct CullTriangles {
@@ -221,8 +232,14 @@ struct CullTriangles {
     static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
     static_assert(asked_bits == constants::group_size);
 
-    /// A bit for each, and in the upper half one more if they do not meet.
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return ask_bits(near[i].mask, i, *this); }
+    /// A bit for each, and in the upper half one more if they do not meet. Those that hang together go first: in a GPU's
+    /// warp they would wait for the others.
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        const NearTriangles n = read_whole(near[i]);
+        const bool in_itself = pairs[n.pair].is_self();
+        const std::uint32_t together = ask_bits(in_itself ? n.mask : 0, i, HangTogether{near, flat_corners});
+        return ask_bits(n.mask & ~together, i, *this);
+    }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return bit_count(found & ((1u << separate_shift) - 1)); }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, TrianglePair* triangles) const {
         write_bits<asked_bits>(
@@ -232,15 +249,13 @@ struct CullTriangles {
             });
     }
 
-    /// Of a triangle and another one near: 0 if they are left out, else 1, and 2 more if they do not meet.
+    /// Of a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if they do not meet.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const NearTriangles n = read_whole(near[i]);
-        const SheetPair& pair = pairs[n.pair];
-        const std::uint32_t other = n.others + bit;
-        if (pair.is_self() && read_whole(flat_corners[n.first]).shares_one(read_whole(flat_corners[other]))) return 0;
-        const DriftingPair both(drifting.read(n.first), drifting.read(other));
-        Company company = both.along_normal_of_a(pair.quick_margin);
-        if (!company.is_settled()) company.learn(both.along_normal_of_b(pair.quick_margin));
+        const float margin = pairs[n.pair].quick_margin;
+        const DriftingPair both(drifting.read(n.first), drifting.read(n.others + bit));
+        Company company = both.along_normal_of_a(margin);
+        if (!company.is_settled()) company.learn(both.along_normal_of_b(margin));
         return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
     }
 };
