@@ -153,6 +153,7 @@ public:
     /// How many items has a stage that sees to so many groups (Sixteen).
     std::uint32_t in_sixteens(std::uint32_t groups) const { return groups; }
 
+    /// An item of the host sees to all of a group.
     bool are_few_sixteens(std::uint32_t) const { return false; }
 
     /// A count as a number.

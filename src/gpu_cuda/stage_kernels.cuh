@@ -114,7 +114,10 @@ struct BlockSums {
             }
             const std::uint32_t of_all = __ballot_sync(0xffffffffu, word >> 32 & 1);
             const std::uint32_t nearest = of_all == 0 ? warp_threads - 1 : lowest_bit(of_all);
-            before += __reduce_add_sync(0xffffffffu, lane <= nearest ? static_cast<std::uint32_t>(word) : 0u);
+            std::uint32_t part = lane <= nearest ? static_cast<std::uint32_t>(word) : 0;
+            for (std::uint32_t step = warp_threads / 2; step > 0; step /= 2)
+                part += __shfl_xor_sync(0xffffffffu, part, step);
+            before += part;
             if (of_all != 0) break;
         }
         if (lane == 0 && block > 0) write(block, now, true, before + sum);
