@@ -58,6 +58,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     // An item may be asked twice what it finds: what it writes meanwhile is the same then.
     executor.emit("stage", n, detail::AnyFinder{}, list);
     executor.sort("stage", n, 64, keys, in, keys, out);
+    // A sum of what a stage says of its items; the stage is asked once about each.
     executor.reduce("stage", n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;

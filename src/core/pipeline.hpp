@@ -85,7 +85,7 @@ public:
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
         stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
         reported_ = after;
-        stages::ContactSums contacts = executor_.read(contact_sums_);
+        stages::ContactSums contacts = plan.casts_rays ? executor_.read(contact_sums_) : stages::ContactSums{};
         if (plan.sheets) {
             contacts = contacts + executor_.read(sheet_sums_);
             stats.contacts += executor_.number(count_of(sheets_.contacts()));
@@ -469,13 +469,28 @@ private:
         const Count total = count_of(contact_keys_);
         ages_.resize(total);
         contacts_.resize(total);
-        executor_.for_each(
-            "fill_contact", total,
-            stages::FillContact{scene.bodies, scene.ids, view_of(pairs_), edges_.chords(), view_of(batch_.sources),
-                                batch_.results(), aimed_.results(), view_of(accepted_), view_of(batch_.candidates),
-                                view_of(order_), view_of(routes_), view_of(found_), view_of(links_),
-                                view_of(last_contact_keys_), view_of(last_ages_), view_of(std::as_const(last_contacts_)),
-                                view_of(records_), view_of(ages_), view_of(contacts_)});
+        executor_.reduce("fill_contact", total,
+                         stages::FillContact{scene.bodies,
+                                             scene.ids,
+                                             view_of(pairs_),
+                                             edges_.chords(),
+                                             view_of(batch_.sources),
+                                             batch_.results(),
+                                             aimed_.results(),
+                                             view_of(accepted_),
+                                             view_of(batch_.candidates),
+                                             view_of(order_),
+                                             view_of(contact_keys_),
+                                             view_of(routes_),
+                                             view_of(found_),
+                                             view_of(links_),
+                                             view_of(last_contact_keys_),
+                                             view_of(last_ages_),
+                                             view_of(std::as_const(last_contacts_)),
+                                             view_of(records_),
+                                             view_of(ages_),
+                                             view_of(contacts_)},
+                         contact_sums_);
     }
 
     // Stage 11. What the next step needs to know.
@@ -507,9 +522,8 @@ private:
                                            view_of(uncertain_), view_of(full_rays_), view_of(closest_), view_of(records_)});
     }
 
-    // Stage 12. What the step did; sums in contact order.
+    // Stage 12. What the step did.
     void count(const Plan& plan) {
-        executor_.reduce("count_contacts", count_of(contacts_), stages::CountContact{view_of(contacts_)}, contact_sums_);
         if (plan.sheets) sheets_.add_up(sheet_sums_);
         if (plan.temporal == Temporal::off) return;
         executor_.reduce("count_walks", count_of(walk_counts_), stages::CountWalk{view_of(walk_counts_)}, walk_sums_);

@@ -87,10 +87,21 @@ public:
         serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
     }
 
-    /// Serial, so that sums of floating-point numbers do not depend on the number of threads.
+    /// Chunks of items, the same for any number of threads, are added up on their own, and then in their order.
     template <class F, class T>
     void reduce(const char* name, std::uint32_t n, const F& term, T& sum) {
-        serial_.reduce(name, n, term, sum);
+        constexpr std::uint32_t chunk_size = is_cheap<F>() ? 8 * cheap_grain : usual_grain;
+        if (n <= chunk_size) return serial_.reduce(name, n, term, sum);
+        static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+        const std::uint32_t chunks = (n + chunk_size - 1) / chunk_size;
+        found_.resize(chunks * sizeof(T));
+        T* const sums = reinterpret_cast<T*>(found_.data());
+        share(chunks, 1, [&](std::uint32_t chunk) {
+            T& all = *new (sums + chunk) T{};
+            for (std::uint32_t i = chunk * chunk_size; i < min_of((chunk + 1) * chunk_size, n); ++i) all = all + term(i);
+        });
+        serial_.reduce(
+            name, chunks, [&](std::uint32_t chunk) { return sums[chunk]; }, sum);
     }
 
 private:
@@ -109,7 +120,7 @@ private:
     tbb::task_arena arena_;
     Team team_;
     SerialExecutor serial_;
-    HostBuffer<std::byte> found_;       ///< by items that emit
+    HostBuffer<std::byte> found_;       ///< by items that emit, or sums of chunks
     HostBuffer<std::uint32_t> places_;  ///< where their chunks write to
 };
 

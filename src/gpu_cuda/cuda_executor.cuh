@@ -35,7 +35,7 @@ public:
         using cuda::check;
         for (cudaStream_t* stream : {&stream_, &side_.stream})
             check(cudaStreamCreateWithFlags(stream, cudaStreamNonBlocking), "a stream");
-        for (cudaEvent_t* event : {&forked_, &joined_})
+        for (cudaEvent_t* event : {&forked_, &joined_, &lists_begun_})
             check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
         totals_.resize(2 * most_totals);
         overflow_.resize(2);
@@ -51,7 +51,7 @@ public:
     CudaExecutor(const CudaExecutor&) = delete;
     ~CudaExecutor() {
         cudaFreeHost(host_totals_);
-        for (cudaEvent_t event : {forked_, joined_}) cudaEventDestroy(event);
+        for (cudaEvent_t event : {forked_, joined_, lists_begun_}) cudaEventDestroy(event);
         for (cudaStream_t stream : {stream_, side_.stream}) cudaStreamDestroy(stream);
     }
 
@@ -66,7 +66,13 @@ public:
     }
     void begin_bounded(std::uint32_t bank) {
         begin_repetition(bank);
+        // Beside what comes before the first list.
+        fork();
+        std::swap(stream_, side_.stream);
         begin_lists(totals_.data() + bank * most_totals, most_totals);
+        cuda::check(cudaEventRecord(lists_begun_, stream_), "an event");
+        std::swap(stream_, side_.stream);
+        waits_for_lists_ = true;
     }
     void begin_repetition(std::uint32_t bank) {
         bounded_ = true;
@@ -75,6 +81,7 @@ public:
     }
     /// Ends a step: its totals and whether it overflowed are on their way to the host.
     void end() {
+        wait_for_lists();
         copy_to_host(host_totals_, totals_.data(), 2 * most_totals);
         copy_to_host(host_totals_ + 2 * most_totals, overflow_.data(), 1);
     }
@@ -91,8 +98,7 @@ public:
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
-        cuda::check(cudaEventRecord(forked_, stream_), "an event");
-        cuda::check(cudaStreamWaitEvent(side_.stream, forked_), "an event");
+        fork();
         swap_sides();
         copy(overflow_.data() + 1, overflow_.data(), 1, cudaMemcpyDeviceToDevice);
         is_beside_ = true;
@@ -201,11 +207,10 @@ public:
     template <class F, class T>
     void reduce(const char*, Count n, const F& term, Sum<T>& sum) {
         if (n.bound == 0) return for_each("no_sum", 1, cuda::FillWith<T>{sum.data(), T{}});
-        const std::uint32_t blocks = min_of((n.bound - 1) / cuda::sum_threads + 1, cuda::most_sums);
-        scratch_.resize(static_cast<std::uint32_t>(cuda::most_sums * sizeof(T)));
-        cuda::add_up<<<blocks, cuda::sum_threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
-                                                                blocks_done_.data() + is_beside_, sum.data());
-        cuda::check(cudaGetLastError(), "a launch");
+        if (n.bound <= cuda::few_items)
+            add_up<cuda::few_threads>(n, term, sum);
+        else
+            add_up<cuda::block_threads>(n, term, sum);
     }
 
     /// What a reduction came to. Waits for the device, as the next ones do.
@@ -279,6 +284,7 @@ private:
 
     /// Where the next total goes. `most`: what it can be at most.
     cuda::NoteTotal next_total(const char* name, std::uint32_t most) {
+        wait_for_lists();
         if (bounded_ && next_ + 1 == most_totals) throw std::logic_error("a step has more totals than there is room for");
         // Exact steps may have any number of totals: nobody reads them later.
         std::uint32_t* const place = totals_.data() + bank_ * most_totals + next_ % most_totals;
@@ -328,6 +334,28 @@ private:
         cuda::check(cudaGetLastError(), "a launch");
     }
 
+    template <std::uint32_t threads, class F, class T>
+    void add_up(Count n, const F& term, Sum<T>& sum) {
+        const std::uint32_t blocks = min_of((n.bound - 1) / threads + 1, cuda::most_sums);
+        scratch_.resize(static_cast<std::uint32_t>(cuda::most_sums * sizeof(T)));
+        cuda::add_up<threads><<<blocks, threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
+                                                               blocks_done_.data() + is_beside_, sum.data());
+        cuda::check(cudaGetLastError(), "a launch");
+    }
+
+    /// What comes beside follows what has come so far.
+    void fork() {
+        cuda::check(cudaEventRecord(forked_, stream_), "an event");
+        cuda::check(cudaStreamWaitEvent(side_.stream, forked_), "an event");
+    }
+
+    /// Work beside comes after their begin anyway.
+    void wait_for_lists() {
+        if (!waits_for_lists_ || is_beside_) return;
+        cuda::check(cudaStreamWaitEvent(stream_, lists_begun_), "an event");
+        waits_for_lists_ = false;
+    }
+
     void swap_sides() {
         std::swap(stream_, side_.stream);
         std::swap(scratch_, side_.scratch);
@@ -358,8 +386,9 @@ private:
         cudaStream_t stream = nullptr;
         Buffer<std::byte> scratch;
     } side_;
-    cudaEvent_t forked_ = nullptr, joined_ = nullptr;
+    cudaEvent_t forked_ = nullptr, joined_ = nullptr, lists_begun_ = nullptr;
     bool is_forked_ = false, is_beside_ = false;
+    bool waits_for_lists_ = false;  ///< they are to begin beside
 };
 
 static_assert(Executor<CudaExecutor>);

@@ -278,7 +278,7 @@ struct WriteOffset {
     }
 };
 
-inline constexpr std::uint32_t sum_threads = 256, most_sums = 512;
+inline constexpr std::uint32_t most_sums = 512;  ///< blocks of a launch
 
 struct Plus {
     template <class T>
@@ -289,16 +289,15 @@ struct Plus {
 
 /// Adds up the terms of all items, in an order that depends on nothing but the launch: every block those of its threads, and
 /// the last one to be done the sums of all blocks. `done`: how many blocks are; zero before and after.
-template <class F, class T>
-__global__ void __launch_bounds__(sum_threads)
+template <std::uint32_t threads, class F, class T>
+__global__ void __launch_bounds__(threads)
     add_up(const __grid_constant__ F term, const Items items, T* sums, std::uint32_t* done, T* total) {
-    using Reduce = cub::BlockReduce<T, sum_threads>;
+    using Reduce = cub::BlockReduce<T, threads>;
     __shared__ typename Reduce::TempStorage scratch;
     __shared__ bool is_last;
     const std::uint32_t count = items.count();
     T sum{};
-    for (std::uint32_t i = blockIdx.x * sum_threads + threadIdx.x; i < count; i += gridDim.x * sum_threads)
-        sum = sum + term(i);
+    for (std::uint32_t i = blockIdx.x * threads + threadIdx.x; i < count; i += gridDim.x * threads) sum = sum + term(i);
     sum = Reduce(scratch).Reduce(sum, Plus{});
     if (threadIdx.x == 0) {
         sums[blockIdx.x] = sum;
@@ -309,7 +308,7 @@ __global__ void __launch_bounds__(sum_threads)
     if (!is_last) return;
     __threadfence();
     sum = T{};
-    for (std::uint32_t b = threadIdx.x; b < gridDim.x; b += sum_threads) sum = sum + sums[b];
+    for (std::uint32_t b = threadIdx.x; b < gridDim.x; b += threads) sum = sum + sums[b];
     sum = Reduce(scratch).Reduce(sum, Plus{});
     if (threadIdx.x != 0) return;
     *total = sum;
@@ -366,7 +365,7 @@ __global__ void __launch_bounds__(scan_threads)
 /// passes waits for one launch after the other. Chunks of keys count as a whole where they can: most of them where a list is
 /// nearly sorted, as contacts are.
 inline constexpr std::uint32_t counted_list = 1u << 14;
-inline constexpr std::uint32_t counted_keys = 32, counted_parts = 32;  ///< keys of a block, and threads that share a key
+inline constexpr std::uint32_t counted_keys = 64, counted_parts = 16;  ///< keys of a block, and threads that share a key
 inline constexpr std::uint32_t counted_chunk = 64, most_chunks = counted_list / counted_chunk;
 
 /// Keys, and the first and the last of each chunk in their order. A list so short that every thread has one chunk goes
@@ -419,7 +418,6 @@ struct KeyChunks {
 inline __global__ void __launch_bounds__(counted_keys* counted_parts)
     sort_by_counting(const Items items, const std::uint64_t* keys, const std::uint32_t* values, std::uint64_t* sorted_keys,
                      std::uint32_t* sorted_values) {
-    static_assert(counted_keys == warp_threads);
     __shared__ std::uint32_t before[counted_keys];
     __shared__ std::uint64_t lowest[most_chunks], highest[most_chunks];
     const std::uint32_t mine = threadIdx.x % counted_keys, i = blockIdx.x * counted_keys + mine;
@@ -427,7 +425,8 @@ inline __global__ void __launch_bounds__(counted_keys* counted_parts)
     const KeyChunks chunks{keys, items.count(), lowest, highest};
     if (part == 0) before[mine] = 0;
     if (!chunks.is_short())
-        for (std::uint32_t c = part; c < chunks.size(); c += counted_parts) chunks.measure(c);
+        for (std::uint32_t c = threadIdx.x / warp_threads; c < chunks.size(); c += blockDim.x / warp_threads)
+            chunks.measure(c);
     __syncthreads();
     const std::uint64_t key = i < chunks.count ? keys[i] : 0;
     if (i < chunks.count) {

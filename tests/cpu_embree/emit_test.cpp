@@ -1,6 +1,7 @@
-// Lists that stages emit: on any number of threads what one thread finds, in the order of the items.
+// Lists that stages emit: on any number of threads what one thread finds, in the order of the items. Sums, likewise.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -49,6 +50,37 @@ TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
             ASSERT_EQ(items.size(), expected.size());
             for (std::size_t k = 0; k < items.size(); ++k) ASSERT_EQ(items[k], expected[k] >> 32);
         }
+    }
+}
+
+/// What a term says is not lost, nor asked twice.
+struct NoteTerm {
+    View<const double> terms;
+    View<std::uint32_t> asked;
+
+    double operator()(std::uint32_t i) const {
+        ++asked[i];
+        return terms[i];
+    }
+};
+
+TEST(ReduceTest, SumsDoNotDependOnTheNumberOfThreads) {
+    test::Random random(2);
+    for (const std::uint32_t n : {0u, 1u, 15u, 16u, 17u, 1000u, 20001u}) {
+        std::vector<double> terms(n);
+        for (double& term : terms) term = random.uniform(-1, 1) * std::exp(random.uniform(0, 20));
+        double of_one_thread = 0, in_order = 0;
+        for (const int threads : {1, 2, 5}) {
+            TbbExecutor executor(threads);
+            std::vector<std::uint32_t> asked(n);
+            double sum = -1;
+            executor.run([&] { executor.reduce("sum", n, NoteTerm{view_of(std::as_const(terms)), view_of(asked)}, sum); });
+            if (threads == 1) of_one_thread = sum;
+            ASSERT_EQ(sum, of_one_thread) << "seed " << random.seed() << ", " << n << " terms, " << threads << " threads";
+            ASSERT_EQ(asked, std::vector<std::uint32_t>(n, 1));
+        }
+        for (const double term : terms) in_order += term;
+        ASSERT_NEAR(of_one_thread, in_order, 1e-9 * n * std::exp(20)) << "seed " << random.seed();
     }
 }
 

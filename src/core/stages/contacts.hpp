@@ -2,6 +2,7 @@
 
 #include "pierce/core/contact.hpp"
 #include "pierce/core/stages/classify.hpp"
+#include "pierce/core/stages/count.hpp"
 #include "pierce/core/stages/pairs.hpp"
 #include "pierce/core/temporal.hpp"
 #include "pierce/core/whole.hpp"
@@ -40,8 +41,8 @@ struct RayResults {
     View<const Meeting> meetings;
 };
 
-/// Per contact: everything in it. Reads rays, hits and last step's contacts and ages; writes the contact, its age and where
-/// its vertex finds it.
+/// Per contact: everything in it, and what it adds to the sums. Reads rays, hits and last step's contacts and ages; writes
+/// the contact, its age and where its vertex finds it.
 struct FillContact {
     View<const BodyView> bodies;
     View<const BodyId> ids;
@@ -52,6 +53,7 @@ struct FillContact {
     RayResults aimed;                    ///< per candidate, re-projected; empty if that is not asked for
     View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts
     View<const std::uint32_t> candidates, order;
+    View<const std::uint64_t> keys;
     View<const Route> routes;  ///< empty if steps do not remember
     View<const Found> found;   ///< per ray, where it was walked
     View<const std::uint32_t> links;
@@ -62,14 +64,15 @@ struct FillContact {
     View<std::uint32_t> ages;
     View<Contact> contacts;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD ContactSums operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[order[i]];
+        const bool first = i == 0 || keys[i - 1] >> 32 != keys[i] >> 32;
         if (routes.size > 0 && routes[r] == Route::kept) {
             Contact kept = last_contacts[records[r].contact];
             ages[i] = ++kept.age;
             records[r].contact = i;
             write_whole(contacts[i], kept);
-            return;
+            return sums_of(kept, first);
         }
         const bool moved = accepted.size > 0 && accepted[order[i]];
         const RayResults& results = moved ? aimed : found_rays;
@@ -122,6 +125,7 @@ struct FillContact {
         c.age = ages[i] = age(from, r);
         if (r < records.size) records[r].contact = i;
         write_whole(contacts[i], c);
+        return sums_of(c, first);
     }
 
 private:

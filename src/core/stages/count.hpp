@@ -12,12 +12,16 @@ namespace pierce::stages {
 struct CountTraced {
     View<const Ray> rays;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return rays[i].t_max >= 0; }
 };
 
 /// 1 for a ray that meets the other body.
 struct CountHit {
     View<const Hit> hits;
+
+    static constexpr bool is_cheap = true;
 
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
         return hits[i].triangle != no_triangle && !hits[i].predicted;
@@ -44,24 +48,19 @@ struct ContactSums {
     }
 };
 
-struct CountContact {
-    View<const Contact> contacts;
-
-    PIERCE_HD ContactSums operator()(std::uint32_t i) const {
-        const Contact& c = contacts[i];
-        const bool first = i == 0 || contacts[i - 1].a != c.a || contacts[i - 1].b != c.b;
-        return {first,
-                c.is_edge(),
-                c.reprojected,
-                c.found == Found::prediction,
-                c.a == c.b,
-                c.found == Found::crossing,
-                c.found == Found::remembered,
-                c.found == Found::tangled,
-                c.penetration_depth(),
-                c.penetration_depth()};
-    }
-};
+/// What a contact adds to the sums; `first`: it is the first one of its pair.
+PIERCE_HD inline ContactSums sums_of(const Contact& c, bool first) {
+    return {first,
+            c.is_edge(),
+            c.reprojected,
+            c.found == Found::prediction,
+            c.a == c.b,
+            c.found == Found::crossing,
+            c.found == Found::remembered,
+            c.found == Found::tangled,
+            c.penetration_depth(),
+            c.penetration_depth()};
+}
 
 /// What walks add up to.
 struct WalkSums {
@@ -75,12 +74,16 @@ struct WalkSums {
 struct CountWalk {
     View<const WalkCount> walks;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD WalkSums operator()(std::uint32_t i) const { return {walks[i].steps, walks[i].lost}; }
 };
 
 /// 1 for a vertex that needed no ray.
 struct CountSkipped {
     View<const Route> routes;
+
+    static constexpr bool is_cheap = true;
 
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
         return routes[i] == Route::skip || routes[i] == Route::kept;
@@ -91,12 +94,16 @@ struct CountSkipped {
 struct CountPredicted {
     View<const VertexRecord> records;
 
+    static constexpr bool is_cheap = true;
+
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return records[i].predicted; }
 };
 
 /// 1 for a pair of which all vertices of one body, or of both, were looked at.
 struct CountFullPass {
     View<const PairMemory> memory;
+
+    static constexpr bool is_cheap = true;
 
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
         return memory[2 * i].pass == Pass::full || memory[2 * i + 1].pass == Pass::full;
