@@ -58,3 +58,21 @@ cut -d, -f1-4,6-14 "$out/steps.csv"
 cut -d, -f1-5,7-8,11,13-14 "$out/trees.csv"
 cat "$out/sheets.csv"
 cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true
+
+# The figures that matter, beside the time in which the bytes that a result cannot do without would be copied: positions read;
+# nodes of trees, contacts and hits written.
+awk -F, '
+    function row(what, time, floor, rate) { printf "%-42s %9.4f ms %9.4f ms %14s\n", what, time, floor, rate }
+    BEGIN { printf "%-42s %12s %12s %14s\n", "what", "time", "floor", "rate" }
+    /a copy moves/ { split($0, word, " "); bandwidth = 1e9 * word[5] }
+    FNR == 1 { file++ }
+    file == 1 && $1 == "tori:10000" {
+        row($3 " build, 6 M triangles", $4, $6, sprintf("%.2f Gtri/s", $5 / 1000))
+        if ($3 == "trbvh") {
+            row("refit of those", $7, $6, sprintf("%.1f Gtri/s", $8 / 1000))
+            row("inward rays of 3 M vertices, through those", $10, $12, sprintf("%.2f Gray/s", $11))
+        }
+    }
+    file == 2 && FNR > 1 && $4 == "trbvh" { row($1 ", whole step", $10, (6 * $3 + 32 * $3 + 208 * $8) / bandwidth, "") }
+    file == 3 && $3 == "graph" { row($1 " sheets, " $2 " triangles, whole step", $8, (12 * $2 + 208 * $6) / bandwidth, "") }
+' "$out/trees.csv" "$out/steps.csv" "$out/sheets.csv"

@@ -511,6 +511,13 @@ TEST(TreeQualityTest, RestructuredTreesAreAsGoodAsASweeps) {
     }
 }
 
+TEST(TreeQualityTest, TheBodyOfTheBenchmarksIsWithinATwentiethOfASweep) {
+    const std::vector<double> cost = costs(scenes::torus(2, 0.5, 30, 10));
+    std::cout << "torus of 600 triangles: " << cost[0] << ' ' << cost[1] << ' ' << cost[2] << ' ' << cost[3] << ' '
+              << cost[4] << '\n';
+    EXPECT_LT(cost[2], 1.05 * cost[4]);
+}
+
 /// Small spheres in a row, which then change places at random: the tree holds boxes as long as the row, until it is rebuilt.
 TEST(BvhTracerTest, RebuildsADecayedTree) {
     test::Random random(9);
