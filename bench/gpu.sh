@@ -60,10 +60,11 @@ cat "$out/sheets.csv"
 cat "$out"/{memcheck,racecheck}.txt 2>/dev/null || true
 
 # The figures that matter, beside the time in which the bytes that a result cannot do without would be copied: positions read;
-# nodes of trees, contacts and hits written.
+# nodes of trees, contacts and hits written; and whether contact lists are those of Embree, bit for bit.
 awk -F, '
-    function row(what, time, floor, rate) { printf "%-42s %9.4f ms %9.4f ms %14s\n", what, time, floor, rate }
-    BEGIN { printf "%-42s %12s %12s %14s\n", "what", "time", "floor", "rate" }
+    function row(what, time, floor, rate) { printf "%-42s %9.4f ms %9.4f ms %25s\n", what, time, floor, rate }
+    function error(differ, checked) { return differ " of " checked " lists differ" }
+    BEGIN { printf "%-42s %12s %12s %25s\n", "what", "time", "floor", "rate, or error" }
     /a copy moves/ { split($0, word, " "); bandwidth = 1e9 * word[5] }
     FNR == 1 { file++ }
     file == 1 && $1 == "tori:10000" {
@@ -73,6 +74,6 @@ awk -F, '
             row("inward rays of 3 M vertices, through those", $10, $12, sprintf("%.2f Gray/s", $11))
         }
     }
-    file == 2 && FNR > 1 && $4 == "trbvh" { row($1 ", whole step", $10, (6 * $3 + 32 * $3 + 208 * $8) / bandwidth, "") }
-    file == 3 && $3 == "graph" { row($1 " sheets, " $2 " triangles, whole step", $8, (12 * $2 + 208 * $6) / bandwidth, "") }
+    file == 2 && FNR > 1 && $4 == "trbvh" { row($1 ", whole step", $10, (38 * $3 + 208 * $8) / bandwidth, error($14, $13)) }
+    file == 3 && $3 == "graph" { row($1 " sheets, " $2 " triangles, whole step", $8, (12 * $2 + 208 * $6) / bandwidth, error($12, $11)) }
 ' "$out/trees.csv" "$out/steps.csv" "$out/sheets.csv"

@@ -396,7 +396,7 @@ private:
                                         view_of(batch_.meetings)};
         if (scene.plan->traces_own_exits)
             executor_.emit("test_inside", count,
-                           stages::TestInsideBoth{inside, view_of(pairs_), edges_.chords(), view_of(batch_.sources)},
+                           stages::GenerateOwnRays{inside, view_of(pairs_), edges_.chords(), view_of(batch_.sources)},
                            batch_.candidates, own_rays_, starts_inside_);
         else
             executor_.emit("test_inside", count, inside, batch_.candidates);

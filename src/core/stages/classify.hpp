@@ -114,23 +114,23 @@ PIERCE_HD inline bool is_free(const BodyView& body, std::uint32_t vertex, double
 /// Per ray: R1, and of a candidate the ray into its own body, unless that body's own_exit table has limited the ray already.
 /// Where the triangles it starts from show that the ray starts inside (R2), it need not look further than the hit (R3), nor
 /// be traced if nothing is that near; elsewhere it looks for its first crossing.
-struct TestInsideBoth {
-    TestInside in_target;
+struct GenerateOwnRays {
+    TestInside inside_target;
     View<const Pair> pairs;
     View<const Chord> chords;
     View<const RaySource> sources;
 
-    PIERCE_HD bool find(std::uint32_t i) const { return in_target.find(i); }
+    PIERCE_HD bool find(std::uint32_t i) const { return inside_target.find(i); }
     PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
     PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place, std::uint32_t* candidates, Ray* own_rays,
                          std::uint32_t* starts_inside) const {
         if (!inside) return;
         candidates[place] = i;
-        const Ray& into_target = in_target.rays[i];
+        const Ray& into_target = inside_target.rays[i];
         const RaySource source = sources[i];
         const std::uint32_t body_index = pairs[source.pair].source(source.side);
-        const BodyView& body = in_target.bodies[body_index];
-        const BodyView& target = in_target.bodies[into_target.target];
+        const BodyView& body = inside_target.bodies[body_index];
+        const BodyView& target = inside_target.bodies[into_target.target];
         const bool is_vertex = source.start == RayStart::vertex;
         Ray ray;
         ray.t_max = -1.0;
@@ -143,7 +143,7 @@ struct TestInsideBoth {
             ray.excluded[1] = edge.vertex[1];
             const bool starts = is_vertex ? leads_inside(body.mesh, body.positions, source.item, ray.direction)
                                           : leads_inside(body.mesh, body.positions, edge, ray.direction);
-            const double depth = in_target.meetings[i].t;
+            const double depth = inside_target.meetings[i].t;
             if (!starts)
                 ray.t_max = body.fit_box.extent();
             else if (!is_vertex || !is_free(body, source.item, depth))
