@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include "pierce/core/contact_hash.hpp"
 #include "pierce/core/world.hpp"
@@ -185,6 +186,37 @@ TEST_P(ContactsTest, AFlattenedBodyIsSeenAsThinAsItIs) {
     }
     EXPECT_GT(world.contacts().size(), 20u) << "down at the block's face";
     EXPECT_LT(world.contacts().size(), ball.positions.size());
+}
+
+TEST_P(ContactsTest, WhatTheyAddUpToIsSaid) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    World world(GetParam().make());
+    const MeshId mesh = world.add_mesh("torus", scenes::torus(0.6, 0.3, 20, 12));
+    std::vector<BodyId> bodies;
+    for (int b = 0; b < 12; ++b) bodies.push_back(world.add_rigid_body(mesh, {random.in_box(0.8), random.rotation()}));
+    std::size_t touching = 0;
+    // Now and then nothing moves, and contacts may be kept as they are.
+    for (int step = 0; step < 12; ++step) {
+        SCOPED_TRACE("step " + std::to_string(step));
+        if (step % 3 != 2)
+            for (BodyId body : bodies) world.set_pose(body, {random.in_box(0.8), random.rotation()});
+        world.detect();
+        std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+        double deepest = 0, sum = 0;
+        for (const Contact& c : world.contacts()) {
+            pairs.insert({c.a.index, c.b.index});
+            deepest = std::max(c.penetration_depth(), deepest);
+            sum += c.penetration_depth();
+        }
+        const StepStats& stats = world.stats();
+        ASSERT_EQ(stats.contacts, world.contacts().size());
+        ASSERT_EQ(stats.touching_pairs, pairs.size());
+        ASSERT_EQ(stats.penetration_max, deepest);
+        ASSERT_NEAR(stats.penetration_mean, sum / static_cast<double>(world.contacts().size()), 1e-12);
+        touching += pairs.size();
+    }
+    EXPECT_GT(touching, 100u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, ContactsTest, testing::ValuesIn(test::backends()), test::backend_name);
