@@ -192,8 +192,9 @@ private:
             time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
         }
         batch_.keep.resize(count_of(batch_.candidates));
-        const bool asks_on = scene.plan->meets_itself || complete || scene.plan->reprojects;
-        if (asks_on)
+        // Who else asks which candidates are contacts, and has a say in it.
+        const bool others_ask = scene.plan->meets_itself || complete || scene.plan->reprojects;
+        if (others_ask)
             time("classify",
                  [&] { executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies)); });
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
@@ -201,7 +202,7 @@ private:
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         // What follows changes neither hits nor own rays.
         time("stats", [&] { executor_.beside([&] { count_rays(); }); });
-        time("contacts", [&] { contacts(scene, asks_on); });
+        time("contacts", [&] { contacts(scene, others_ask); });
         if (remembers) time("remember", [&] { remember(scene); });
     }
 
