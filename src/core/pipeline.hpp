@@ -192,7 +192,7 @@ private:
             time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
         }
         batch_.keep.resize(count_of(batch_.candidates));
-        // Who else asks which candidates are contacts, and has a say in it.
+        // Others want to know which candidates are contacts, or have a say in it.
         const bool others_ask = scene.plan->meets_itself || complete || scene.plan->reprojects;
         if (others_ask)
             time("classify",
