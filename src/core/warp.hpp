@@ -115,6 +115,7 @@ struct AllOfSixteen {
     PIERCE_HD static std::uint32_t mine(std::uint32_t mask) { return mask; }
     /// The bits that items say of their own; all items of a group have to say them.
     PIERCE_HD static std::uint32_t of_all(std::uint32_t bits) { return bits; }
+    /// Likewise, the least.
     PIERCE_HD static float least_of_all(float least) { return least; }
 };
 

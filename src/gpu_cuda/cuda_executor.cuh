@@ -14,7 +14,9 @@
 #include <string_view>
 
 #include "pierce/core/executor.hpp"
+#include "pierce/gpu_cuda/counting_sort.cuh"
 #include "pierce/gpu_cuda/device_buffer.hpp"
+#include "pierce/gpu_cuda/emit_stage.cuh"
 #include "pierce/gpu_cuda/stage_kernels.cuh"
 
 namespace pierce {

@@ -10,16 +10,13 @@
 #include "pierce/core/warp.hpp"
 #include "pierce/gpu_cuda/device_count.hpp"
 
-/// What the executor launches: a thread an item, lists continued past their end for CUB, and short lists scanned, selected
-/// from by one block, and sorted by counting.
+/// What the executor launches: a thread an item, lists continued past their end for CUB, sums, and short lists scanned and
+/// selected from by one block. Lists that stages emit are in emit_stage.cuh, short sorts in counting_sort.cuh.
 namespace pierce::cuda {
 
 /// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small ones would keep the GPU
 /// waiting for the next block to start: one starts in about 0.7 ns.
 inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads, many_items = 1u << 18;
-
-/// Items from which those who emit a list come in large blocks: small ones would wait for each other.
-inline constexpr std::uint32_t many_emitting = 1u << 15;
 
 /// So few items have their stages in one launch: it takes their thread all registers that one of them asks for, but all
 /// items are under way at once all the same.
@@ -91,122 +88,6 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     run_stage(const __grid_constant__ F stage, const Items items) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     if (i < items.count()) stage(i);
-}
-
-/// What the blocks of a launch add up to, a word for each: its own sum at first, then that of all up to it. A word is read
-/// and written whole. `epoch` differs from launch to launch, so that words of earlier ones need not be cleared.
-struct BlockSums {
-    std::uint64_t* words;
-    const std::uint32_t* epoch;
-
-    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are looked back for, a warp
-    /// of them at a time, until one knows the sum of all before it (Merrill and Garland 2016, decoupled look-back). Blocks
-    /// start in their order, so those waited for are under way.
-    __device__ std::uint32_t before(std::uint32_t sum) const {
-        const std::uint32_t block = blockIdx.x, lane = threadIdx.x % warp_threads, now = *epoch;
-        if (lane == 0) write(block, now, block == 0, sum);
-        std::uint32_t before = 0;
-        for (std::uint32_t end = block; end > 0; end -= min_of(end, warp_threads)) {
-            std::uint64_t word = 0;
-            if (lane < end) {
-                do word = static_cast<volatile std::uint64_t*>(words)[end - 1 - lane];
-                while (static_cast<std::uint32_t>(word >> 33) != now);
-            }
-            const std::uint32_t of_all = __ballot_sync(0xffffffffu, word >> 32 & 1);
-            const std::uint32_t nearest = of_all == 0 ? warp_threads - 1 : lowest_bit(of_all);
-            std::uint32_t part = lane <= nearest ? static_cast<std::uint32_t>(word) : 0;
-            for (std::uint32_t step = warp_threads / 2; step > 0; step /= 2)
-                part += __shfl_xor_sync(0xffffffffu, part, step);
-            before += part;
-            if (of_all != 0) break;
-        }
-        if (lane == 0 && block > 0) write(block, now, true, before + sum);
-        return before;
-    }
-
-private:
-    __device__ void write(std::uint32_t block, std::uint32_t now, bool is_of_all, std::uint32_t sum) const {
-        static_cast<volatile std::uint64_t*>(words)[block] = std::uint64_t{now} << 33 | std::uint64_t{is_of_all} << 32 | sum;
-    }
-};
-
-/// Per total: none so far. Begins a launch that emits a list, or several with words and totals of their own. No epoch is
-/// zero, which is what new words are.
-struct BeginLists {
-    std::uint32_t* totals;
-    std::uint32_t* epoch;
-
-    __device__ void operator()(std::uint32_t i) const {
-        totals[i] = 0;
-        if (i == 0) *epoch = max_of((*epoch + 1) & 0x7fffffffu, 1u);
-    }
-};
-
-/// How much room there is for what items find, and where it is said how many things there are: also if there is not room.
-struct Emitted {
-    std::uint32_t room;
-    std::uint32_t* total;  ///< zero at first
-    std::uint32_t* overflow;
-    BlockSums sums;
-    bool in_order;
-};
-
-/// Blocks up to which what they find is listed in order, also where nobody asks: contacts of a list that is nearly sorted
-/// are sooner sorted. A block waits for those before it, which takes longer than the work where they are many.
-inline constexpr std::uint32_t few_blocks = 512;
-
-/// True for a stage whose list is in the order of its items in any case (`static constexpr bool in_order = true`).
-template <class F>
-constexpr bool in_order() {
-    if constexpr (requires { F::in_order; })
-        return F::in_order;
-    else
-        return false;
-}
-
-/// Writes what items find; nothing by a block for which there is not room enough. Without lists things are only counted.
-template <class F, class... T>
-__global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
-    emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to, T* const... lists) {
-    __shared__ std::uint32_t of_warps[block_warps], begin;
-    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-    const std::uint32_t lane = threadIdx.x % warp_threads, warp = threadIdx.x / warp_threads;
-    const bool is_item = i < items.count();
-    decltype(finder.find(0)) found{};
-    if (is_item) found = finder.find(i);
-    const std::uint32_t count = is_item ? finder.count(found) : 0;
-    std::uint32_t end = count;
-    for (std::uint32_t step = 1; step < warp_threads; step *= 2) {
-        const std::uint32_t before = __shfl_up_sync(0xffffffffu, end, step);
-        if (lane >= step) end += before;
-    }
-    if (lane == warp_threads - 1) of_warps[warp] = end;
-    __syncthreads();
-    std::uint32_t place = end - count, sum = 0;
-    for (std::uint32_t w = 0; w < blockDim.x / warp_threads; ++w) {
-        if (w == warp) place += sum;
-        sum += of_warps[w];
-    }
-    if (warp == 0) {
-        std::uint32_t before = 0;
-        if (to.in_order)
-            before = to.sums.before(sum);
-        else if (lane == 0 && sum > 0)
-            before = atomicAdd(to.total, sum);
-        if (lane == 0) {
-            begin = before;
-            if (to.in_order && blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
-            if (sum > 0 && before + sum > to.room) *to.overflow = 1;
-        }
-    }
-    __syncthreads();
-    if constexpr (sizeof...(T) > 0)
-        if (is_item && sum > 0 && begin + sum <= to.room) finder.write(i, found, begin + place, lists...);
-    if constexpr (requires { finder.pad(i, lists...); }) {
-        static_assert(in_order<F>(), "the last block knows where the list ends");
-        if (blockIdx.x + 1 == gridDim.x)
-            for (std::uint32_t k = begin + sum + threadIdx.x; k < to.room; k += blockDim.x) finder.pad(k, lists...);
-    }
 }
 
 /// Keys past the last one go last in a sort.
@@ -359,86 +240,6 @@ __global__ void __launch_bounds__(scan_threads)
         __syncthreads();
     }
     if (threadIdx.x == 0) to.note(sum);
-}
-
-/// Lists up to this long are sorted by counting for each key those before it, on all of the GPU at once, where a sort by
-/// passes waits for one launch after the other. Chunks of keys count as a whole where they can: most of them where a list is
-/// nearly sorted, as contacts are.
-inline constexpr std::uint32_t counted_list = 1u << 14;
-inline constexpr std::uint32_t counted_keys = 64, counted_parts = 16;  ///< keys of a block, and threads that share a key
-inline constexpr std::uint32_t counted_chunk = 64, most_chunks = counted_list / counted_chunk;
-
-/// Keys, and the first and the last of each chunk in their order. A list so short that every thread has one chunk goes
-/// without: it is counted key by key.
-struct KeyChunks {
-    const std::uint64_t* keys;
-    std::uint32_t count;
-    std::uint64_t *lowest, *highest;  ///< per chunk, shared by the block
-
-    __device__ bool is_short() const { return count <= counted_parts * counted_chunk; }
-    __device__ std::uint32_t chunk_size() const {
-        return is_short() ? (count + counted_parts - 1) / counted_parts : counted_chunk;
-    }
-    __device__ std::uint32_t size() const { return count == 0 ? 0 : (count + chunk_size() - 1) / chunk_size(); }
-
-    /// By one warp.
-    __device__ void measure(std::uint32_t chunk) const {
-        std::uint64_t low = ~std::uint64_t{0}, high = 0;
-        const std::uint32_t end = min_of((chunk + 1) * counted_chunk, count);
-        for (std::uint32_t k = chunk * counted_chunk + threadIdx.x % warp_threads; k < end; k += warp_threads) {
-            low = min_of(keys[k], low);
-            high = max_of(keys[k], high);
-        }
-        for (std::uint32_t step = warp_threads / 2; step > 0; step /= 2) {
-            low = min_of(std::uint64_t{__shfl_xor_sync(0xffffffffu, low, step)}, low);
-            high = max_of(std::uint64_t{__shfl_xor_sync(0xffffffffu, high, step)}, high);
-        }
-        lowest[chunk] = low;
-        highest[chunk] = high;
-    }
-
-    /// How many of a chunk's keys come before that of place i; of equal ones those at smaller places.
-    __device__ std::uint32_t before(std::uint32_t chunk, std::uint64_t key, std::uint32_t i) const {
-        const std::uint32_t begin = chunk * chunk_size(), end = min_of(begin + chunk_size(), count);
-        if (!is_short()) {
-            if (highest[chunk] < key || (highest[chunk] == key && end <= i)) return end - begin;
-            if (lowest[chunk] > key || (lowest[chunk] == key && begin > i)) return 0;
-        }
-        const std::uint32_t middle = min_of(max_of(i, begin), end);
-        std::uint32_t sum = 0;
-#pragma unroll 8
-        for (std::uint32_t k = begin; k < middle; ++k) sum += keys[k] <= key;
-#pragma unroll 8
-        for (std::uint32_t k = middle; k < end; ++k) sum += keys[k] < key;
-        return sum;
-    }
-};
-
-/// Writes keys and their values to where they belong; stable. What is past the last key becomes the largest.
-inline __global__ void __launch_bounds__(counted_keys* counted_parts)
-    sort_by_counting(const Items items, const std::uint64_t* keys, const std::uint32_t* values, std::uint64_t* sorted_keys,
-                     std::uint32_t* sorted_values) {
-    __shared__ std::uint32_t before[counted_keys];
-    __shared__ std::uint64_t lowest[most_chunks], highest[most_chunks];
-    const std::uint32_t mine = threadIdx.x % counted_keys, i = blockIdx.x * counted_keys + mine;
-    const std::uint32_t part = threadIdx.x / counted_keys;
-    const KeyChunks chunks{keys, items.count(), lowest, highest};
-    if (part == 0) before[mine] = 0;
-    if (!chunks.is_short())
-        for (std::uint32_t c = threadIdx.x / warp_threads; c < chunks.size(); c += blockDim.x / warp_threads)
-            chunks.measure(c);
-    __syncthreads();
-    const std::uint64_t key = i < chunks.count ? keys[i] : 0;
-    if (i < chunks.count) {
-        std::uint32_t sum = 0;
-        for (std::uint32_t c = part; c < chunks.size(); c += counted_parts) sum += chunks.before(c, key, i);
-        atomicAdd(&before[mine], sum);
-    }
-    __syncthreads();
-    if (part != 0 || i >= items.bound) return;
-    const std::uint32_t place = i < chunks.count ? before[mine] : i;
-    sorted_keys[place] = i < chunks.count ? key : ~std::uint64_t{0};
-    sorted_values[place] = values[i];
 }
 
 }  // namespace pierce::cuda
