@@ -88,7 +88,7 @@ private:
                                          view_of(in_blocks_),
                                          view_of(group_slabs_)},
                        groups_);
-        executor_.emit("find_triangles", constants::group_size * count_of(groups_),
+        executor_.emit("find_triangles", stages::FindTriangles::per_group * count_of(groups_),
                        stages::FindTriangles{view_of(sheet_pairs_), view_of(groups_), view_of(boxes_), view_of(in_groups_)},
                        near_);
         executor_.join();
@@ -114,16 +114,14 @@ private:
         const Count sections = tools_.place("sheet_section_scan", section_counts_, section_offsets_);
         const Count blocks = tools_.place("sheet_block_scan", block_counts_, block_offsets_);
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
-        placed_.resize(triangles);
         drifting_.resize(triangles);
         boxes_.resize(triangles);
         in_groups_.resize(groups);
         group_slabs_.resize(groups);
         group_boxes_.resize(groups);
         executor_.for_each("place_groups", executor_.in_sixteens(groups),
-                           stages::PlaceGroups{bodies_of(scene), view_of(block_offsets_), interleaved(view_of(placed_)),
-                                               interleaved(view_of(drifting_)), view_of(boxes_), view_of(in_groups_),
-                                               view_of(group_slabs_), view_of(group_boxes_)});
+                           stages::PlaceGroups{bodies_of(scene), interleaved(view_of(drifting_)), view_of(boxes_),
+                                               view_of(in_groups_), view_of(group_slabs_), view_of(group_boxes_)});
         in_blocks_.resize(blocks);
         block_slabs_.resize(blocks);
         block_boxes_.resize(blocks);
@@ -143,11 +141,10 @@ private:
     void find_flat_corners(const Scene& scene) {
         const stages::SheetBodies bodies = bodies_of(scene);
         flat_.resize(count_of(vertices_));
-        flat_corners_.resize(count_of(placed_));
+        flat_corners_.resize(count_of(drifting_));
         executor_.for_each("find_flat_stars", count_of(vertices_), stages::FindFlatStars{bodies, view_of(flat_)});
-        executor_.for_each("place_flat_corners", count_of(placed_),
-                           stages::PlaceFlatCorners{bodies, view_of(block_offsets_), interleaved(view_of(placed_)),
-                                                    view_of(flat_), view_of(flat_corners_)});
+        executor_.for_each("place_flat_corners", count_of(drifting_),
+                           stages::PlaceFlatCorners{bodies, view_of(flat_), view_of(flat_corners_)});
     }
 
     /// Their features, and which of those are contacts.
@@ -156,52 +153,50 @@ private:
                        stages::FindFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_)},
                        meeting_triangles_);
         executor_.emit("open_list", count_of(meeting_triangles_), stages::IsOpen{view_of(meeting_triangles_)}, open_);
-        executor_.for_each("find_open_features", count_of(open_),
-                           stages::FindOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), interleaved(view_of(placed_)),
-                                                    view_of(open_), view_of(meeting_triangles_)});
+        executor_.for_each(
+            "find_open_features", count_of(open_),
+            stages::FindOpenFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(open_), view_of(meeting_triangles_)});
         executor_.emit("list_features", count_of(meeting_triangles_),
-                       stages::ListFeatures{scene.bodies, view_of(vertex_offsets_), view_of(sheet_pairs_),
-                                            interleaved(view_of(placed_)), view_of(meeting_triangles_)},
-                       features_);
+                       stages::ListFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(meeting_triangles_), bits_},
+                       features_, unsorted_keys_, unsorted_);
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
-        executor_.beside([&] { order_features(pairs); });
+        executor_.beside([&] { order_features(pairs, memory); });
         judge(scene, pairs, memory);
         executor_.join();
         const Count kept = tools_.list("sheet_contact_list", count_of(features_),
-                                       stages::IsContact{view_of(verdicts_), view_of(order_)}, kept_);
+                                       stages::IsContact{view_of(judgements_), view_of(order_)}, kept_);
         keys_.resize(kept);
         records_.resize(kept);
         contacts_.resize(kept);
         executor_.for_each(
             "fill_sheet_contact", kept,
             stages::FillSheetContact{bodies_of(scene), view_of(sheet_pairs_), view_of(features_), view_of(meetings_),
-                                     view_of(ages_), view_of(kept_), bits_, view_of(keys_), view_of(records_),
-                                     view_of(deepest_), view_of(contacts_)});
+                                     view_of(judgements_), view_of(ages_), view_of(kept_), bits_, view_of(keys_),
+                                     view_of(records_), view_of(deepest_), view_of(contacts_)});
     }
 
-    /// The order of features, as that of the contacts among them, and room for what is remembered of those.
-    void order_features(const Buffer<Pair>& pairs) {
+    /// The order of features, as that of the contacts among them; for how long they have been contacts; and room for what is
+    /// remembered of those.
+    void order_features(const Buffer<Pair>& pairs, const stages::SheetMemory& memory) {
         const Count count = count_of(features_);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
-        unsorted_keys_.resize(count);
-        unsorted_.resize(count);
-        executor_.for_each("key_features", count,
-                           stages::KeyFeatures{view_of(features_), bits_, view_of(unsorted_keys_), view_of(unsorted_)});
         tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(bits_), unsorted_keys_, unsorted_, feature_keys_,
                     order_);
         executor_.for_each("order_ties", count,
                            stages::OrderTies{view_of(features_), view_of(feature_keys_), view_of(order_)});
+        ages_.resize(count);
+        executor_.for_each("find_age", count, stages::FindAge{view_of(features_), view_of(order_), memory, view_of(ages_)});
         // What is past the last contact's stays: the next step searches in all of it.
         executor_.assign(keys_, static_cast<std::uint32_t>(features_.size()), ~std::uint64_t{0});
         deepest_.resize(count_of(pairs));
         executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(deepest_)});
     }
 
-    /// Which features are contacts, and for how long.
+    /// Which features are contacts.
     void judge(const Scene& scene, const Buffer<Pair>& pairs, const stages::SheetMemory& memory) {
         const Count count = count_of(features_);
         meetings_.resize(count);
-        verdicts_.resize(count);
+        judgements_.resize(count);
         executor_.emit("meet_features", count,
                        stages::MeetFeatures<false>{bodies_of(scene),
                                                    view_of(pairs),
@@ -210,18 +205,16 @@ private:
                                                    {},
                                                    memory,
                                                    view_of(meetings_),
-                                                   view_of(verdicts_)},
+                                                   view_of(judgements_)},
                        undecided_);
         executor_.for_each(
             "search_meetings", count_of(undecided_),
             stages::MeetFeatures<true>{bodies_of(scene), view_of(pairs), view_of(sheet_pairs_), view_of(features_),
-                                       view_of(undecided_), memory, view_of(meetings_), view_of(verdicts_)});
-        ages_.resize(count);
-        executor_.for_each("find_age", count, stages::FindAge{view_of(features_), memory, view_of(ages_)});
+                                       view_of(undecided_), memory, view_of(meetings_), view_of(judgements_)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {
-        return {scene.bodies, view_of(vertex_offsets_), view_of(vertices_)};
+        return {scene.bodies, view_of(vertex_offsets_), view_of(block_offsets_), view_of(vertices_)};
     }
 
     StepTools<E, T>& tools_;
@@ -231,11 +224,10 @@ private:
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, section_ends_, block_counts_,
         block_offsets_, vertex_offsets_, flat_;
-    Buffer<std::uint32_t> counts_, open_, verdicts_, undecided_, kept_, unsorted_, order_, ages_;
+    Buffer<std::uint32_t> counts_, open_, undecided_, kept_, unsorted_, order_, ages_;
     Buffer<std::uint64_t> unsorted_keys_, feature_keys_;
     Buffer<stages::QuickBox> boxes_, group_boxes_, block_boxes_;
     Buffer<stages::GridBoxes> in_groups_, in_blocks_, in_sections_;
-    Buffer<stages::PlacedTriangle> placed_;
     Buffer<stages::DriftingTriangle> drifting_;
     Buffer<stages::FlatCorners> flat_corners_;
     Buffer<stages::Slab> group_slabs_, block_slabs_;
@@ -246,6 +238,7 @@ private:
     Buffer<stages::MeetingTriangles> meeting_triangles_;
     Buffer<stages::FeaturePair> features_;
     Buffer<stages::SheetMeeting> meetings_;
+    Buffer<stages::Judgement> judgements_;
     Buffer<Contact> contacts_;
 
     // What steps remember, and last step's: per contact in the order of the contacts, and per pair.

@@ -77,19 +77,17 @@ private:
 /// Per place of a group: its triangle's flat corners.
 struct PlaceFlatCorners {
     SheetBodies bodies;
-    View<const std::uint32_t> block_offsets;  ///< per body
-    Interleaved<const PlacedTriangle> placed;
     View<const std::uint32_t> flat;  ///< per vertex
     View<FlatCorners> corners;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         FlatCorners c;
-        const std::uint32_t triangle = placed.read(i).triangle;
-        if (triangle != no_triangle) {
-            const std::uint32_t body = owned_item(block_offsets, i / triangles_per_block).owner;
-            const Triangle t = bodies.views[body].mesh.triangles[triangle];
+        const std::uint32_t owner = owned_item(bodies.block_offsets, i / triangles_per_block).owner;
+        const SheetBody body = bodies[owner];
+        if (body.has_triangle_at(i)) {
+            const Triangle t = body.mesh.triangles[body.triangle_at(i)];
             for (int k = 0; k < 3; ++k)
-                if (flat[bodies.vertex_offsets[body] + t.vertex[k]]) c.vertex[k] = t.vertex[k];
+                if (flat[bodies.vertex_offsets[owner] + t.vertex[k]]) c.vertex[k] = t.vertex[k];
         }
         write_whole(corners[i], c);
     }

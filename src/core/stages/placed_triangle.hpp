@@ -7,8 +7,8 @@
 
 namespace pierce::stages {
 
-/// A triangle during the step, in world space, at its place in a group.
-struct alignas(16) PlacedTriangle {
+/// A triangle during the step, in world space.
+struct PlacedTriangle {
     Vec3f start[3], end[3];
     std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no part
     std::uint32_t own = 0;                 ///< TriangleFeatures::own

@@ -28,21 +28,39 @@ struct SheetBody {
     const BodyView& view;
     const MeshView& mesh;
     const MovingVertex* vertices;
+    std::uint32_t first_place;  ///< of its triangles, among those of all bodies
 
     PIERCE_HD MovingPoint vertex(std::uint32_t v) const {
         const MovingVertex m = read_whole(vertices[v]);
         return {to_double(m.start), to_double(m.end)};
     }
+    PIERCE_HD bool has_triangle_at(std::uint32_t place) const {
+        return place - first_place < mesh.triangles.size && view.active;
+    }
+    PIERCE_HD std::uint32_t triangle_at(std::uint32_t place) const { return mesh.group_triangles[place - first_place]; }
+    PIERCE_HD PlacedTriangle placed(std::uint32_t triangle) const {
+        PlacedTriangle placed;
+        const Triangle t = mesh.triangles[triangle];
+        for (int k = 0; k < 3; ++k) {
+            const MovingVertex v = read_whole(vertices[t.vertex[k]]);
+            placed.start[k] = v.start;
+            placed.end[k] = v.end;
+        }
+        placed.triangle = triangle;
+        placed.own = mesh.features[triangle].own;
+        return placed;
+    }
 };
 
-/// The bodies of pairs with a sheet, and their vertices.
+/// The bodies of pairs with a sheet, and their vertices and triangles.
 struct SheetBodies {
     View<const BodyView> views;
-    View<const std::uint32_t> vertex_offsets;  ///< per body
+    View<const std::uint32_t> vertex_offsets, block_offsets;  ///< per body
     View<const MovingVertex> vertices;
 
     PIERCE_HD SheetBody operator[](std::uint32_t body) const {
-        return {views[body], views[body].mesh, vertices.data + vertex_offsets[body]};
+        return {views[body], views[body].mesh, vertices.data + vertex_offsets[body],
+                block_offsets[body] * triangles_per_block};
     }
 
     /// A vertex by its place among those of all bodies.
@@ -138,12 +156,9 @@ PIERCE_HD inline void pack(GridBoxes& packed, Sixteen<QuickBox>& parts, const Qu
     parts.each([&](std::uint32_t k, const QuickBox& part) { packed.set(k, steps, part); });
 }
 
-/// Per group: its triangles over the step, as a whole and as culling sees them, their boxes, and the slab and the box around
-/// them.
+/// Per group: its triangles over the step as culling sees them, their boxes, and the slab and the box around them.
 struct PlaceGroups {
     SheetBodies bodies;
-    View<const std::uint32_t> block_offsets;  ///< per body
-    Interleaved<PlacedTriangle> placed;
     Interleaved<DriftingTriangle> drifting;
     View<QuickBox> triangle_boxes;
     View<GridBoxes> packed;
@@ -152,26 +167,14 @@ struct PlaceGroups {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i), first = group * constants::group_size;
-        const OwnedItem block = owned_item(block_offsets, group / constants::group_size);
-        const SheetBody body = bodies[block.owner];
-        const std::uint32_t first_of_body = block_offsets[block.owner] * triangles_per_block;
+        const SheetBody body = bodies[owned_item(bodies.block_offsets, group / constants::group_size).owner];
         Sixteen<PlacedTriangle> triangles;
         Sixteen<QuickBox> own_boxes;
         triangles.each([&](std::uint32_t k, PlacedTriangle& p) {
             p = {};
-            const std::uint32_t place = first + k - first_of_body;
-            if (place >= body.mesh.triangles.size || !body.view.active) return;
-            p.triangle = body.mesh.group_triangles[place];
-            p.own = body.mesh.features[p.triangle].own;
-            const Triangle t = body.mesh.triangles[p.triangle];
-            for (int c = 0; c < 3; ++c) {
-                const MovingVertex v = read_whole(body.vertices[t.vertex[c]]);
-                p.start[c] = v.start;
-                p.end[c] = v.end;
-            }
+            if (body.has_triangle_at(first + k)) p = body.placed(body.triangle_at(first + k));
         });
         triangles.each([&](std::uint32_t k, const PlacedTriangle& p) {
-            placed.write(first + k, p);
             drifting.write(first + k, DriftingTriangle(p));
             write_whole(triangle_boxes[first + k], p.box());
         });

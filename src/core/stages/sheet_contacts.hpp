@@ -10,22 +10,6 @@
 /// Sheets, last part: the list of their contacts, in order, what is remembered of each, and what they add up to.
 namespace pierce::stages {
 
-/// Per two features: what they are sorted by. Those of one feature are then in any order (OrderTies).
-struct KeyFeatures {
-    View<const FeaturePair> features;
-    std::uint32_t bits = 0;  ///< of a feature's number
-    View<std::uint64_t> keys;
-    View<std::uint32_t> order;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const FeaturePair f = read_whole(features[i]);
-        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
-        order[i] = i;
-    }
-};
-
 /// Per two features in their order: those with the same key are brought into the order of the other ones, by the first of
 /// them. They are few.
 struct OrderTies {
@@ -44,24 +28,27 @@ struct OrderTies {
     }
 };
 
-/// Per two features: for how many steps they have been a contact. Reads the memory of the last step.
+/// Per two features, in their order: for how many steps they have been a contact. Reads the memory of the last step, in
+/// which neighbours look in the same places.
 struct FindAge {
     View<const FeaturePair> features;
+    View<const std::uint32_t> order;
     SheetMemory memory;
-    View<std::uint32_t> ages;
+    View<std::uint32_t> ages;  ///< per two features, in no order
 
     static constexpr int threads_at_once = 1536;  // it waits for memory
 
-    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[i])); }
+    PIERCE_HD void operator()(std::uint32_t place) const {
+        ages[order[place]] = memory.age(read_whole(features[order[place]]));
+    }
 };
 
 /// True for features that are a contact; lists those in their order.
 struct IsContact {
-    View<const std::uint32_t> verdicts, order;
+    View<const Judgement> judgements;
+    View<const std::uint32_t> order;
 
-    PIERCE_HD bool operator()(std::uint32_t place) const {
-        return verdicts[order[place]] == static_cast<std::uint32_t>(Verdict::contact);
-    }
+    PIERCE_HD bool operator()(std::uint32_t place) const { return judgements[order[place]].verdict == Verdict::contact; }
     PIERCE_HD std::uint32_t listed(std::uint32_t place) const { return order[place]; }
 };
 
@@ -94,6 +81,7 @@ struct FillSheetContact {
     View<const SheetPair> pairs;
     View<const FeaturePair> features;
     View<const SheetMeeting> meetings;
+    View<const Judgement> judgements;
     View<const std::uint32_t> ages;
     View<const std::uint32_t> kept;  ///< features, in their order
     std::uint32_t bits = 0;          ///< of the keys
@@ -108,6 +96,7 @@ struct FillSheetContact {
         const std::uint32_t feature = kept[i];
         const FeaturePair f = read_whole(features[feature]);
         const SheetMeeting m = read_whole(meetings[feature]);
+        const Judgement judgement = judgements[feature];
         const SheetPair pair = read_whole(pairs[f.pair]);
         const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
         const SheetBody source = bodies[from_b ? pair.second : pair.first],
@@ -118,8 +107,8 @@ struct FillSheetContact {
         c.b = pair.ids[1];
         c.source = from_b ? Side::b : Side::a;
         c.of_sheet = true;
-        c.found = m.found;
-        c.unknown_side = m.unknown;
+        c.found = judgement.found;
+        c.unknown_side = judgement.unknown;
         c.time = m.time;
         c.age = ages[feature];
         c.distance = m.distance;
@@ -147,7 +136,7 @@ struct FillSheetContact {
             }
         } else {
             c.triangle = f.other;
-            for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight[k];
+            for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight_of(k);
         }
         if (!is_vertex)
             for (int k = 0; k < 3; ++k) corner[k] = target.vertex(target.mesh.triangles[c.triangle].vertex[k]).end;
@@ -161,8 +150,8 @@ struct FillSheetContact {
         SheetRecord record;
         record.other = f.other;
         record.age = c.age;
-        record.side = m.distance < 0 ? m.side : std::int8_t{0};
-        record.found = m.found;
+        record.side = m.distance < 0 ? judgement.side : std::int8_t{0};
+        record.found = judgement.found;
         record.is_self = pair.is_self();
         record.is_edge = !is_vertex;
         record.distance = m.distance;

@@ -72,6 +72,16 @@ struct alignas(16) FeaturePair {
     std::uint32_t vertex[4] = {};
 };
 
+/// The key of a feature: sheets' contacts and records are sorted by it. Those of one feature are then in any order
+/// (OrderTies). `bits`: as many as a feature's number has at most.
+PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item, std::uint32_t bits) {
+    return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;
+}
+PIERCE_HD inline std::uint32_t pair_of(std::uint64_t key, std::uint32_t bits) {
+    return static_cast<std::uint32_t>(key >> (bits + 3));
+}
+static_assert(constants::max_elements <= std::uint32_t{1} << 30);
+
 /// True if a segment runs through a triangle, from one side to the other. Strictly: touching is not piercing.
 PIERCE_HD inline bool pierces(Vec3d p, Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d n = cross(b - a, c - a);
@@ -106,9 +116,9 @@ struct QuickPair {
     QuickTriangle qa, qb;
     float thickness, margin, end_size, size;
 
-    PIERCE_HD QuickPair(Interleaved<const PlacedTriangle> placed, const SheetPair& pair, const MeetingTriangles& t)
-        : a(placed.read(t.first)),
-          b(placed.read(t.second)),
+    PIERCE_HD QuickPair(const PlacedTriangle& first, const PlacedTriangle& second, const SheetPair& pair)
+        : a(first),
+          b(second),
           qa(a, a.end[0]),
           qb(b, a.end[0]),
           thickness(pair.quick_thickness),
@@ -205,14 +215,13 @@ struct IsOpen {
 struct FindOpenFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
-    Interleaved<const PlacedTriangle> placed;
     View<const std::uint32_t> open;
     View<MeetingTriangles> triangles;  ///< all
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const MeetingTriangles t = read_whole(triangles[open[i]]);
         const SheetPair& pair = pairs[t.pair];
-        const OpenPair p(QuickPair(placed, pair, t), bodies[pair.first], bodies[pair.second]);
+        const OpenPair p(t, pair, bodies[pair.first], bodies[pair.second]);
         std::uint32_t bits = 0;
         for (std::uint32_t k = 0; k < 3; ++k) bits |= mask(p, k, pair.first == pair.second);
         triangles[open[i]].features = bits;
@@ -224,8 +233,9 @@ private:
         SheetBody of_a, of_b;
         const Triangle &ta, &tb;
 
-        PIERCE_HD OpenPair(const QuickPair& pair, const SheetBody& body_a, const SheetBody& body_b)
-            : QuickPair(pair),
+        PIERCE_HD OpenPair(const MeetingTriangles& t, const SheetPair& pair, const SheetBody& body_a,
+                           const SheetBody& body_b)
+            : QuickPair(body_a.placed(body_a.triangle_at(t.first)), body_b.placed(body_b.triangle_at(t.second)), pair),
               of_a(body_a),
               of_b(body_b),
               ta(body_a.mesh.triangles[a.triangle]),
@@ -304,36 +314,39 @@ private:
     }
 };
 
-/// Per pair of triangles: its features.
+/// Per pair of triangles: its features, what they are sorted by, and their places, which are sorted with that.
 struct ListFeatures {
-    View<const BodyView> bodies;
-    View<const std::uint32_t> vertex_offsets;  ///< per body
+    SheetBodies bodies;
     View<const SheetPair> pairs;
-    Interleaved<const PlacedTriangle> placed;
     View<const MeetingTriangles> triangles;
+    std::uint32_t key_bits = 0;  ///< of a feature's number
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return triangles[i].features; }
     PIERCE_HD static std::uint32_t count(std::uint32_t bits) { return bit_count(bits & FeatureBits::all); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, std::uint32_t place, FeaturePair* features) const {
-        write_bits<FeatureBits::count>(
-            bits, i, place, [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
-                const MeetingTriangles t = read_whole(triangles[item]);
-                FeaturePair f = feature(t.pair, placed.read(t.first).triangle, placed.read(t.second).triangle, bit);
-                f.separate = (mask & FeatureBits::separate) != 0;
-                write_whole(features[at], f);
-            });
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t bits, std::uint32_t place, FeaturePair* features,
+                         std::uint64_t* keys, std::uint32_t* order) const {
+        write_bits<FeatureBits::count>(bits, i, place,
+                                       [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
+                                           const MeetingTriangles t = read_whole(triangles[item]);
+                                           FeaturePair f = feature(t, bit);
+                                           f.separate = (mask & FeatureBits::separate) != 0;
+                                           write_whole(features[at], f);
+                                           keys[at] = feature_key(f.pair, f.kind, f.item, key_bits);
+                                           order[at] = at;
+                                       });
     }
 
 private:
-    /// `a`, `b`: triangles of the pair's bodies.
-    PIERCE_HD FeaturePair feature(std::uint32_t p, std::uint32_t a, std::uint32_t b, std::uint32_t bit) const {
-        const SheetPair pair = read_whole(pairs[p]);
-        const MeshView &first = bodies[pair.first].mesh, &second = bodies[pair.second].mesh;
-        const std::uint32_t at_first = vertex_offsets[pair.first], at_second = vertex_offsets[pair.second];
+    PIERCE_HD FeaturePair feature(const MeetingTriangles& t, std::uint32_t bit) const {
+        const SheetPair pair = read_whole(pairs[t.pair]);
+        const SheetBody body_a = bodies[pair.first], body_b = bodies[pair.second];
+        const MeshView &first = body_a.mesh, &second = body_b.mesh;
+        const std::uint32_t a = body_a.triangle_at(t.first), b = body_b.triangle_at(t.second);
+        const std::uint32_t at_first = bodies.vertex_offsets[pair.first], at_second = bodies.vertex_offsets[pair.second];
         // In a body itself, which of the two it is matters to nobody.
         const bool self = pair.is_self();
         FeaturePair f;
-        f.pair = p;
+        f.pair = t.pair;
         if (bit < FeatureBits::vertex_of_second) {
             f.item = first.triangles[a].vertex[bit];
             f.other = b;

@@ -16,20 +16,26 @@ namespace pierce::stages {
 
 /// How two features stand at the end of the step.
 struct alignas(16) SheetMeeting {
-    double weight[3] = {};  ///< of the triangle's corners; of edges: the place along the second one comes first
-    double along = 0;       ///< of edges: the place along the first
+    double weight[2] = {};  ///< of the triangle's first two corners; of edges: the place along the second one comes first
+    double along = 0;       ///< of an edge, or the first of two: the place along it
     Vec3d out;              ///< unit, world: where the first feature belongs, as seen from the second
     double distance = 0;    ///< [length] along it
     double time = 1;
-    Found found = Found::near;
-    std::int8_t side = 0;
-    bool unknown = false;
-    std::uint8_t padding[5] = {};
+
+    PIERCE_HD double weight_of(int corner) const { return corner < 2 ? weight[corner] : 1 - weight[0] - weight[1]; }
 };
-static_assert(sizeof(SheetMeeting) == 80);
+static_assert(sizeof(SheetMeeting) == 64);
+
+enum class Verdict : std::uint8_t { nothing, contact, undecided };
 
 /// What is said of two features.
-enum class Verdict : std::uint32_t { nothing, contact, undecided };
+struct Judgement {
+    Verdict verdict = Verdict::nothing;
+    Found found = Found::near;
+    std::int8_t side = 0;  ///< of a vertex, of the triangle: where it belongs
+    bool unknown = false;  ///< nobody knows which way out is
+};
+static_assert(sizeof(Judgement) == sizeof(std::uint32_t));
 
 /// Per two features: whether they are a contact, and how. Reads the memory of the last step. First of all features, without
 /// searching for the time of a meeting: nearly all are settled by a direction that separates them, and the others listed as
@@ -43,44 +49,42 @@ struct MeetFeatures {
     View<const std::uint32_t> undecided;  ///< if searching: which
     SheetMemory memory;
     View<SheetMeeting> meetings;
-    View<std::uint32_t> verdicts;
+    View<Judgement> judgements;
 
     static constexpr int threads_at_once = searching ? 256 : 512;  // measured: with 384 a quarter slower
 
     PIERCE_HD void operator()(std::uint32_t item) const { judge(undecided[item]); }
 
     /// Without searching: true if they are undecided.
-    PIERCE_HD bool find(std::uint32_t i) const { return judge(i) == Verdict::undecided; }
+    PIERCE_HD bool find(std::uint32_t i) const { return judge(i).verdict == Verdict::undecided; }
     PIERCE_HD static std::uint32_t count(bool is_undecided) { return is_undecided; }
     PIERCE_HD void write(std::uint32_t i, bool is_undecided, std::uint32_t place, std::uint32_t* list) const {
         if (is_undecided) list[place] = i;
     }
 
 private:
-    PIERCE_HD Verdict judge(std::uint32_t i) const {
+    PIERCE_HD Judgement judge(std::uint32_t i) const {
         const FeaturePair f = read_whole(features[i]);
         const SheetPair pair = read_whole(sheet_pairs[f.pair]);
         // Whatever they are, their vertices are read side by side; places of one body or the other are not looked up again.
         MovingPoint p[4];
         for (int k = 0; k < 4; ++k) p[k] = bodies.vertex(f.vertex[k]);
         SheetMeeting m;
-        Verdict verdict = Verdict::nothing;
+        Judgement judgement;
         if (f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b)
-            verdict = vertex_and_triangle(f, pair, p, m);
+            judgement = vertex_and_triangle(f, pair, p, m);
         else if (f.kind == FeatureKind::edges)
-            verdict = two_edges(f, pair, p, m);
+            judgement = two_edges(f, pair, p, m);
         else
-            verdict = said(piercing(f, pair, m));
-        verdicts[i] = static_cast<std::uint32_t>(verdict);
+            judgement = piercing(f, pair, m);
+        judgements[i] = judgement;
         // Also of what is no contact: threads that write together all write.
         if constexpr (searching)
             write_whole(meetings[i], m);
         else
             write_side_by_side(meetings.data, i, m);
-        return verdict;
+        return judgement;
     }
-
-    PIERCE_HD static Verdict said(bool contact) { return contact ? Verdict::contact : Verdict::nothing; }
 
     /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to the triangle's first
     /// corner.
@@ -92,14 +96,15 @@ private:
 
     PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
 
-    PIERCE_HD Verdict vertex_and_triangle(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
-                                          SheetMeeting& m) const {
+    PIERCE_HD Judgement vertex_and_triangle(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
+                                            SheetMeeting& m) const {
         const Vec3d origin = point[1].end;
         const MovingTriangle face(point[1], point[2], point[3], origin);
         const MovingPoint p = relative(point[0], origin);
         const Vec3d normal = normalized(face.end_normal());
         const double height = dot(normal, p.end - face.corner[0].end);
-        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
+        double weight[3] = {};
+        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, weight);
 
         const bool close = above && std::fabs(height) < pair.margin;
         const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) != (height < 0);
@@ -109,32 +114,36 @@ private:
             met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
         else if ((close && changes) ||
                  (!f.separate && !vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2])))
-            return Verdict::undecided;
-        if (!met && !close) return Verdict::nothing;
+            return {Verdict::undecided};
+        if (!met && !close) return {};
         // Looking into the memory takes longer than all the rest: only where it matters.
         const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles) : 0;
-        m.side = static_cast<std::int8_t>(side(f, face, p, height, remembered, met, impact));
+        const std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
         // What is inside a solid is pushed out along a ray.
-        if (pair.is_solid[1 - side_of(f.kind)] && m.side < 0) return Verdict::nothing;
+        if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) return {};
 
-        const double gap = m.side * height;
+        const double gap = its_side * height;
         const bool through = above && remembered != 0 && gap < 0 && -gap < pair.margin;
         const bool near = above && std::fabs(height) < pair.thickness && gap < proximity_of_vertex(f, pair);
-        if (!met && !near && !through) return Verdict::nothing;
-        m.out = static_cast<double>(m.side) * normal;
+        if (!met && !near && !through) return {};
+        m.out = static_cast<double>(its_side) * normal;
         m.distance = gap;
+        m.weight[0] = weight[0];
+        m.weight[1] = weight[1];
         if (!above) {
             // It meets the triangle and goes on beside it: the place it has met.
             m.weight[0] = 1 - impact.u - impact.v;
             m.weight[1] = impact.u;
-            m.weight[2] = impact.v;
             Vec3d at;
-            for (int k = 0; k < 3; ++k) at += m.weight[k] * face.corner[k].end;
+            for (int k = 0; k < 3; ++k) at += m.weight_of(k) * face.corner[k].end;
             m.distance = dot(m.out, p.end - at);
         }
-        m.found = met ? Found::crossing : through ? Found::remembered : Found::near;
         if (met) m.time = impact.time;
-        return Verdict::contact;
+        return {Verdict::contact,
+                met       ? Found::crossing
+                : through ? Found::remembered
+                          : Found::near,
+                static_cast<std::int8_t>(its_side)};
     }
 
     /// Weights of the corners at the foot of `p`; true if that lies in the triangle.
@@ -204,8 +213,8 @@ private:
         for (int k = 0; k < 4; ++k) rest[k] = to_double(positions[f.vertex[k] - offset]);
     }
 
-    PIERCE_HD Verdict two_edges(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
-                                SheetMeeting& m) const {
+    PIERCE_HD Judgement two_edges(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
+                                  SheetMeeting& m) const {
         const Vec3d origin = point[0].end;
         const MovingPoint p = relative(point[0], origin), q = relative(point[1], origin), r = relative(point[2], origin),
                           s = relative(point[3], origin);
@@ -219,12 +228,12 @@ private:
         if constexpr (searching)
             met = edges_meet(p, q, r, s, impact);
         else if (!f.separate && !edges_surely_miss(p, q, r, s))
-            return Verdict::undecided;
+            return {Verdict::undecided};
         if (!met) {
-            if (!between || !(m.distance > 0) || !(m.distance < proximity_of_edges(f, pair))) return Verdict::nothing;
+            if (!between || !(m.distance > 0) || !(m.distance < proximity_of_edges(f, pair))) return {};
             m.out = normalized(way);
             set_places(m, at.first, at.second);
-            return Verdict::contact;
+            return {Verdict::contact, Found::near};
         }
         // The side from which they meet; it stays theirs while they turn.
         const auto when = [&](const MovingPoint& x) { return x.start + impact.time * (x.end - x.start); };
@@ -242,9 +251,8 @@ private:
         way = p.end + first_place * (q.end - p.end) - r.end - second_place * (s.end - r.end);
         m.distance = dot(m.out, way);
         set_places(m, first_place, second_place);
-        m.found = Found::crossing;
         m.time = impact.time;
-        return Verdict::contact;
+        return {Verdict::contact, Found::crossing};
     }
 
     PIERCE_HD static void set_places(SheetMeeting& m, double first, double second) {
@@ -254,15 +262,15 @@ private:
 
     /// An edge that has been through a triangle since before the step began: a contact only if nobody knows which way it
     /// came. Moving it along the gradient of the contour's length makes the two part (Volino and Magnenat-Thalmann 2006).
-    PIERCE_HD bool piercing(const FeaturePair& f, const SheetPair& pair, SheetMeeting& m) const {
-        if (pair.is_solid[0] || pair.is_solid[1]) return false;
+    PIERCE_HD Judgement piercing(const FeaturePair& f, const SheetPair& pair, SheetMeeting& m) const {
+        if (pair.is_solid[0] || pair.is_solid[1]) return {};
         const SheetBody of_edge = holder(f), of_face = target(f);
         const View<const Triangle> triangles = of_face.mesh.triangles;
         const FeatureKind vertices =
             side_of(f.kind) == 0 || pair.is_self() ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
         const Edge& e = of_edge.mesh.edges[f.item];
         for (std::uint32_t v : e.vertex)
-            if (pair.was_through && memory.knows(f.pair, vertices, v, f.other, triangles)) return false;
+            if (pair.was_through && memory.knows(f.pair, vertices, v, f.other, triangles)) return {};
         const Triangle& t = triangles[f.other];
         const Vec3d a = of_face.vertex(t.vertex[0]).end, b = of_face.vertex(t.vertex[1]).end - a,
                     c = of_face.vertex(t.vertex[2]).end - a;
@@ -271,7 +279,10 @@ private:
         const double from = dot(normal, p), to = dot(normal, q);
         m.along = from / (from - to);
         const Vec3d at = p + m.along * (q - p);
-        weights_over({}, b, c, at, m.weight);
+        double weight[3] = {};
+        weights_over({}, b, c, at, weight);
+        m.weight[0] = weight[0];
+        m.weight[1] = weight[1];
         const Vec3d along = normalized(q - p);
         Vec3d gradient;
         for (std::uint32_t side : e.triangle) {
@@ -286,10 +297,9 @@ private:
             gradient += contour - (2 * dot(along, contour) / dot(along, normal)) * normal;
         }
         const double size = length(gradient);
-        m.unknown = !(size > constants::vanishing_normal) || !(size < 1 / constants::vanishing_normal);
-        m.out = m.unknown ? normal : normalized(gradient);
-        m.found = Found::tangled;
-        return true;
+        const bool unknown = !(size > constants::vanishing_normal) || !(size < 1 / constants::vanishing_normal);
+        m.out = unknown ? normal : normalized(gradient);
+        return {Verdict::contact, Found::tangled, 0, unknown};
     }
 };
 

@@ -21,16 +21,6 @@ struct SheetRecord {
     double distance = 0;  ///< of the contact, for what contacts add up to
 };
 
-/// The key of a feature: sheets' contacts and records are sorted by it.
-/// `bits`: as many as a feature's number has at most.
-PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item, std::uint32_t bits) {
-    return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;
-}
-PIERCE_HD inline std::uint32_t pair_of(std::uint64_t key, std::uint32_t bits) {
-    return static_cast<std::uint32_t>(key >> (bits + 3));
-}
-static_assert(constants::max_elements <= std::uint32_t{1} << 30);
-
 /// Last step's records, by pair of this step.
 struct SheetMemory {
     View<const std::uint32_t> links;  ///< per pair, which it was in the last step, or no_pair
