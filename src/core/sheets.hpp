@@ -22,7 +22,12 @@ public:
 
     /// Where all bodies are over the step; find() need not find it out then.
     void bound_all(const Scene& scene) {
-        executor_.assign(wanted_, scene.bodies.size, 1u);
+        // The first step of a plan is one whose counts the host knows, so that they hold for the others.
+        if (planned_ != scene.plan->revision) {
+            executor_.assign(wanted_, scene.bodies.size, 1u);
+            place(scene);
+            planned_ = scene.plan->revision;
+        }
         bound(scene);
         is_bound_ = true;
     }
@@ -61,7 +66,10 @@ private:
         executor_.for_each("plan_sheet_pair", pair_count,
                            stages::PlanSheetPair{scene.bodies, scene.ids, view_of(pairs), links, view_of(last_deepest_),
                                                  view_of(sheet_pairs_), view_of(wanted_)});
-        if (!is_bound_) bound(scene);
+        if (!is_bound_) {
+            place(scene);
+            bound(scene);
+        }
         is_bound_ = false;
         executor_.beside([&] { find_flat_corners(scene); });
 
@@ -98,8 +106,8 @@ private:
                        triangles_);
     }
 
-    /// Where the bodies that matter are over the step: vertices, triangles, and bounds of those.
-    void bound(const Scene& scene) {
+    /// Where the vertices, blocks and sections of wanted bodies are among those of all.
+    void place(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
         section_counts_.resize(bodies);
         block_counts_.resize(bodies);
@@ -107,12 +115,16 @@ private:
         executor_.for_each("count_sheet_items", bodies,
                            stages::CountSheetItems{scene.bodies, view_of(wanted_), view_of(section_counts_),
                                                    view_of(block_counts_), view_of(counts_)});
-        const Count vertices = tools_.place("vertex_scan", counts_, vertex_offsets_);
-        vertices_.resize(vertices);
-        executor_.for_each("move_vertices", vertices,
+        vertices_.resize(tools_.place("vertex_scan", counts_, vertex_offsets_));
+        section_begins_.resize(tools_.place("sheet_section_scan", section_counts_, section_offsets_));
+        block_boxes_.resize(tools_.place("sheet_block_scan", block_counts_, block_offsets_));
+    }
+
+    /// Where they are over the step: vertices, triangles, and bounds of those.
+    void bound(const Scene& scene) {
+        executor_.for_each("move_vertices", count_of(vertices_),
                            stages::MoveVertices{scene.bodies, view_of(vertex_offsets_), view_of(vertices_)});
-        const Count sections = tools_.place("sheet_section_scan", section_counts_, section_offsets_);
-        const Count blocks = tools_.place("sheet_block_scan", block_counts_, block_offsets_);
+        const Count sections = count_of(section_begins_), blocks = count_of(block_boxes_);
         const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
         drifting_.resize(triangles);
         boxes_.resize(triangles);
@@ -124,12 +136,10 @@ private:
                                                view_of(in_groups_), view_of(group_slabs_), view_of(group_boxes_)});
         in_blocks_.resize(blocks);
         block_slabs_.resize(blocks);
-        block_boxes_.resize(blocks);
         executor_.for_each("bound_blocks", executor_.in_sixteens(blocks),
                            stages::BoundBlocks{view_of(group_slabs_), view_of(group_boxes_), view_of(in_blocks_),
                                                view_of(block_slabs_), view_of(block_boxes_)});
         in_sections_.resize(sections);
-        section_begins_.resize(sections);
         section_ends_.resize(sections);
         executor_.for_each("bound_sections", executor_.in_sixteens(sections),
                            stages::BoundSections{view_of(section_offsets_), view_of(block_offsets_), view_of(block_counts_),
@@ -219,7 +229,8 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
-    bool is_bound_ = false;  ///< bound_all() was called in this step
+    bool is_bound_ = false;      ///< bound_all() was called in this step
+    std::uint64_t planned_ = 0;  ///< revision of the plan whose bodies are placed, all of them
     Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
     Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, section_ends_, block_counts_,
