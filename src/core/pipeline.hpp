@@ -51,11 +51,10 @@ public:
         // On a device all bodies are placed while their pairs are looked for; not where there are solids, too, most of which
         // have no sheet near.
         if (!E::runs_on_host && scene.plan->sheets && !scene.plan->casts_rays)
-            time("sheets", [&] { executor_.beside([&] { sheets_.bound_all(scene); }); });
+            time("sheets", [&] { sheets_.bound_all(scene); });
         time("bounds", [&] { bounds(scene); });
         if (scene.plan->casts_rays) time("update", [&] { tools_.update_all(scene.bodies); });
         time("pairs", [&] { pairs(scene); });
-        if (!scene.plan->casts_rays) executor_.join();
         if (scene.plan->sheets) time("sheets", [&] { sheets(scene); });
         forget_rays();
         if (scene.plan->casts_rays)

@@ -20,7 +20,7 @@ public:
 
     explicit Sheets(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
-    /// Where all bodies are over the step; find() need not find it out then.
+    /// Where all bodies are over the step, beside what comes until find(), which need not find it out then.
     void bound_all(const Scene& scene) {
         // The first step of a plan is one whose counts the host knows, so that they hold for the others.
         if (planned_ != scene.plan->revision) {
@@ -28,7 +28,7 @@ public:
             place(scene);
             planned_ = scene.plan->revision;
         }
-        bound(scene);
+        executor_.beside([&] { bound(scene); });
         is_bound_ = true;
     }
 
@@ -70,9 +70,6 @@ private:
             place(scene);
             bound(scene);
         }
-        is_bound_ = false;
-        executor_.beside([&] { find_flat_corners(scene); });
-
         executor_.emit("find_rows", pair_count,
                        stages::FindRows{view_of(sheet_pairs_), view_of(section_offsets_), view_of(section_counts_)},
                        section_rows_);
@@ -80,6 +77,10 @@ private:
                        stages::FindSections{view_of(sheet_pairs_), view_of(section_rows_), view_of(section_offsets_),
                                             view_of(section_counts_)},
                        sections_);
+        if (is_bound_) executor_.join();
+        is_bound_ = false;
+        executor_.beside([&] { find_flat_corners(scene); });
+
         executor_.emit("find_blocks", constants::group_size * count_of(sections_),
                        stages::FindParts{view_of(sheet_pairs_),
                                          view_of(sections_),
@@ -170,8 +171,8 @@ private:
                        stages::ListFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(meeting_triangles_), bits_},
                        features_, unsorted_keys_, unsorted_);
         const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
-        executor_.beside([&] { order_features(pairs, memory); });
-        judge(scene, pairs, memory);
+        executor_.beside([&] { judge(scene, pairs, memory); });
+        order_features(pairs);
         executor_.join();
         const Count kept = tools_.list("sheet_contact_list", count_of(features_),
                                        stages::IsContact{view_of(judgements_), view_of(order_)}, kept_);
@@ -185,24 +186,21 @@ private:
                                      view_of(records_), view_of(deepest_), view_of(contacts_)});
     }
 
-    /// The order of features, as that of the contacts among them; for how long they have been contacts; and room for what is
-    /// remembered of those.
-    void order_features(const Buffer<Pair>& pairs, const stages::SheetMemory& memory) {
+    /// The order of features, as that of the contacts among them, and room for what is remembered of those.
+    void order_features(const Buffer<Pair>& pairs) {
         const Count count = count_of(features_);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
         tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(bits_), unsorted_keys_, unsorted_, feature_keys_,
                     order_);
         executor_.for_each("order_ties", count,
                            stages::OrderTies{view_of(features_), view_of(feature_keys_), view_of(order_)});
-        ages_.resize(count);
-        executor_.for_each("find_age", count, stages::FindAge{view_of(features_), view_of(order_), memory, view_of(ages_)});
         // What is past the last contact's stays: the next step searches in all of it.
         executor_.assign(keys_, static_cast<std::uint32_t>(features_.size()), ~std::uint64_t{0});
         deepest_.resize(count_of(pairs));
         executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(deepest_)});
     }
 
-    /// Which features are contacts.
+    /// Which features are contacts, and for how long.
     void judge(const Scene& scene, const Buffer<Pair>& pairs, const stages::SheetMemory& memory) {
         const Count count = count_of(features_);
         meetings_.resize(count);
@@ -221,6 +219,8 @@ private:
             "search_meetings", count_of(undecided_),
             stages::MeetFeatures<true>{bodies_of(scene), view_of(pairs), view_of(sheet_pairs_), view_of(features_),
                                        view_of(undecided_), memory, view_of(meetings_), view_of(judgements_)});
+        ages_.resize(count);
+        executor_.for_each("find_age", count, stages::FindAge{view_of(features_), memory, view_of(ages_)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {

@@ -35,8 +35,10 @@ public:
 
     CudaExecutor() {
         using cuda::check;
-        for (cudaStream_t* stream : {&stream_, &side_.stream})
-            check(cudaStreamCreateWithFlags(stream, cudaStreamNonBlocking), "a stream");
+        int low = 0, high = 0;
+        check(cudaDeviceGetStreamPriorityRange(&low, &high), "the priorities of streams");
+        check(cudaStreamCreateWithPriority(&stream_, cudaStreamNonBlocking, high), "a stream");
+        check(cudaStreamCreateWithPriority(&side_.stream, cudaStreamNonBlocking, low), "a stream");
         for (cudaEvent_t* event : {&forked_, &joined_, &lists_begun_})
             check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
         totals_.resize(2 * most_totals);
@@ -95,8 +97,8 @@ public:
         return false;
     }
 
-    /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own. It
-    /// is done as a whole, or not at all if a list has outgrown its room before.
+    /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own,
+    /// where the GPU has room beside what comes. It is done as a whole, or not at all if a list has outgrown its room before.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
@@ -199,6 +201,7 @@ public:
                 items(n), keys.data, values.data, sorted_keys.data, sorted_values.data);
             return cuda::check(cudaGetLastError(), "a launch");
         }
+        if (bits <= 32) return sort_narrow(n, bits, keys, values, sorted_keys, sorted_values);
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceRadixSort::SortPairs(scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
@@ -343,6 +346,25 @@ private:
         cuda::add_up<threads><<<blocks, threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
                                                                blocks_done_.data() + is_beside_, sum.data());
         cuda::check(cudaGetLastError(), "a launch");
+    }
+
+    /// Sorts keys by half of what they take, as they have no more bits: less for every pass to move.
+    void sort_narrow(Count n, int bits, View<const std::uint64_t> keys, View<const std::uint32_t> values,
+                     View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+        const auto sort = [&](void* scratch, std::size_t& bytes, const std::uint32_t* from, std::uint32_t* to) {
+            cuda::check(cub::DeviceRadixSort::SortPairs(scratch, bytes, from, to, values.data, sorted_values.data,
+                                                        static_cast<int>(n.bound), 0, bits, stream_),
+                        "a sort");
+        };
+        std::size_t bytes = 0;
+        sort(nullptr, bytes, nullptr, nullptr);
+        constexpr std::size_t word = sizeof(std::uint32_t);
+        const std::size_t begin = (bytes + word - 1) / word;  // of what follows the sort's own scratch memory
+        scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound)));
+        std::uint32_t* const narrow = reinterpret_cast<std::uint32_t*>(scratch_.data()) + begin;
+        for_each("narrow_keys", n.bound, cuda::NarrowKey{items(n), keys.data, narrow});
+        sort(scratch_.data(), bytes, narrow, narrow + n.bound);
+        for_each("widen_keys", n.bound, cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
     }
 
     /// What comes beside follows what has come so far.

@@ -100,6 +100,26 @@ struct PadKey {
     }
 };
 
+/// Keys that fit half the bits, and back again.
+struct NarrowKey {
+    Items items;
+    const std::uint64_t* keys;
+    std::uint32_t* narrow;
+
+    __device__ void operator()(std::uint32_t i) const {
+        narrow[i] = i < items.count() ? static_cast<std::uint32_t>(keys[i]) : ~std::uint32_t{0};
+    }
+};
+struct WidenKey {
+    Items items;
+    const std::uint32_t* narrow;
+    std::uint64_t* keys;
+
+    __device__ void operator()(std::uint32_t i) const {
+        keys[i] = i < items.count() ? std::uint64_t{narrow[i]} : ~std::uint64_t{0};
+    }
+};
+
 /// A list of counts, continued with zeros.
 struct CountAt {
     Items items;

@@ -165,6 +165,8 @@ struct PlaceGroups {
     View<Slab> slabs;
     View<QuickBox> boxes;
 
+    static constexpr int threads_at_once = 1024;
+
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i), first = group * constants::group_size;
         const SheetBody body = bodies[owned_item(bodies.block_offsets, group / constants::group_size).owner];

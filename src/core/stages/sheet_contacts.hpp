@@ -28,19 +28,15 @@ struct OrderTies {
     }
 };
 
-/// Per two features, in their order: for how many steps they have been a contact. Reads the memory of the last step, in
-/// which neighbours look in the same places.
+/// Per two features: for how many steps they have been a contact. Reads the memory of the last step.
 struct FindAge {
     View<const FeaturePair> features;
-    View<const std::uint32_t> order;
     SheetMemory memory;
-    View<std::uint32_t> ages;  ///< per two features, in no order
+    View<std::uint32_t> ages;
 
     static constexpr int threads_at_once = 1536;  // it waits for memory
 
-    PIERCE_HD void operator()(std::uint32_t place) const {
-        ages[order[place]] = memory.age(read_whole(features[order[place]]));
-    }
+    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[i])); }
 };
 
 /// True for features that are a contact; lists those in their order.
