@@ -26,7 +26,7 @@ echo "built in $SECONDS s"
 } >"$out/machine.txt"
 
 # Every backend's contact lists against the reference, bit for bit.
-ctest --test-dir "$build" --tests-regex '^conformance\.' --parallel $((($(nproc) + 1) / 2)) --output-on-failure >>"$out/log.txt" 2>&1 ||
+ctest --test-dir "$build" --tests-regex '^conformance\.' --parallel "$(nproc)" --output-on-failure >>"$out/log.txt" 2>&1 ||
     { tail -40 "$out/log.txt"; exit 1; }
 echo "$(grep 'tests passed' "$out/log.txt"), $SECONDS s"
 

@@ -134,6 +134,8 @@ struct FindFeatures {
     Interleaved<const DriftingTriangle> drifting;
     View<const TrianglePair> triangles;
 
+    static constexpr int threads_at_once = 1280;
+
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
         return t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair]) : FeatureBits::open;
