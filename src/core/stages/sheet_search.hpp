@@ -140,7 +140,7 @@ struct FindParts {
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
 
-    static constexpr int threads_at_once = 1280;  // measured: with 512 a quarter slower
+    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes 0.5 % longer
 
     /// A bit for each.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -244,7 +244,7 @@ struct CullTriangles {
     Interleaved<const DriftingTriangle> drifting;
     View<const FlatCorners> flat_corners;
 
-    static constexpr int threads_at_once = 1280;
+    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes 0.8 % longer
     static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
     static_assert(asked_bits == constants::group_size);
 
