@@ -1,6 +1,8 @@
 // Every backend gives the reference's contact list, bit for bit, on every frame of the scenes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pierce/core/contact_hash.hpp"
 #include "pierce/scenes/detector.hpp"
 #include "pierce/scenes/recording.hpp"
@@ -71,9 +73,14 @@ TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EquivalenceTest,
                          testing::Values(Case{"tori", false, false}, Case{"tori", false, true}, Case{"tori", true, false},
-                                         Case{"bunnies", false, false}, Case{"bunnies", true, false}),
+                                         Case{"bunnies", false, false}, Case{"bunnies", true, false},
+                                         Case{"cloth-capsule", true, false}, Case{"cloth-fold", true, false},
+                                         Case{"cloth-catch", true, false}, Case{"cloth-twist", true, false},
+                                         Case{"ball-squash", true, false}),
                          [](const testing::TestParamInfo<Case>& tested) {
-                             return std::string(tested.param.scene) + (tested.param.soft ? "_soft" : "_rigid") +
+                             std::string scene = tested.param.scene;
+                             std::ranges::replace(scene, '-', '_');
+                             return scene + (tested.param.soft ? "_soft" : "_rigid") +
                                     (tested.param.as_vertices ? "_as_vertices" : "");
                          });
 
