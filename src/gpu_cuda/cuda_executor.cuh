@@ -23,7 +23,7 @@ namespace pierce {
 /// Stages on the GPU, one thread an item, on one stream, and a second for what beside() is given. In exact steps totals come
 /// back to the host, which waits for each. In bounded steps they stay on the device: launches and buffers are sized by what
 /// the last exact step came to, with room to grow, so that the host waits for nothing and the step can be captured as a
-/// graph. A step that would not fit says so.
+/// graph. A step that would not fit says so. One class, long as it is: all that it does shares its streams and totals.
 class CudaExecutor {
 public:
     using Count = cuda::DeviceCount;
@@ -98,7 +98,8 @@ public:
     }
 
     /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own,
-    /// where the GPU has room beside what comes. It is done as a whole, or not at all if a list has outgrown its room before.
+    /// where the GPU has room beside what comes. It is done as a whole, or not at all if a list has outgrown its room
+    /// before.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();

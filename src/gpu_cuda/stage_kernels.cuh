@@ -100,7 +100,7 @@ struct PadKey {
     }
 };
 
-/// Keys that fit half the bits, and back again.
+/// A key of no more than 32 bits as such; past the last one the largest, which goes last.
 struct NarrowKey {
     Items items;
     const std::uint64_t* keys;
@@ -110,6 +110,8 @@ struct NarrowKey {
         narrow[i] = i < items.count() ? static_cast<std::uint32_t>(keys[i]) : ~std::uint32_t{0};
     }
 };
+
+/// And back again.
 struct WidenKey {
     Items items;
     const std::uint32_t* narrow;

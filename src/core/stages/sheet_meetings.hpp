@@ -103,8 +103,7 @@ private:
         const MovingPoint p = relative(point[0], origin);
         const Vec3d normal = normalized(face.end_normal());
         const double height = dot(normal, p.end - face.corner[0].end);
-        double weight[3] = {};
-        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, weight);
+        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
 
         const bool close = above && std::fabs(height) < pair.margin;
         const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) != (height < 0);
@@ -128,8 +127,6 @@ private:
         if (!met && !near && !through) return {};
         m.out = static_cast<double>(its_side) * normal;
         m.distance = gap;
-        m.weight[0] = weight[0];
-        m.weight[1] = weight[1];
         if (!above) {
             // It meets the triangle and goes on beside it: the place it has met.
             m.weight[0] = 1 - impact.u - impact.v;
@@ -146,15 +143,14 @@ private:
                 static_cast<std::int8_t>(its_side)};
     }
 
-    /// Weights of the corners at the foot of `p`; true if that lies in the triangle.
-    PIERCE_HD static bool weights_over(Vec3d a, Vec3d b, Vec3d c, Vec3d p, double (&weight)[3]) {
+    /// Weights of the first two corners at the foot of `p`; true if that lies in the triangle.
+    PIERCE_HD static bool weights_over(Vec3d a, Vec3d b, Vec3d c, Vec3d p, double (&weight)[2]) {
         const Vec3d n = cross(b - a, c - a);
         const double size = length_squared(n);
         if (!(size > 0)) return false;
         weight[0] = dot(n, cross(c - b, p - b)) / size;
         weight[1] = dot(n, cross(a - c, p - c)) / size;
-        weight[2] = 1 - weight[0] - weight[1];
-        return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
+        return weight[0] >= 0 && weight[1] >= 0 && 1 - weight[0] - weight[1] >= 0;
     }
 
     /// The side of the triangle that the vertex belongs to.
@@ -279,10 +275,7 @@ private:
         const double from = dot(normal, p), to = dot(normal, q);
         m.along = from / (from - to);
         const Vec3d at = p + m.along * (q - p);
-        double weight[3] = {};
-        weights_over({}, b, c, at, weight);
-        m.weight[0] = weight[0];
-        m.weight[1] = weight[1];
+        weights_over({}, b, c, at, m.weight);
         const Vec3d along = normalized(q - p);
         Vec3d gradient;
         for (std::uint32_t side : e.triangle) {
