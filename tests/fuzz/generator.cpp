@@ -1,0 +1,271 @@
+#include "fuzz/generator.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "fuzz/shapes.hpp"
+
+namespace pierce::fuzz {
+namespace {
+
+using Kind = Call::Kind;
+
+/// What the generator knows of a body it has added.
+struct KnownBody {
+    std::uint32_t mesh = 0;
+    Motion motion = Motion::fixed;
+    Pose pose;
+    std::vector<Vec3f> positions;
+    bool is_sheet = false;
+};
+
+class Generator {
+public:
+    explicit Generator(Choices& choices) : choices_(choices) {}
+
+    Program run() {
+        choose_settings();
+        scale_ = choices_.pick({1.0, 1.0, 1.0, 1.0, 1e-3, 1e3, 0x1p20, 1e-6});
+        offset_ = choices_.pick({0.0, 0.0, 0.0, 0.0, 0.0, 100.0, 1e5, 1e7});
+        on_grid_ = choices_.one_in(3);
+        likes_sheets_ = choices_.one_in(3);
+        const std::uint32_t meshes = 1 + choices_.below(3), bodies = 2 + choices_.below(3);
+        for (std::uint32_t m = 0; m < meshes; ++m) add_mesh();
+        for (std::uint32_t b = 0; b < bodies; ++b) add_body();
+        const std::uint32_t steps = 1 + choices_.below(6);
+        detect();
+        for (std::uint32_t s = 1; s < steps; ++s) {
+            move_all();
+            for (std::uint32_t left = choices_.pick({0u, 0u, 0u, 1u, 1u, 2u, 4u}); left > 0; --left) change_something();
+            detect();
+        }
+        return std::move(program_);
+    }
+
+private:
+    void choose_settings() {
+        Settings& s = program_.settings;
+        s.coverage = choices_.pick({Coverage::vertices, Coverage::complete});
+        s.reproject = choices_.one_in(3);
+        s.temporal = choices_.pick({Temporal::certified, Temporal::certified, Temporal::off, Temporal::paper});
+        s.predict = !choices_.one_in(4);
+        if (choices_.one_in(4)) s.prediction_distance = choices_.pick({0.0, 0.1, 10.0});
+        if (choices_.one_in(4)) s.full_every = 1 + choices_.below(4);
+        if (choices_.one_in(4)) s.walk_threshold = choices_.pick({0.0, 0.5, 100.0});
+        if (choices_.one_in(4)) s.open_body_range = choices_.pick({0.1, 100.0});
+        if (!choices_.one_in(100)) return;
+        // To be refused.
+        switch (choices_.below(4)) {
+            case 0: s.open_body_range = -1; break;
+            case 1: s.full_every = 0; break;
+            case 2: s.walk_threshold = -1; break;
+            default: s.prediction_distance = std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+
+    Call& push(Kind kind) {
+        program_.calls.emplace_back();
+        program_.calls.back().kind = kind;
+        return program_.calls.back();
+    }
+    void detect() { push(Kind::detect); }
+
+    void add_mesh() {
+        Call& call = push(Kind::add_mesh);
+        call.data = any_mesh(choices_);
+        for (Vec3f& p : call.data.positions) p = to_float(scale_ * to_double(p));
+        meshes_.push_back(call.data);
+    }
+
+    std::uint32_t any_mesh_number() { return choices_.below(static_cast<std::uint32_t>(meshes_.size())); }
+    std::uint32_t any_body_number() { return choices_.below(static_cast<std::uint32_t>(bodies_.size())); }
+
+    double coordinate() {
+        return on_grid_ ? 0.25 * (static_cast<double>(choices_.below(9)) - 4) : choices_.real(-1.2, 1.2);
+    }
+
+    Pose any_pose() {
+        Pose pose;
+        pose.position = {offset_ + scale_ * coordinate(), scale_ * coordinate(), scale_ * coordinate()};
+        switch (on_grid_ ? choices_.below(4) : 4 + choices_.below(2)) {
+            case 0:
+            case 5: break;
+            case 1: pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}); break;
+            case 2: pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}}); break;
+            case 3: pose.rotation = {1, 1, 1, 1}; break;
+            default:
+                pose.rotation = {choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(0.1, 1)};
+        }
+        if (choices_.one_in(60)) spoil(pose);
+        return pose;
+    }
+
+    void spoil(Pose& pose) {
+        switch (choices_.below(5)) {
+            case 0: pose.position.x = std::numeric_limits<double>::quiet_NaN(); break;
+            case 1: pose.position.z = std::numeric_limits<double>::infinity(); break;
+            case 2: pose.rotation = {0, 0, 0, 0}; break;
+            case 3: pose.position.y = choices_.pick({1e20, 1e30, 3e38, 1e39, 1e300}); break;
+            default: pose.rotation = {1e-200, 0, 0, 1e-200};
+        }
+    }
+
+    std::vector<Vec3f> placed(std::uint32_t mesh, const Pose& pose) {
+        std::vector<Vec3f> positions;
+        const Frame frame = frame_of(pose);
+        for (const Vec3f& p : meshes_[mesh].positions) positions.push_back(to_float(frame.to_parent(to_double(p))));
+        return positions;
+    }
+
+    /// Where the vertices of a body may be.
+    std::vector<Vec3f> any_positions(std::uint32_t mesh, const std::vector<Vec3f>* before) {
+        std::vector<Vec3f> p = before != nullptr && before->size() == meshes_[mesh].positions.size() && !choices_.one_in(3)
+                                   ? *before
+                                   : placed(mesh, any_pose());
+        const auto size = static_cast<std::uint32_t>(p.size());
+        if (size == 0) return p;
+        const double step = scale_ * choices_.pick({0.0, 0.01, 0.1, 0.5});
+        const auto some = [&] { return step * (on_grid_ ? static_cast<double>(choices_.below(3)) - 1 : choices_.real(-1, 1)); };
+        switch (choices_.below(8)) {
+            case 0: break;
+            case 1: {
+                const Vec3d way{some(), some(), some()};
+                for (Vec3f& v : p) v = to_float(to_double(v) + way);
+                break;
+            }
+            case 2:
+                for (Vec3f& v : p) v = to_float(to_double(v) + Vec3d{some(), some(), some()});
+                break;
+            case 3:
+                for (Vec3f& v : p) v.z += static_cast<float>(step * std::sin(3 * static_cast<double>(v.x) / scale_));
+                break;
+            case 4: p[choices_.below(size)] = to_float({offset_ + scale_ * coordinate(), scale_ * coordinate(), 0}); break;
+            case 5: p[choices_.below(size)] = p[choices_.below(size)]; break;
+            case 6: {
+                const std::uint32_t axis = choices_.below(3);
+                for (Vec3f& v : p) (axis == 0 ? v.x : axis == 1 ? v.y : v.z) *= choices_.pick({-1.f, 0.5f, 0.f});
+                break;
+            }
+            default:
+                if (choices_.one_in(4))
+                    p.assign(size, p[0]);
+                else
+                    for (Vec3f& v : p) v = to_float(to_double(v) + Vec3d{some(), some(), some()});
+        }
+        if (choices_.one_in(40))
+            p[choices_.below(size)].x =
+                choices_.pick({std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f, 3e38f});
+        if (choices_.one_in(200)) p.pop_back();  // to be refused
+        return p;
+    }
+
+    void add_body() {
+        KnownBody body;
+        body.mesh = any_mesh_number();
+        body.motion = choices_.pick({Motion::fixed, Motion::rigid, Motion::rigid, Motion::deforming, Motion::deforming});
+        body.pose = any_pose();
+        Call& call = push(body.motion == Motion::fixed   ? Kind::add_fixed_body
+                          : body.motion == Motion::rigid ? Kind::add_rigid_body
+                                                         : Kind::add_deforming_body);
+        call.mesh = body.mesh;
+        call.pose = body.pose;
+        if (body.motion == Motion::deforming) call.positions = body.positions = any_positions(body.mesh, nullptr);
+        bodies_.push_back(body);
+        if (body.motion == Motion::deforming && choices_.one_in(likes_sheets_ ? 2 : 6))
+            set_collision(static_cast<std::uint32_t>(bodies_.size()) - 1);
+    }
+
+    void set_collision(std::uint32_t body) {
+        Call& call = push(Kind::set_collision);
+        call.body = body;
+        call.collision.sheet = likes_sheets_ || choices_.one_in(2);
+        call.collision.self =
+            choices_.pick({SelfCollision::on, SelfCollision::on, SelfCollision::off, SelfCollision::rays, SelfCollision::published});
+        if (!call.collision.sheet && !choices_.one_in(10)) call.collision.self = choices_.pick({SelfCollision::on, SelfCollision::off});
+        if (call.collision.sheet) call.collision.thickness = scale_ * choices_.pick({0.0, 0.01, 0.1, 1.0});
+        if (choices_.one_in(100)) call.collision.thickness = choices_.pick({-1.0, HUGE_VAL, std::nan("")});
+        bodies_[body].is_sheet = call.collision.sheet;
+    }
+
+    void move_all() {
+        for (std::uint32_t b = 0; b < bodies_.size(); ++b)
+            if (!choices_.one_in(3)) move(b);
+    }
+
+    void move(std::uint32_t b) {
+        KnownBody& body = bodies_[b];
+        const bool with_start = choices_.one_in(6);
+        if (body.motion == Motion::deforming) {
+            const std::vector<Vec3f> before = body.positions;
+            Call& call = push(with_start ? Kind::set_position_motion : Kind::set_positions);
+            call.body = b;
+            if (with_start) call.start = any_positions(body.mesh, &before);
+            call.positions = body.positions = any_positions(body.mesh, &before);
+            return;
+        }
+        Pose pose = body.pose;
+        const double step = scale_ * choices_.pick({0.0, 0.001, 0.05, 0.25});
+        if (choices_.one_in(4))
+            pose = any_pose();
+        else if (on_grid_)
+            pose.position.z += 0.25 * scale_ * (static_cast<double>(choices_.below(3)) - 1);
+        else
+            pose.position += Vec3d{choices_.real(-step, step), choices_.real(-step, step), choices_.real(-step, step)};
+        Call& call = push(with_start ? Kind::set_pose_motion : Kind::set_pose);
+        call.body = b;
+        if (with_start) call.start_pose = choices_.one_in(2) ? any_pose() : body.pose;
+        call.pose = body.pose = pose;
+    }
+
+    void change_something() {
+        switch (choices_.below(16)) {
+            case 0: add_mesh(); break;
+            case 1:
+            case 2: add_body(); break;
+            case 3:
+            case 4: push(Kind::remove_body).body = any_body_number(); break;
+            case 5: push(Kind::remove_mesh).mesh = any_mesh_number(); break;
+            case 6:
+            case 7: set_collision(any_body_number()); break;
+            case 8: push(Kind::forget_sides); break;
+            case 9:
+            case 10: {
+                const std::uint32_t b = any_body_number(), mesh = any_mesh_number();
+                Call& call = push(Kind::set_mesh);
+                call.body = b;
+                call.mesh = bodies_[b].mesh = mesh;
+                call.positions = bodies_[b].positions = any_positions(mesh, nullptr);
+                break;
+            }
+            case 11: {
+                Call& call = push(Kind::explain);
+                call.body = any_body_number();
+                call.other = any_body_number();
+                call.vertex = choices_.below(10);
+                break;
+            }
+            case 12: {
+                Call& call = push(Kind::cast_rays);
+                call.pose = any_pose();
+                for (int k = 0; k < 4; ++k) call.positions.push_back(to_float({coordinate(), coordinate(), coordinate()}));
+                break;
+            }
+            case 13: detect(); break;
+            case 14: push(Kind::restore); break;
+            default: move(any_body_number());
+        }
+    }
+
+    Choices& choices_;
+    Program program_;
+    std::vector<MeshData> meshes_;
+    std::vector<KnownBody> bodies_;
+    double scale_ = 1, offset_ = 0;
+    bool on_grid_ = false, likes_sheets_ = false;
+};
+
+}  // namespace
+
+Program random_program(Choices& choices) { return Generator(choices).run(); }
+
+}  // namespace pierce::fuzz

@@ -1,0 +1,155 @@
+#include "fuzz/judge.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <map>
+
+#include "fuzz/invariants.hpp"
+#include "fuzz/model.hpp"
+#include "pierce/core/error.hpp"
+
+namespace pierce::fuzz {
+namespace {
+
+/// What two lists of contacts have to have in common.
+enum class Alike { in_all, but_for_history };
+
+bool are_alike(Contact a, Contact b, Alike alike) {
+    if (alike == Alike::but_for_history) {
+        a.age = b.age = 0;
+        for (Contact* c : {&a, &b})
+            if (c->found == Found::walk || c->found == Found::prediction) c->found = Found::full;
+    }
+    const auto bits = [](const Contact& c) {
+        return std::tuple(c.a, c.b, c.source, c.grazing, c.found, c.reprojected, c.of_sheet, c.unknown_side, c.vertex,
+                          c.edge_end, c.edge, c.chord, c.other_edge, c.triangle, c.age);
+    };
+    const auto numbers = [](const Contact& c) {
+        return std::array{c.along,     c.time,      c.distance,  c.barycentric[0], c.barycentric[1], c.barycentric[2],
+                          c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x,      c.point_b.y,      c.point_b.z,
+                          c.normal.x,  c.normal.y,  c.normal.z,  c.face_normal.x,  c.face_normal.y,  c.face_normal.z};
+    };
+    const auto same = [](double x, double y) { return x == y || (x != x && y != y); };
+    return bits(a) == bits(b) && std::ranges::equal(numbers(a), numbers(b), same);
+}
+
+/// The first difference of two lists in words; nothing if there is none.
+std::optional<std::string> difference(std::span<const Contact> a, std::span<const Contact> b, Alike alike) {
+    for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
+        const auto text = [&](std::span<const Contact> all) { return i < all.size() ? to_text(all[i]) : "nothing"; };
+        if (i >= a.size() || i >= b.size() || !are_alike(a[i], b[i], alike))
+            return std::to_string(a.size()) + " and " + std::to_string(b.size()) + " contacts, of which number " +
+                   std::to_string(i) + " is\n    " + text(a) + "\nand\n    " + text(b);
+    }
+    return std::nullopt;
+}
+
+class Judge {
+public:
+    Judge(const Program& program, const std::vector<test::NamedBackend>& backends, JudgeCounts& counts)
+        : program_(program), backends_(backends), counts_(counts), model_(program.settings) {}
+
+    std::optional<Failure> run() {
+        ++counts_.worlds;
+        if (!make_players()) return failure_;
+        for (at_ = 0; at_ < program_.calls.size() && !failure_; ++at_) play(program_.calls[at_]);
+        return failure_;
+    }
+
+private:
+    void fail(const std::string& kind, const std::string& text) {
+        if (failure_) return;
+        const std::string call = at_ < program_.calls.size() ? name_of(program_.calls[at_].kind) : "no";
+        failure_ = {kind, "call " + std::to_string(at_) + " (" + call + "): " + text};
+    }
+
+    /// True if there is a world to play on.
+    bool make_players() {
+        std::size_t refused = 0;
+        for (const test::NamedBackend& backend : backends_) try {
+                players_.emplace_back(backend.make, program_.settings);
+            } catch (const InputError&) {
+                ++refused;
+            }
+        if (refused > 0 && refused < backends_.size()) fail("backends differ in what they refuse", "settings");
+        return refused == 0;
+    }
+
+    void play(const Call& call) {
+        ++counts_.calls;
+        std::vector<Player::Outcome> outcomes;
+        for (std::size_t i = 0; i < players_.size(); ++i) try {
+                outcomes.push_back(players_[i].play(call));
+            } catch (const std::exception& error) {
+                return fail("an exception that is not InputError", backends_[i].name + ": " + error.what());
+            }
+        for (std::size_t i = 1; i < players_.size(); ++i)
+            if (outcomes[i] != outcomes[0])
+                return fail("backends differ in what a call answers",
+                            backends_[0].name + ": " + outcomes[0].text + "\n" + backends_[i].name + ": " + outcomes[i].text);
+        if (outcomes[0].refused) {
+            ++counts_.refused;
+            return model_.skip(call);
+        }
+        if (call.kind == Call::Kind::detect) look_at_step();
+        model_.apply(call, players_[0]);
+        if (call.kind == Call::Kind::forget_sides) knows_sides_ = false;
+    }
+
+    void look_at_step() {
+        const std::span<const Contact> contacts = players_[0].world().contacts();
+        ++counts_.steps;
+        counts_.contacts += contacts.size();
+        for (std::size_t i = 1; i < players_.size(); ++i)
+            if (const auto text = difference(contacts, players_[i].world().contacts(), Alike::in_all))
+                return fail("backends differ", backends_[0].name + " and " + backends_[i].name + ": " + *text);
+        if (const auto broken = broken_invariant(model_, contacts)) return fail(broken->kind, broken->text);
+        compare_with_fresh(contacts);
+        if (failure_) return;
+        if (const auto wrong = contradicted_by_truth(model_, contacts, counts_.oracle)) return fail(wrong->kind, wrong->text);
+        knows_sides_ = std::ranges::any_of(contacts, [](const Contact& c) { return c.of_sheet && c.distance < 0; });
+    }
+
+    /// What a step remembers never changes its contacts: a new world in the same state, which remembers nothing, has the same.
+    /// But for the paper's mode, and for the sides of sheets that are through something.
+    void compare_with_fresh(std::span<const Contact> contacts) {
+        if (program_.settings.temporal == Temporal::paper || knows_sides_) return;
+        Player fresh = model_.fresh(backends_[0].make, Temporal::off);
+        fresh.world().detect();
+        std::vector<Contact> expected(fresh.world().contacts().begin(), fresh.world().contacts().end());
+        const std::vector<const ModelBody*> bodies = model_.bodies();
+        std::map<BodyId, BodyId> id;
+        for (std::size_t i = 0; i < bodies.size(); ++i) id[fresh.bodies()[i]] = bodies[i]->id;
+        for (Contact& c : expected) {
+            c.a = id[c.a];
+            c.b = id[c.b];
+        }
+        if (const auto text = difference(contacts, expected, Alike::but_for_history))
+            fail("history changes contacts", "world and fresh world: " + *text);
+    }
+
+    const Program& program_;
+    const std::vector<test::NamedBackend>& backends_;
+    JudgeCounts& counts_;
+    Model model_;
+    std::vector<Player> players_;
+    bool knows_sides_ = false;  ///< of sheets that are through something
+    std::size_t at_ = 0;
+    std::optional<Failure> failure_;
+};
+
+}  // namespace
+
+JudgeCounts& JudgeCounts::operator+=(const JudgeCounts& o) {
+    for (const auto member :
+         {&JudgeCounts::worlds, &JudgeCounts::steps, &JudgeCounts::contacts, &JudgeCounts::calls, &JudgeCounts::refused})
+        this->*member += o.*member;
+    oracle += o.oracle;
+    return *this;
+}
+
+std::optional<Failure> judge(const Program& program, const std::vector<test::NamedBackend>& backends, JudgeCounts& counts) {
+    return Judge(program, backends, counts).run();
+}
+
+}  // namespace pierce::fuzz

@@ -1,0 +1,239 @@
+// Plays random programs on worlds of all backends and says which break a promise.
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+
+#include "fuzz/generator.hpp"
+#include "fuzz/sandbox.hpp"
+#include "fuzz/shrink.hpp"
+
+namespace pierce::fuzz {
+namespace {
+
+struct Options {
+    std::uint64_t seed = 1;
+    std::uint64_t worlds = 0;
+    double seconds = 60;
+    unsigned jobs = 1;
+    unsigned shrinks = 3;
+    std::string out;
+    std::string backends;
+    std::vector<std::string> replay;
+    bool show = false;
+};
+
+/// What a worker tells the process that watches it, in memory that both have.
+struct Desk {
+    std::uint64_t seed = 0;  ///< in work
+    JudgeCounts counts;
+    bool done = false;
+};
+
+Program program_of_seed(std::uint64_t seed) {
+    const std::vector<std::uint8_t> bytes = bytes_of(seed);
+    Choices choices(bytes);
+    return random_program(choices);
+}
+
+std::vector<test::NamedBackend> chosen_backends(const std::string& names) {
+    std::vector<test::NamedBackend> chosen;
+    for (test::NamedBackend& backend : test::backends())
+        if (names.empty() || ("," + names + ",").find("," + backend.name + ",") != std::string::npos)
+            chosen.push_back(std::move(backend));
+    return chosen;
+}
+
+/// One of several processes that share the seeds out.
+class Worker {
+public:
+    Worker(const Options& options, unsigned index, const std::vector<test::NamedBackend>& backends, Desk& desk, int log)
+        : options_(options), index_(index), backends_(backends), desk_(desk), log_(log) {}
+
+    /// Goes on after the seed on the desk.
+    [[noreturn]] void run(std::chrono::steady_clock::time_point end) {
+        for (;; desk_.seed += options_.jobs) {
+            const bool over = options_.worlds > 0 ? desk_.seed >= options_.seed + options_.worlds
+                                                  : std::chrono::steady_clock::now() >= end;
+            if (over) break;
+            alarm(longest_world);
+            if (const auto failure = judge(program_of_seed(desk_.seed), backends_, desk_.counts)) {
+                const std::string line = fmt::format("{} {}\n", desk_.seed, failure->kind);
+                [[maybe_unused]] const ssize_t n = write(log_, line.data(), line.size());
+            }
+        }
+        desk_.done = true;
+        _exit(0);
+    }
+
+private:
+    const Options& options_;
+    unsigned index_;
+    const std::vector<test::NamedBackend>& backends_;
+    Desk& desk_;
+    int log_;
+};
+
+class Watch {
+public:
+    explicit Watch(const Options& options) : options_(options), backends_(chosen_backends(options.backends)) {}
+
+    int run() {
+        if (!options_.replay.empty()) return replay();
+        if (options_.show) {
+            fmt::print("{}", to_text(program_of_seed(options_.seed)));
+            return 0;
+        }
+        search();
+        report();
+        return failures_.empty() ? 0 : 1;
+    }
+
+private:
+    int replay() {
+        int failed = 0;
+        for (const std::string& path : options_.replay) {
+            std::ifstream file(path);
+            const std::string text{std::istreambuf_iterator<char>(file), {}};
+            const auto failure = judge_apart(program_of(text), backends_);
+            fmt::print("{}: {}\n", path, failure ? failure->kind + "\n" + failure->text : "holds");
+            failed += failure.has_value();
+        }
+        return failed > 0;
+    }
+
+    void search() {
+        const auto begin = std::chrono::steady_clock::now();
+        const auto end = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                     std::chrono::duration<double>(options_.seconds));
+        int log[2];
+        if (pipe(log) != 0) throw std::runtime_error("no pipe");
+        void* shared = mmap(nullptr, options_.jobs * sizeof(Desk), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        if (shared == MAP_FAILED) throw std::runtime_error("no memory to share");
+        desks_ = static_cast<Desk*>(shared);
+        std::map<pid_t, unsigned> running;
+        const auto start = [&](unsigned w) {
+            std::fflush(stdout);
+            const pid_t child = fork();
+            if (child < 0) throw std::runtime_error("no process");
+            if (child == 0) {
+                close(log[0]);
+                Worker(options_, w, backends_, desks_[w], log[1]).run(end);
+            }
+            running[child] = w;
+        };
+        for (unsigned w = 0; w < options_.jobs; ++w) {
+            new (&desks_[w]) Desk;
+            desks_[w].seed = options_.seed + w;
+            start(w);
+        }
+        while (!running.empty()) {
+            int status = 0;
+            const pid_t child = waitpid(-1, &status, 0);
+            const auto at = running.find(child);
+            if (at == running.end()) continue;
+            const unsigned w = at->second;
+            running.erase(at);
+            if (desks_[w].done) continue;
+            const std::string kind =
+                WIFSIGNALED(status) ? name_of_signal(WTERMSIG(status)) : fmt::format("crash: exit {}", WEXITSTATUS(status));
+            found(desks_[w].seed, kind);
+            desks_[w].seed += options_.jobs;
+            start(w);
+        }
+        close(log[1]);
+        std::string lines;
+        char buffer[4096];
+        for (ssize_t n = 0; (n = read(log[0], buffer, sizeof buffer)) > 0;) lines.append(buffer, static_cast<std::size_t>(n));
+        for (std::size_t at = 0; at < lines.size();) {
+            const std::size_t next = lines.find('\n', at);
+            const std::string line = lines.substr(at, next - at);
+            const std::size_t space = line.find(' ');
+            found(std::stoull(line.substr(0, space)), line.substr(space + 1));
+            at = next + 1;
+        }
+        for (unsigned w = 0; w < options_.jobs; ++w) counts_ += desks_[w].counts;
+        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+
+    void found(std::uint64_t seed, const std::string& kind) { failures_[kind].insert(seed); }
+
+    void report() {
+        const OracleCounts& o = counts_.oracle;
+        fmt::print(
+            "{} worlds from seed {}, {:.0f} s: {} calls ({} refused), {} steps, {} contacts; {} pairs that overlap and {} that do "
+            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets\n",
+            counts_.worlds, options_.seed, seconds_, counts_.calls, counts_.refused, counts_.steps, counts_.contacts,
+            o.overlapping_pairs, o.apart_pairs, o.inside_vertices, o.segments, o.expected_contacts, o.feature_meetings);
+        for (const auto& [kind, seeds] : failures_) {
+            fmt::print("FAILED {} times: {}; seeds", seeds.size(), kind);
+            std::size_t left = 10;
+            for (std::uint64_t seed : seeds)
+                if (left-- > 0) fmt::print(" {}", seed);
+            fmt::print("\n");
+        }
+        if (options_.out.empty()) return;
+        std::filesystem::create_directories(options_.out);
+        for (const auto& [kind, seeds] : failures_) {
+            unsigned left = options_.shrinks;
+            for (std::uint64_t seed : seeds)
+                if (left-- > 0)
+                    keep(kind, seed);
+                else
+                    break;
+        }
+    }
+
+    /// Writes a small program that fails likewise.
+    void keep(const std::string& kind, std::uint64_t seed) {
+        const auto fails = [&](const Program& p) {
+            const auto failure = judge_apart(p, backends_);
+            return failure && failure->kind == kind;
+        };
+        const Program program = shrunk(program_of_seed(seed), fails);
+        std::string name = kind;
+        for (char& c : name)
+            if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+        const std::string path = fmt::format("{}/{}-{}.json", options_.out, name.substr(0, 60), seed);
+        std::ofstream(path) << to_text(program);
+        const auto failure = judge_apart(program, backends_);
+        fmt::print("{}: {} calls\n{}\n", path, program.calls.size(), failure ? failure->text : "does not fail again");
+        std::fflush(stdout);
+    }
+
+    const Options& options_;
+    std::vector<test::NamedBackend> backends_;
+    Desk* desks_ = nullptr;
+    JudgeCounts counts_;
+    double seconds_ = 0;
+    std::map<std::string, std::set<std::uint64_t>> failures_;
+};
+
+}  // namespace
+}  // namespace pierce::fuzz
+
+int main(int argc, char** argv) {
+    pierce::fuzz::Options options;
+    CLI::App app{"Random worlds against the reference, fresh worlds, invariants and exact truth"};
+    app.add_option("--seed", options.seed, "first seed");
+    app.add_option("--worlds", options.worlds, "how many; 0: as many as there is time for");
+    app.add_option("--seconds", options.seconds, "time");
+    app.add_option("--jobs", options.jobs, "processes")->check(CLI::PositiveNumber);
+    app.add_option("--out", options.out, "folder for small programs that fail");
+    app.add_option("--shrinks", options.shrinks, "how many of them per kind of failure");
+    app.add_option("--backends", options.backends, "names, separated by commas; all if none");
+    app.add_option("--replay", options.replay, "programs to play");
+    app.add_flag("--show", options.show, "print the program of the first seed");
+    CLI11_PARSE(app, argc, argv);
+    return pierce::fuzz::Watch(options).run();
+}

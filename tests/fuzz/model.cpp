@@ -1,0 +1,177 @@
+#include "fuzz/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pierce::fuzz {
+namespace {
+
+bool is_good(const Pose& pose) {
+    const Quaternion& q = pose.rotation;
+    const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    return is_finite(pose.position) && std::isfinite(norm) && norm > 0;
+}
+bool is_good(const std::vector<Vec3f>& positions) {
+    return std::ranges::all_of(positions, [](Vec3f p) { return is_finite(p); });
+}
+
+std::vector<Vec3d> placed(const MeshData& mesh, const Pose& pose) {
+    std::vector<Vec3d> points;
+    for (const Vec3f& p : mesh.positions) points.push_back(frame_of(pose).to_parent(to_double(p)));
+    return points;
+}
+std::vector<Vec3d> in_double(const std::vector<Vec3f>& positions) {
+    std::vector<Vec3d> points;
+    for (const Vec3f& p : positions) points.push_back(to_double(p));
+    return points;
+}
+
+void begin_motion(ModelBody& b) {
+    if (b.moved) return;
+    b.moved = true;
+    b.start_pose = b.pose;
+    b.start = b.positions;
+}
+
+void move(ModelBody& b, const Pose& pose) {
+    begin_motion(b);
+    b.pose = pose;
+    if (!b.finite) b.start_pose = pose;
+    b.finite = is_good(pose);
+}
+void move(ModelBody& b, const std::vector<Vec3f>& positions) {
+    begin_motion(b);
+    b.positions = positions;
+    if (!b.finite) b.start = positions;
+    b.finite = is_good(positions);
+}
+
+}  // namespace
+
+void Model::skip(const Call& call) {
+    using Kind = Call::Kind;
+    if (call.kind == Kind::add_mesh) meshes_.emplace_back();
+    if (call.kind == Kind::add_fixed_body || call.kind == Kind::add_rigid_body || call.kind == Kind::add_deforming_body)
+        bodies_.emplace_back();
+}
+
+void Model::apply(const Call& call, const Player& player) {
+    using Kind = Call::Kind;
+    const auto add = [&](Motion motion) -> ModelBody& {
+        ModelBody& b = bodies_.emplace_back();
+        b.mesh = call.mesh;
+        b.motion = motion;
+        b.pose = b.start_pose = call.pose;
+        b.id = player.bodies().back();
+        b.used = true;
+        return b;
+    };
+    switch (call.kind) {
+        case Kind::add_mesh: meshes_.push_back(call.data); break;
+        case Kind::add_fixed_body: add(Motion::fixed); break;
+        case Kind::add_rigid_body: add(Motion::rigid); break;
+        case Kind::add_deforming_body: {
+            ModelBody& b = add(Motion::deforming);
+            b.positions = b.start = call.positions.empty() ? meshes_[call.mesh].positions : call.positions;
+            break;
+        }
+        case Kind::remove_body: bodies_[call.body].used = false; break;
+        case Kind::set_collision: bodies_[call.body].collision = call.collision; break;
+        case Kind::set_pose: move(bodies_[call.body], call.pose); break;
+        case Kind::set_positions: move(bodies_[call.body], call.positions); break;
+        case Kind::set_pose_motion: {
+            ModelBody& b = bodies_[call.body];
+            move(b, call.pose);
+            b.start_pose = call.start_pose;
+            b.finite = b.finite && is_good(call.start_pose);
+            break;
+        }
+        case Kind::set_position_motion: {
+            ModelBody& b = bodies_[call.body];
+            move(b, call.positions);
+            b.start = call.start;
+            b.finite = b.finite && is_good(call.start);
+            break;
+        }
+        case Kind::set_mesh: {
+            ModelBody& b = bodies_[call.body];
+            b.mesh = call.mesh;
+            b.positions = b.start = call.positions;
+            b.moved = true;
+            b.finite = is_good(call.positions);
+            break;
+        }
+        case Kind::detect:
+            for (ModelBody& b : bodies_) {
+                b.moved = false;
+                b.start_pose = b.pose;
+                b.start = b.positions;
+            }
+            break;
+        case Kind::remove_mesh:
+        case Kind::forget_sides:
+        case Kind::explain:
+        case Kind::cast_rays:
+        case Kind::restore: break;
+    }
+}
+
+std::vector<const ModelBody*> Model::bodies() const {
+    std::vector<const ModelBody*> all;
+    for (const ModelBody& b : bodies_)
+        if (b.used) all.push_back(&b);
+    std::ranges::sort(all, {}, [](const ModelBody* b) { return b->id.index; });
+    return all;
+}
+
+bool Model::has_sheets() const {
+    return std::ranges::any_of(bodies_, [](const ModelBody& b) { return b.used && b.collision.sheet; });
+}
+
+std::vector<Vec3d> Model::starts(const ModelBody& body) const {
+    return body.motion == Motion::deforming ? in_double(body.start) : placed(mesh(body), body.start_pose);
+}
+std::vector<Vec3d> Model::ends(const ModelBody& body) const {
+    return body.motion == Motion::deforming ? in_double(body.positions) : placed(mesh(body), body.pose);
+}
+
+Player Model::fresh(const MakeBackend& backend, Temporal temporal) const {
+    Settings settings = settings_;
+    settings.temporal = temporal;
+    Player player(backend, settings);
+    std::vector<std::uint32_t> number(meshes_.size(), std::numeric_limits<std::uint32_t>::max());
+    std::uint32_t body = 0;
+    for (const ModelBody* b : bodies()) {
+        if (number[b->mesh] == std::numeric_limits<std::uint32_t>::max()) {
+            number[b->mesh] = static_cast<std::uint32_t>(player.meshes().size());
+            Call call{.kind = Call::Kind::add_mesh};
+            call.data = meshes_[b->mesh];
+            player.play(call);
+        }
+        const bool deforms = b->motion == Motion::deforming;
+        Call add{.kind = b->motion == Motion::fixed ? Call::Kind::add_fixed_body : Call::Kind::add_rigid_body};
+        if (deforms) add.kind = Call::Kind::add_deforming_body;
+        add.mesh = number[b->mesh];
+        player.play(add);
+        Call collide{.kind = Call::Kind::set_collision};
+        collide.body = body;
+        collide.collision = b->collision;
+        player.play(collide);
+        Call place{.kind = deforms ? Call::Kind::set_position_motion : Call::Kind::set_pose_motion};
+        place.body = body;
+        place.start_pose = b->start_pose;
+        place.pose = b->pose;
+        place.start = b->start;
+        place.positions = b->positions;
+        if (!b->finite) {
+            place.pose.position.x = std::nan("");
+            for (Vec3f& p : place.positions) p.x = std::nanf("");
+        }
+        player.play(place);
+        ++body;
+    }
+    return player;
+}
+
+}  // namespace pierce::fuzz

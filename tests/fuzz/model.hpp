@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "fuzz/player.hpp"
+#include "fuzz/program.hpp"
+
+namespace pierce::fuzz {
+
+/// A body as the calls so far have left it.
+struct ModelBody {
+    std::uint32_t mesh = 0;  ///< its number
+    BodyId id;
+    Motion motion = Motion::fixed;
+    Collision collision;
+    Pose start_pose, pose;
+    std::vector<Vec3f> start, positions;  ///< of a deforming body
+    bool finite = true;
+    bool moved = false;  ///< since the last step
+    bool used = false;   ///< in the world
+};
+
+/// What a world's documentation says that the world consists of after some calls: its state without its history.
+class Model {
+public:
+    explicit Model(const Settings& settings) : settings_(settings) {}
+
+    /// Takes a call into account that was not refused. `player` has played it.
+    void apply(const Call& call, const Player& player);
+    /// As a refused call leaves the numbering.
+    void skip(const Call& call);
+
+    const Settings& settings() const { return settings_; }
+    /// Those in the world, in the order of their handles' indices.
+    std::vector<const ModelBody*> bodies() const;
+    const MeshData& mesh(const ModelBody& body) const { return meshes_[body.mesh]; }
+    bool has_sheets() const;
+
+    /// Where a body's vertices are when the step begins and when it ends, in world space.
+    std::vector<Vec3d> starts(const ModelBody& body) const;
+    std::vector<Vec3d> ends(const ModelBody& body) const;
+
+    /// A new world in the same state; its bodies are those of bodies(), in that order.
+    Player fresh(const MakeBackend& backend, Temporal temporal) const;
+
+private:
+    Settings settings_;
+    std::vector<MeshData> meshes_;
+    std::vector<ModelBody> bodies_;
+};
+
+}  // namespace pierce::fuzz

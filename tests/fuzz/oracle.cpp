@@ -1,0 +1,439 @@
+#include "fuzz/oracle.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <tuple>
+
+#include "fuzz/invariants.hpp"
+#include "support/brute_force.hpp"
+#include "truth/meeting.hpp"
+
+namespace pierce::fuzz {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+Kernel::Point_3 exact(Vec3d p) { return {p.x, p.y, p.z}; }
+
+/// A body's surface in the world.
+struct Surface {
+    const ModelBody* body = nullptr;
+    std::vector<Vec3d> points;
+    std::vector<Triangle> triangles;
+    Box box;
+    bool proper = false;  ///< closed, does not meet itself, faces outward everywhere
+    double touch = 0;     ///< [length] a place closer to the surface than this is on it, for all that is promised
+    bool active = false;
+
+    Kernel::Triangle_3 face(std::size_t t, Vec3d shift = {}) const {
+        const auto& v = triangles[t].vertex;
+        return {exact(points[v[0]] + shift), exact(points[v[1]] + shift), exact(points[v[2]] + shift)};
+    }
+
+    double distance(Vec3d p) const {
+        double squared = HUGE_VAL;
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+            const Kernel::Triangle_3 f = face(t);
+            if (!f.is_degenerate()) squared = std::min(squared, CGAL::squared_distance(exact(p), f));
+        }
+        return std::sqrt(squared);
+    }
+
+    /// How often the surface winds around a point that is not on it: the sum of solid angles (van Oosterom and Strackee 1983).
+    double winding(Vec3d p) const {
+        double sum = 0;
+        for (const Triangle& t : triangles) {
+            const Vec3d a = points[t.vertex[0]] - p, b = points[t.vertex[1]] - p, c = points[t.vertex[2]] - p;
+            const double x = length(a), y = length(b), z = length(c);
+            sum += 2 * std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+        }
+        return sum / (4 * std::numbers::pi);
+    }
+    bool holds(Vec3d p) const { return winding(p) > 0.5; }
+};
+
+int shared_corners(const Triangle& a, const Triangle& b) {
+    int shared = 0;
+    for (std::uint32_t v : a.vertex) shared += has_vertex(b, v);
+    return shared;
+}
+
+/// True if every edge has two triangles that run through it in opposite ways, and no triangle names a vertex twice.
+bool is_manifold(std::span<const Triangle> triangles) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
+    for (const Triangle& t : triangles)
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
+            if (v == w || ++ways[{v, w}] > 1) return false;
+        }
+    return std::ranges::all_of(ways, [&](const auto& way) { return ways.contains({way.first.second, way.first.first}); });
+}
+
+/// True if two triangles meet in more than the corners they share.
+bool meet_elsewhere(const Surface& s, std::size_t i, std::size_t j) {
+    const Kernel::Triangle_3 a = s.face(i), b = s.face(j);
+    const auto point = [&](std::uint32_t v) { return exact(s.points[v]); };
+    const Triangle &t = s.triangles[i], &u = s.triangles[j];
+    const int shared = shared_corners(t, u);
+    if (shared == 0) return CGAL::do_intersect(a, b);
+    if (shared == 3) return true;
+    if (shared == 1) {
+        const auto opposite = [&](const Triangle& x, const Triangle& other) {
+            for (int k = 0; k < 3; ++k)
+                if (has_vertex(other, x.vertex[k]))
+                    return Kernel::Segment_3(point(x.vertex[(k + 1) % 3]), point(x.vertex[(k + 2) % 3]));
+            return Kernel::Segment_3();
+        };
+        return CGAL::do_intersect(opposite(t, u), b) || CGAL::do_intersect(opposite(u, t), a);
+    }
+    for (std::uint32_t v : u.vertex) {
+        if (has_vertex(t, v)) continue;
+        if (CGAL::orientation(a[0], a[1], a[2], point(v)) != CGAL::COPLANAR) return false;
+        // Folded flat: the corners that are not shared are on one side of the shared edge.
+        for (int k = 0; k < 3; ++k)
+            if (!has_vertex(u, t.vertex[k]))
+                return CGAL::coplanar_orientation(point(t.vertex[(k + 1) % 3]), point(t.vertex[(k + 2) % 3]),
+                                                  point(t.vertex[k]), point(v)) != CGAL::NEGATIVE;
+    }
+    return false;
+}
+
+bool is_proper(const Surface& s) {
+    if (!is_manifold(s.triangles)) return false;
+    for (std::size_t i = 0; i < s.triangles.size(); ++i) {
+        if (s.face(i).is_degenerate()) return false;
+        const auto& v = s.triangles[i].vertex;
+        const Vec3d n = cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]);
+        const double longest = std::max({length_squared(s.points[v[1]] - s.points[v[0]]),
+                                         length_squared(s.points[v[2]] - s.points[v[1]]),
+                                         length_squared(s.points[v[0]] - s.points[v[2]])});
+        // Thinner triangles are never hit.
+        if (length(n) <= 16 * constants::degenerate_area * longest) return false;
+        for (std::size_t j = i + 1; j < s.triangles.size(); ++j)
+            if (meet_elsewhere(s, i, j)) return false;
+    }
+    for (std::size_t i = 0; i < s.triangles.size(); ++i) {
+        const auto& v = s.triangles[i].vertex;
+        const Vec3d middle = (1.0 / 3) * (s.points[v[0]] + s.points[v[1]] + s.points[v[2]]);
+        const Vec3d n = normalized(cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]));
+        const Vec3d step = 8 * s.touch * n;
+        if (std::fabs(s.winding(middle + step)) > 0.1 || std::fabs(s.winding(middle - step) - 1) > 0.1) return false;
+    }
+    return true;
+}
+
+class Oracle {
+public:
+    Oracle(const Model& model, std::span<const Contact> contacts, OracleCounts& counts)
+        : model_(model), contacts_(contacts), counts_(counts) {
+        for (const ModelBody* b : model.bodies()) surfaces_.push_back(surface(*b));
+    }
+
+    std::optional<Failure> run() {
+        for (std::size_t i = 0; i < surfaces_.size(); ++i)
+            for (std::size_t j = i + 1; j < surfaces_.size(); ++j)
+                if (const auto failure = judge_pair(surfaces_[i], surfaces_[j])) return failure;
+        for (const Contact& c : contacts_)
+            if (const auto failure = judge_contact(c)) return failure;
+        if (model_.settings().temporal != Temporal::paper)
+            for (const Surface& s : surfaces_)
+                for (const Surface& t : surfaces_)
+                    if (const auto failure = judge_vertices(s, t)) return failure;
+        for (std::size_t i = 0; i < surfaces_.size(); ++i)
+            for (std::size_t j = i; j < surfaces_.size(); ++j)
+                if (const auto failure = judge_sheets(surfaces_[i], surfaces_[j])) return failure;
+        return std::nullopt;
+    }
+
+private:
+    Surface surface(const ModelBody& b) const {
+        Surface s;
+        s.body = &b;
+        s.active = b.finite;
+        if (!s.active) return s;
+        s.points = model_.ends(b);
+        s.triangles = model_.mesh(b).triangles;
+        double coordinate = 0;
+        for (const Vec3d& p : s.points) {
+            s.box.extend(p);
+            for (int k = 0; k < 3; ++k) coordinate = std::max(coordinate, std::fabs(p[k]));
+        }
+        s.touch = 4 * constants::touch_tolerance * s.box.extent() + 1e-13 * coordinate;
+        // What is too large to multiply is not judged.
+        s.active = s.active && coordinate < 1e30;
+        s.proper = s.active && s.touch > 0 && is_proper(s);
+        return s;
+    }
+
+    const Surface* find(BodyId id) const {
+        for (const Surface& s : surfaces_)
+            if (s.body->id == id) return s.active ? &s : nullptr;
+        return nullptr;
+    }
+
+    static bool is_pair(const Surface& a, const Surface& b) {
+        return a.active && b.active && !(a.body->motion == Motion::fixed && b.body->motion == Motion::fixed);
+    }
+    static bool is_solid(const Surface& s) { return s.proper && !s.body->collision.sheet; }
+
+    std::size_t contacts_between(const Surface& a, const Surface& b) const {
+        return static_cast<std::size_t>(std::ranges::count_if(
+            contacts_, [&](const Contact& c) { return c.a == a.body->id && c.b == b.body->id; }));
+    }
+
+    static bool overlaps(const Surface& a, const Surface& b, Vec3d shift) {
+        for (std::size_t i = 0; i < a.triangles.size(); ++i)
+            for (std::size_t j = 0; j < b.triangles.size(); ++j)
+                if (CGAL::do_intersect(a.face(i), b.face(j, shift))) return true;
+        const auto holds_one = [](const Surface& x, const Surface& y, Vec3d by) {
+            // Every connected part would do; all vertices are simpler.
+            return std::ranges::any_of(y.triangles, [&](const Triangle& t) { return x.holds(y.points[t.vertex[0]] + by); });
+        };
+        return holds_one(a, b, shift) || holds_one(b, a, -shift);
+    }
+
+    /// Coverage::complete: no overlap is missed, but within the touch tolerance; and what is apart has no contact.
+    std::optional<Failure> judge_pair(const Surface& a, const Surface& b) {
+        if (!is_pair(a, b) || !is_solid(a) || !is_solid(b)) return std::nullopt;
+        const bool found = contacts_between(a, b) > 0;
+        const bool complete = model_.settings().coverage == Coverage::complete;
+        if (!found && !complete) return std::nullopt;
+        const double by = 4 * (a.touch + b.touch);
+        if (!overlap(a.box.inflated(by), b.box.inflated(by))) {
+            if (found) return Failure{"truth: bodies that are apart are not in contact", describe(a, b)};
+            return std::nullopt;
+        }
+        bool always = true, ever = false;
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z) {
+                    const bool now = overlaps(a, b, by * Vec3d{double(x), double(y), double(z)});
+                    always = always && now;
+                    ever = ever || now;
+                    if (found ? ever : !always) {
+                        x = y = z = 2;
+                    }
+                }
+        counts_.overlapping_pairs += always && !found;
+        counts_.overlapping_pairs += found && ever;
+        counts_.apart_pairs += !ever;
+        if (complete && always && !found) return Failure{"truth: no overlap is missed (complete coverage)", describe(a, b)};
+        if (found && !ever) return Failure{"truth: bodies that are apart are not in contact", describe(a, b)};
+        return std::nullopt;
+    }
+
+    static std::string describe(const Surface& a, const Surface& b) {
+        return "bodies " + std::to_string(a.body->id.index) + " and " + std::to_string(b.body->id.index);
+    }
+
+    /// A contact of solids: its source point is inside the target, and so is the way to its end; that is in its own body, too,
+    /// unless the way is not its own inward ray.
+    std::optional<Failure> judge_contact(const Contact& c) {
+        if (c.of_sheet || c.a == c.b) return std::nullopt;
+        const Surface* source = find(c.source == Side::a ? c.a : c.b);
+        const Surface* target = find(c.source == Side::a ? c.b : c.a);
+        if (source == nullptr || target == nullptr || !is_solid(*target)) return std::nullopt;
+        const Vec3d from = c.source == Side::a ? c.point_a : c.point_b, to = c.source == Side::a ? c.point_b : c.point_a;
+        if (target->distance(to) > target->touch + source->touch)
+            return Failure{"truth: a contact ends on its target", to_text(c)};
+        if (target->distance(from) > target->touch + source->touch) {
+            ++counts_.inside_vertices;
+            if (!target->holds(from)) return Failure{"truth: a contact starts inside its target", to_text(c)};
+        }
+        const bool in_own = is_solid(*source) && !c.reprojected && c.found != Found::separation;
+        for (double at : {0.25, 0.5, 0.75}) {
+            const Vec3d p = from + at * (to - from);
+            if (target->distance(p) > target->touch + source->touch) {
+                ++counts_.segments;
+                if (!target->holds(p)) return Failure{"truth: a contact is inside its target", to_text(c)};
+            }
+            if (in_own && source->distance(p) > source->touch + target->touch && !source->holds(p))
+                return Failure{"truth: a contact is inside its own body", to_text(c)};
+        }
+        return std::nullopt;
+    }
+
+    /// Vertices of solids, by definition.
+    std::optional<Failure> judge_vertices(const Surface& source, const Surface& target) {
+        if (&source == &target || !is_pair(source, target) || !is_solid(source) || !is_solid(target)) return std::nullopt;
+        if (model_.settings().reproject) return std::nullopt;
+        if (!overlap(source.box, target.box)) return std::nullopt;
+        const std::vector<test::SolidVec> inward = inward_directions(source);
+        const test::Expected expected = test::expected_contacts(solid(source), inward, solid(target));
+        std::set<std::uint32_t> found;
+        for (const Contact& c : contacts_) {
+            const bool from_a = c.source == Side::a;
+            if (c.is_edge() || c.of_sheet || c.found == Found::separation || (from_a ? c.a : c.b) != source.body->id ||
+                (from_a ? c.b : c.a) != target.body->id)
+                continue;
+            found.insert(c.vertex);
+        }
+        std::set<std::uint32_t> unclear(expected.unclear.begin(), expected.unclear.end());
+        for (const test::ExpectedContact& e : expected.contacts) {
+            ++counts_.expected_contacts;
+            if (!found.erase(e.vertex) && !unclear.contains(e.vertex))
+                return Failure{"truth: a vertex inside has its contact (R1 to R3)",
+                               describe(source, target) + " vertex " + std::to_string(e.vertex)};
+        }
+        for (std::uint32_t v : found)
+            if (!unclear.contains(v))
+                return Failure{"truth: a vertex with a contact passes R1 to R3",
+                               describe(source, target) + " vertex " + std::to_string(v)};
+        return std::nullopt;
+    }
+
+    static test::Solid solid(const Surface& s) {
+        test::Solid made;
+        for (const Vec3d& p : s.points) made.positions.push_back(test::exact(p));
+        made.triangles = s.triangles;
+        return made;
+    }
+
+    /// Against the mean of the normals around each vertex, by angles.
+    static std::vector<test::SolidVec> inward_directions(const Surface& s) {
+        std::vector<Vec3d> normals(s.points.size());
+        for (const Triangle& t : s.triangles)
+            for (int k = 0; k < 3; ++k) {
+                const Vec3d p = s.points[t.vertex[k]], u = s.points[t.vertex[(k + 1) % 3]] - p,
+                            v = s.points[t.vertex[(k + 2) % 3]] - p;
+                normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) * normalized(cross(u, v));
+            }
+        std::vector<test::SolidVec> inward;
+        for (const Vec3d& n : normals) inward.push_back(test::exact(-normalized(n)));
+        return inward;
+    }
+
+    // What meets during the step, of two bodies one of which is a sheet, or of a sheet and itself, is a contact.
+
+    std::optional<Failure> judge_sheets(const Surface& a, const Surface& b) {
+        const bool self = &a == &b;
+        const Collision &of_a = a.body->collision, &of_b = b.body->collision;
+        const bool looked_at = self ? of_a.sheet && of_a.self == SelfCollision::on : of_a.sheet || of_b.sheet;
+        if (!looked_at || !a.active || !b.active) return std::nullopt;
+        const std::vector<MovingPoint> p = moving(a), q = self ? p : moving(b);
+        std::set<std::tuple<bool, std::uint32_t, std::uint32_t>> vertices;       // from b, vertex, triangle
+        std::set<std::array<std::uint32_t, 4>> edges;
+        for (const Contact& c : contacts_) {
+            if (!c.of_sheet || c.a != a.body->id || c.b != b.body->id) continue;
+            if (!c.is_edge()) {
+                vertices.insert({c.source == Side::b, c.vertex, c.triangle});
+            } else if (c.found != Found::tangled) {
+                // The target's edge by its corners that have weight; both, if they are two.
+                const Triangle& t = b.triangles[c.triangle];
+                for (int k = 0; k < 3; ++k)
+                    edges.insert(key(c.vertex, c.edge_end, t.vertex[k], t.vertex[(k + 1) % 3], self));
+            }
+        }
+        for (int turn = 0; turn < (self ? 1 : 2); ++turn) {
+            const Surface &s = turn ? b : a, &t = turn ? a : b;
+            const std::vector<MovingPoint>&of_s = turn ? q : p, &of_t = turn ? p : q;
+            std::set<std::uint32_t> used;
+            for (const Triangle& f : s.triangles) used.insert(std::begin(f.vertex), std::end(f.vertex));
+            for (std::uint32_t v : used)
+                for (std::uint32_t f = 0; f < t.triangles.size(); ++f) {
+                    const Triangle& face = t.triangles[f];
+                    if (self && has_vertex(face, v)) continue;
+                    const std::array<MovingPoint, 4> corners = {of_s[v], of_t[face.vertex[0]], of_t[face.vertex[1]],
+                                                                of_t[face.vertex[2]]};
+                    if (are_apart(corners, 1) || !truth::features_meet(truth::Features::vertex_and_face, corners)) continue;
+                    if (leaves_solid(corners, t)) continue;
+                    ++counts_.feature_meetings;
+                    if (!vertices.contains({turn == 1, v, f}))
+                        return Failure{"truth: no crossing of a sheet is missed",
+                                       describe(s, t) + " vertex " + std::to_string(v) + " triangle " + std::to_string(f)};
+                }
+        }
+        const std::vector<std::array<std::uint32_t, 2>> of_first = edges_of(a), of_second = edges_of(b);
+        for (const auto& e : of_first)
+            for (const auto& f : of_second) {
+                if (self && (e >= f || e[0] == f[0] || e[0] == f[1] || e[1] == f[0] || e[1] == f[1])) continue;
+                const std::array<MovingPoint, 4> corners = {p[e[0]], p[e[1]], q[f[0]], q[f[1]]};
+                if (are_apart(corners, 2) || !truth::features_meet(truth::Features::edges, corners)) continue;
+                ++counts_.feature_meetings;
+                if (!edges.contains(key(e[0], e[1], f[0], f[1], self)))
+                    return Failure{"truth: no crossing of a sheet is missed",
+                                   describe(a, b) + " edges " + std::to_string(e[0]) + "-" + std::to_string(e[1]) + " and " +
+                                       std::to_string(f[0]) + "-" + std::to_string(f[1])};
+            }
+        return std::nullopt;
+    }
+
+    static std::array<std::uint32_t, 4> key(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, bool self) {
+        std::array<std::uint32_t, 4> k = {std::min(a, b), std::max(a, b), std::min(c, d), std::max(c, d)};
+        if (self && std::tie(k[2], k[3]) < std::tie(k[0], k[1])) k = {k[2], k[3], k[0], k[1]};
+        return k;
+    }
+
+    static std::vector<std::array<std::uint32_t, 2>> edges_of(const Surface& s) {
+        std::set<std::array<std::uint32_t, 2>> edges;
+        for (const Triangle& t : s.triangles)
+            for (int k = 0; k < 3; ++k) {
+                const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
+                if (v != w) edges.insert({std::min(v, w), std::max(v, w)});
+            }
+        return {edges.begin(), edges.end()};
+    }
+
+    std::vector<MovingPoint> moving(const Surface& s) const {
+        const std::vector<Vec3d> starts = model_.starts(*s.body);
+        std::vector<MovingPoint> points;
+        for (std::size_t v = 0; v < starts.size(); ++v) points.push_back({starts[v], s.points[v]});
+        return points;
+    }
+
+    /// True if an axis separates the first `split` points from the others throughout: spares most exact tests.
+    static bool are_apart(const std::array<MovingPoint, 4>& p, std::size_t split) {
+        for (int k = 0; k < 3; ++k) {
+            double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+            for (std::size_t i = 0; i < 4; ++i)
+                for (const Vec3d& at : {p[i].start, p[i].end}) {
+                    low[i >= split] = std::min(low[i >= split], at[k]);
+                    high[i >= split] = std::max(high[i >= split], at[k]);
+                }
+            if (high[0] < low[1] || high[1] < low[0]) return true;
+        }
+        return false;
+    }
+
+    /// True if a vertex is behind a solid's triangle when the step begins: it leaves, and that is its ray's to report.
+    bool leaves_solid(const std::array<MovingPoint, 4>& c, const Surface& target) const {
+        if (target.body->collision.sheet || !is_closed(target)) return false;
+        return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) < 0;
+    }
+
+    static bool is_closed(const Surface& s) {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
+        for (const Triangle& t : s.triangles)
+            for (int k = 0; k < 3; ++k) {
+                const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
+                if (v != w) balance[{std::min(v, w), std::max(v, w)}] += v < w ? 1 : -1;
+            }
+        return std::ranges::all_of(balance, [](const auto& edge) { return edge.second == 0; });
+    }
+
+    const Model& model_;
+    std::span<const Contact> contacts_;
+    OracleCounts& counts_;
+    std::vector<Surface> surfaces_;
+};
+
+}  // namespace
+
+OracleCounts& OracleCounts::operator+=(const OracleCounts& o) {
+    for (const auto member : {&OracleCounts::overlapping_pairs, &OracleCounts::apart_pairs, &OracleCounts::inside_vertices,
+                              &OracleCounts::expected_contacts, &OracleCounts::segments, &OracleCounts::feature_meetings})
+        this->*member += o.*member;
+    return *this;
+}
+
+std::optional<Failure> contradicted_by_truth(const Model& model, std::span<const Contact> contacts, OracleCounts& counts) {
+    return Oracle(model, contacts, counts).run();
+}
+
+}  // namespace pierce::fuzz

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pierce/core/body.hpp"
+#include "pierce/core/mesh.hpp"
+#include "pierce/core/pose.hpp"
+#include "pierce/core/settings.hpp"
+
+namespace pierce::fuzz {
+
+/// A call of a World's member of the same name. Meshes and bodies are named by their number among all that the program has
+/// tried to add.
+struct Call {
+    enum class Kind : std::uint8_t {
+        add_mesh,
+        remove_mesh,
+        add_fixed_body,
+        add_rigid_body,
+        add_deforming_body,
+        remove_body,
+        set_collision,
+        set_pose,
+        set_positions,
+        set_pose_motion,      ///< set_motion of a fixed or rigid body
+        set_position_motion,  ///< set_motion of a deforming body
+        set_mesh,
+        forget_sides,
+        detect,
+        explain,
+        cast_rays,
+        restore,  ///< save(), and restore() into a new world
+    };
+
+    Kind kind = Kind::detect;
+    std::uint32_t mesh = 0;
+    std::uint32_t body = 0;
+    std::uint32_t other = 0;   ///< body, of explain
+    std::uint32_t vertex = 0;  ///< of explain
+    MeshData data{};
+    Pose start_pose{}, pose{};                ///< the position of `pose` is the origin of cast_rays, too
+    std::vector<Vec3f> start{}, positions{};  ///< the directions of cast_rays, too
+    Collision collision{};
+};
+
+/// What a world is made with, and what is asked of it, one call after the other.
+struct Program {
+    Settings settings;
+    std::vector<Call> calls;
+};
+
+const char* name_of(Call::Kind kind);
+
+/// As JSON, a line per call. Numbers are exact.
+std::string to_text(const Program& program);
+/// Throws std::runtime_error for what is no program.
+Program program_of(const std::string& text);
+
+}  // namespace pierce::fuzz

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "fuzz/choices.hpp"
+#include "pierce/core/mesh.hpp"
+
+namespace pierce::fuzz {
+
+/// A small mesh, about one unit large: closed or open, simple or not, with or without defects. One in a few dozen is refused
+/// by World::add_mesh().
+MeshData any_mesh(Choices& choices);
+
+}  // namespace pierce::fuzz
