@@ -18,6 +18,9 @@ function(pierce_options target)
         "$<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off;-fno-math-errno;-fno-trapping-math>")
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                              $<$<BOOL:${PIERCE_WERROR}>:-Werror>>)
+    if(PIERCE_CHECKED_VIEWS)
+        target_compile_definitions(${target} PUBLIC PIERCE_CHECKED_VIEWS)
+    endif()
     # The same rules on the device: no fused multiply-adds, division and square root rounded as IEEE 754 says.
     target_compile_options(${target} PRIVATE
         "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--expt-relaxed-constexpr;-fmad=false;-prec-div=true;-prec-sqrt=true;-ftz=false>"

@@ -53,6 +53,25 @@ struct Box {
     }
 };
 
+/// Where a line is inside a box, by places along its direction; begin > end if nowhere.
+struct Stretch {
+    double begin = -std::numeric_limits<double>::infinity(), end = std::numeric_limits<double>::infinity();
+};
+
+PIERCE_HD inline Stretch stretch_inside(const Box& box, Vec3d origin, Vec3d direction) {
+    Stretch inside;
+    for (int k = 0; k < 3; ++k) {
+        if (direction[k] == 0) {
+            if (origin[k] < box.lower[k] || origin[k] > box.upper[k]) return {1, 0};
+            continue;
+        }
+        const double t0 = (box.lower[k] - origin[k]) / direction[k], t1 = (box.upper[k] - origin[k]) / direction[k];
+        inside.begin = max_of(min_of(t0, t1), inside.begin);
+        inside.end = min_of(max_of(t0, t1), inside.end);
+    }
+    return inside;
+}
+
 /// True if the two closed boxes share a point; false as soon as a coordinate is NaN.
 PIERCE_HD inline bool overlap(const Box& a, const Box& b) {
     return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x &&  //

@@ -7,6 +7,18 @@
 #define PIERCE_HD
 #endif
 
+/// With PIERCE_CHECKED_VIEWS, what is read or written through a View is within it, or the program ends and says where.
+#if defined(PIERCE_CHECKED_VIEWS) && !defined(__CUDA_ARCH__)
+#include <cstdio>
+#include <cstdlib>
+#define PIERCE_CHECK_PLACE(place, size)                                                                      \
+    ((place) < (size) ? void() : (std::fprintf(stderr, "%s:%d: place %zu of %zu in %s\n", __FILE__, __LINE__, \
+                                               std::size_t{place}, std::size_t{size}, __PRETTY_FUNCTION__), \
+                                  std::abort()))
+#else
+#define PIERCE_CHECK_PLACE(place, size) void()
+#endif
+
 // What stages write item by item has no room left at its end, but members named `padding`: where there is room, nvcc copies
 // byte by byte (measured: seven times slower for a list of rays).
 

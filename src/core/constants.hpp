@@ -65,9 +65,13 @@ inline constexpr double degenerate_area = 4 * float_ulp;
 /// A vertex normal shorter than this, before it is made a unit, is rounding of faces that cancel [1].
 inline constexpr double vanishing_normal = 8 * float_ulp;
 
-/// Smallest net crossing weight that counts as a crossing [winding number times two].
-/// Exact weights of closed fans are 0 or 2; the angles of open fans come in between.
-inline constexpr double crossing_weight = 0.5;
+/// What half a turn around a ray counts, when the triangles that it meets in one point are added up: finer than the rounding
+/// of angles, and room for 2^23 triangles.
+inline constexpr std::int64_t half_turn = std::int64_t{1} << 40;
+
+/// Smallest net sum that counts as a crossing. Exact sums of closed fans are nothing or two half turns; the angles of open
+/// fans come in between.
+inline constexpr std::int64_t crossing_weight = half_turn / 2;
 
 /// A hit whose ray meets the face at a smaller sine than this is flagged as grazing [1]: its depth changes a
 /// thousand times faster than the vertex moves.
@@ -115,9 +119,16 @@ inline constexpr double cell_diagonal = 1.7320508075688774;
 /// A triangle with sides this long stands for a wedge seen from its tip [unit vectors].
 inline constexpr double wedge_length = 0x1p20;
 
-/// Iterations that turn last step's rotation into the best fit of this step's vertices. Any rotation gives the same
-/// contacts; a better one only culls more, and steps go on from where the last one ended.
-inline constexpr std::uint32_t frame_fit_iterations = 8;
+/// Squarings of a matrix after which its columns are a rotation near the best fit of a body's vertices, and iterations that
+/// make it the best one. Any rotation is right; a better one culls more.
+inline constexpr std::uint32_t frame_fit_squarings = 6, frame_fit_iterations = 3;
+
+/// A body with a coordinate beyond this is left out of a step [length]. Squares of differences must be finite in float32,
+/// and Embree's trees hold no coordinate beyond 2^60.
+inline constexpr double largest_coordinate = 0x1p60;
+
+/// A quaternion whose squared length is not between these has lost digits or has none [1].
+inline constexpr double smallest_rotation = 0x1p-1000, largest_rotation = 0x1p1000;
 
 /// An open body shoots rays of this length by default [mean edge length]; it has no inside that could end them.
 inline constexpr double open_body_range = 2.0;

@@ -74,6 +74,9 @@ public:
 
     View<const Chord> chords() const { return view_of(chords_); }
 
+    /// There are no chords in this step.
+    void forget() { chords_.clear(); }
+
 private:
     void find_chords(const Scene& scene, View<const stages::DirectedPair> directed) {
         finished_.resize(count_of(segments_));

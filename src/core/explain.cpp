@@ -171,7 +171,7 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     state_->bodies.get(other, "body");
     const bool sheet = collision_of(body).sheet || collision_of(other).sheet;
     if (body == other && !sheet) throw InputError("a vertex of a solid is not explained against its own body");
-    if (!state_->planned) throw InputError("explain needs a detect() after bodies were added, removed or changed");
+    state_->check_stepped("explain");
     state_->backend->fetch_bodies(view_of(state_->views));
     const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
     const View<const BodyView> views = view_of(std::as_const(state_->views));

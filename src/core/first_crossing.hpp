@@ -62,7 +62,7 @@ public:
         if (crossing.t <= after_) {
             if (!first_pass_) return;
             if (crossing.t >= -surface_.touch)
-                start_.add(triangle, crossing.sign * crossing_share(ray_, a, b, c, crossing));
+                start_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
             else if (crossing.t >= -outward_)
                 look_behind(triangle, crossing);
             return;
@@ -70,7 +70,7 @@ public:
         if (crossing.t > t_max_ + surface_.touch) return;
         if (summing_) {
             if (crossing.t <= nearest_ + surface_.touch)
-                window_.add(triangle, crossing.sign * crossing_share(ray_, a, b, c, crossing));
+                window_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
             return;
         }
         const bool clean = crossing.weight[0] > 0 && crossing.weight[1] > 0 && crossing.weight[2] > 0;
@@ -114,12 +114,12 @@ public:
 private:
     /// Signed crossings of one window, and the smallest triangle of either sign.
     struct Window {
-        double weight = 0;
+        std::int64_t weight = 0;
         std::uint32_t exit = no_triangle, entry = no_triangle;
 
-        PIERCE_HD void add(std::uint32_t triangle, double signed_share) {
-            weight += signed_share;
-            if (signed_share > 0)
+        PIERCE_HD void add(std::uint32_t triangle, double sign, std::int64_t share) {
+            weight += sign > 0 ? share : -share;
+            if (sign > 0)
                 exit = min_of(triangle, exit);
             else
                 entry = min_of(triangle, entry);
@@ -161,13 +161,22 @@ private:
     bool summing_ = false;
 };
 
+/// How a ray's line meets a triangle of the surface.
+PIERCE_HD inline Crossing crossing_of(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    return cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
+                          to_double(surface.positions[t.vertex[1]]), to_double(surface.positions[t.vertex[2]]));
+}
+
 /// True if the ray leaves the surface through `triangle`, or lies in it.
 PIERCE_HD inline bool leads_out(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    const Crossing crossing =
-        cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
-                       to_double(surface.positions[t.vertex[1]]), to_double(surface.positions[t.vertex[2]]));
+    const Crossing crossing = crossing_of(ray, surface, triangle);
     return crossing.kind == Crossing::coplanar || crossing.sign > 0;
+}
+
+/// True if the ray lies in the plane of `triangle`.
+PIERCE_HD inline bool lies_in(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    return crossing_of(ray, surface, triangle).kind == Crossing::coplanar;
 }
 
 /// The triangle through which a ray first crosses a surface, or none. `show(search)` calls search.test() for every

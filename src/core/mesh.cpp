@@ -85,14 +85,16 @@ std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets
     return fans;
 }
 
-void check_finite(const std::string& name, std::span<const Vec3f> positions) {
+void check_positions(const std::string& name, std::span<const Vec3f> positions) {
     for (std::size_t v = 0; v < positions.size(); ++v)
-        if (!is_finite(positions[v])) throw InputError("'" + name + "': vertex " + std::to_string(v) + " is not finite");
+        if (!is_within_reach(positions[v]))
+            throw InputError("'" + name + "': vertex " + std::to_string(v) +
+                             (is_finite(positions[v]) ? " is too far away" : " is not finite"));
 }
 
 Mesh::Mesh(std::string name, MeshData data) : name_(std::move(name)), data_(std::move(data)) {
     if (data_.triangles.empty()) throw InputError("mesh '" + name_ + "' has no triangles");
-    check_finite(name_, data_.positions);
+    check_positions(name_, data_.positions);
     check_indices(name_, data_);
     if (std::max(data_.positions.size(), 3 * data_.triangles.size()) > constants::max_elements)
         throw InputError("mesh '" + name_ + "' has more than " + std::to_string(constants::max_elements) +

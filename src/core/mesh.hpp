@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -25,6 +26,9 @@ struct Triangle {
 PIERCE_HD inline bool has_vertex(const Triangle& t, std::uint32_t v) {
     return t.vertex[0] == v || t.vertex[1] == v || t.vertex[2] == v;
 }
+
+/// The first of a triangle's corners that is vertex `v`, which it has.
+PIERCE_HD inline int corner_of(const Triangle& t, std::uint32_t v) { return t.vertex[0] == v ? 0 : t.vertex[1] == v ? 1 : 2; }
 
 /// Two vertices that are next to each other, and the two triangles there. At a border, and where more than two triangles
 /// meet or two run through it the same way, every triangle has an edge of its own there and the other one is no_triangle.
@@ -141,8 +145,8 @@ struct MeshView {
 /// Topology and rest shape, checked once and then constant; any number of bodies share it.
 class Mesh {
 public:
-    /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out of range or a
-    /// position that is not finite. Anything else is accepted and described by traits().
+    /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out of range or a position
+    /// that is not finite or beyond constants::largest_coordinate. Anything else is accepted and described by traits().
     Mesh(std::string name, MeshData data);
 
     const std::string& name() const { return name_; }
@@ -190,7 +194,14 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<
 /// once and none is left over; else no_vertex. A triangle at the vertex has two of them that follow each other.
 std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets, std::span<const Corner> corners);
 
-/// Throws InputError unless every position is finite.
-void check_finite(const std::string& name, std::span<const Vec3f> positions);
+/// True if no coordinate is beyond constants::largest_coordinate, nor NaN.
+template <class T>
+bool is_within_reach(Vec3<T> p) {
+    const T most = static_cast<T>(constants::largest_coordinate);
+    return std::fabs(p.x) <= most && std::fabs(p.y) <= most && std::fabs(p.z) <= most;
+}
+
+/// Throws InputError unless every position is within reach.
+void check_positions(const std::string& name, std::span<const Vec3f> positions);
 
 }  // namespace pierce

@@ -55,7 +55,10 @@ public:
         time("bounds", [&] { bounds(scene); });
         if (scene.plan->casts_rays) time("update", [&] { tools_.update_all(scene.bodies); });
         time("pairs", [&] { pairs(scene); });
-        if (scene.plan->sheets) time("sheets", [&] { sheets(scene); });
+        if (scene.plan->sheets)
+            time("sheets", [&] { sheets(scene); });
+        else
+            sheets_.forget();
         forget_rays();
         if (scene.plan->casts_rays)
             cast_rays(scene, time);
@@ -205,7 +208,8 @@ private:
         if (remembers) time("remember", [&] { remember(scene); });
     }
 
-    /// The last step's rays, and what came of them and was remembered.
+    /// What an earlier step has left in the lists of stages that cast rays: stages may not run in this one, and others tell by
+    /// an empty list that they did not.
     void forget_rays() {
         memory_.clear();
         block_records_.clear();
@@ -213,8 +217,12 @@ private:
         records_.clear();
         routes_.clear();
         batch_.clear();
+        aimed_.clear();
+        accepted_.clear();
         own_rays_.clear();
         own_hits_.clear();
+        starts_inside_.clear();
+        edges_.forget();
         contacts_.clear();
         contact_keys_.clear();
         ages_.clear();
@@ -225,6 +233,7 @@ private:
         if (scene.ranges.size < scene.bodies.size)
             executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
         if (scene.plan->measures_deformation) measure_deformation(scene);
+        seen_bodies_.clear();
         if (scene.plan->temporal == Temporal::off) return;
         seen_bodies_.resize(scene.bodies.size);
         executor_.for_each("compare_with_last", scene.bodies.size,
@@ -244,7 +253,7 @@ private:
                 "measure_patches", blocks,
                 stages::MeasurePatches{scene.bodies, scene.block_items, scene.blocks, scene.patches, view_of(moments_)});
             executor_.for_each("fit_frame", bodies,
-                               stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_), scene.rotations});
+                               stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_)});
             executor_.for_each("measure_bounds", blocks,
                                stages::MeasureBounds{scene.bodies, scene.block_items, scene.seen, view_of(block_bounds_)});
         } else {

@@ -11,7 +11,6 @@ namespace pierce {
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
-    View<Quaternion> rotations;                 ///< per body, last fitted rotation
     View<const stages::BlockItem> block_items;  ///< of deforming bodies
     View<const stages::BlockRange> ranges;      ///< per deforming body, its blocks
     View<const View<PatchBlock>> blocks;        ///< per body, where a deforming body's spheres go

@@ -39,6 +39,14 @@ public:
         meet(scene, pairs, links);
     }
 
+    /// There are no sheets in this step.
+    void forget() {
+        contacts_.clear();
+        keys_.clear();
+        records_.clear();
+        deepest_.clear();
+    }
+
     const Buffer<Contact>& contacts() const { return contacts_; }
     /// What its contacts add up to.
     void add_up(typename E::template Sum<stages::ContactSums>& sums) {

@@ -10,7 +10,7 @@ namespace pierce {
 /// Things a step could not do in full; 0 if there were none.
 enum StepStatus : std::uint32_t {
     step_ok = 0,
-    body_excluded = 1u << 0,  ///< a body's pose or positions were not finite: it had no contacts in this step
+    body_excluded = 1u << 0,  ///< a body's pose or positions were not finite or too far away: it had no contacts
 };
 
 /// What one step took and found.

@@ -88,15 +88,16 @@ PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d 
     return crossing;
 }
 
-/// Twice the part of the full turn that the triangle covers around the line: 2 if the line passes through the inside,
-/// 1 through an edge, the angle over pi through a vertex. Signed weights of all triangles met at one point of a closed
-/// surface add up to twice the change of the winding number.
-PIERCE_HD inline double crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2, const Crossing& crossing) {
+/// The part of the full turn that the triangle covers around the line, in parts of constants::half_turn of half a turn: two
+/// halves if the line passes through the inside, one through an edge, the angle through a vertex. Signed shares of all
+/// triangles met at one point of a closed surface add up to the change of the winding number, times two half turns. Whole
+/// numbers, so that the sum does not depend on the order.
+PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2, const Crossing& crossing) {
     constexpr double pi = 3.14159265358979323846;
     const bool on[3] = {crossing.weight[0] == 0, crossing.weight[1] == 0, crossing.weight[2] == 0};
     const int zeros = on[0] + on[1] + on[2];
-    if (zeros == 0) return 2.0;
-    if (zeros == 1) return 1.0;
+    if (zeros == 0) return 2 * constants::half_turn;
+    if (zeros == 1) return constants::half_turn;
     // The corner hit, and the two after it; not in a list, which a GPU would keep in memory.
     const Vec3d p = !on[0] ? v0 : !on[1] ? v1 : v2, q = !on[0] ? v1 : !on[1] ? v2 : v0, r = !on[0] ? v2 : !on[1] ? v0 : v1;
     const auto flat = [&](Vec3d corner) {
@@ -104,7 +105,8 @@ PIERCE_HD inline double crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1
         return Vec3d{d.x, d.y, 0};
     };
     const Vec3d e = flat(q), f = flat(r);
-    return angle_of(dot(e, f), std::fabs(e.x * f.y - e.y * f.x)) / pi;
+    const double part = angle_of(dot(e, f), std::fabs(e.x * f.y - e.y * f.x)) / pi;
+    return static_cast<std::int64_t>(part * static_cast<double>(constants::half_turn));
 }
 
 /// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer to it than `tolerance`.

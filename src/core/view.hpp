@@ -14,7 +14,10 @@ struct View {
     T* data = nullptr;
     std::uint32_t size = 0;
 
-    PIERCE_HD T& operator[](std::size_t i) const { return data[i]; }
+    PIERCE_HD T& operator[](std::size_t i) const {
+        PIERCE_CHECK_PLACE(i, size);
+        return data[i];
+    }
     PIERCE_HD T* begin() const { return data; }
     PIERCE_HD T* end() const { return data + size; }
     template <class Const>

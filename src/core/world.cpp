@@ -10,40 +10,25 @@
 namespace pierce {
 namespace {
 
-bool is_finite(const Pose& pose) {
+bool is_usable(const Pose& pose) {
     const Quaternion& q = pose.rotation;
     const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    return is_finite(pose.position) && norm - norm == 0 && norm > 0;
+    return is_within_reach(pose.position) && norm >= constants::smallest_rotation && norm <= constants::largest_rotation;
 }
 
-bool is_finite(std::span<const Vec3f> positions) {
-    return std::ranges::all_of(positions, [](Vec3f p) { return pierce::is_finite(p); });
+bool is_usable(std::span<const Vec3f> positions) {
+    return std::ranges::all_of(positions, [](Vec3f p) { return is_within_reach(p); });
 }
 
 void check_pose(const Pose& pose, const std::string& mesh) {
-    if (!is_finite(pose)) throw InputError("pose of a body of mesh '" + mesh + "' is not finite or has no rotation");
+    if (!is_usable(pose))
+        throw InputError("pose of a body of mesh '" + mesh + "' is not finite, too far away or has no rotation");
 }
 
 void check_count(std::size_t given, const Mesh& mesh) {
     if (given != mesh.positions().size())
         throw InputError("body of mesh '" + mesh.name() + "' needs " + std::to_string(mesh.positions().size()) +
                          " positions, got " + std::to_string(given));
-}
-
-/// Distance along the ray at which it enters `box`, or nothing.
-std::optional<double> enter_box(Vec3d origin, Vec3d direction, const Box& box) {
-    double begin = 0, end = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) {
-        if (direction[k] == 0) {
-            if (origin[k] < box.lower[k] || origin[k] > box.upper[k]) return std::nullopt;
-            continue;
-        }
-        const double t0 = (box.lower[k] - origin[k]) / direction[k], t1 = (box.upper[k] - origin[k]) / direction[k];
-        begin = std::max(begin, std::min(t0, t1));
-        end = std::min(end, std::max(t0, t1));
-    }
-    if (begin <= end) return begin;
-    return std::nullopt;
 }
 
 }  // namespace
@@ -88,19 +73,16 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
     const Mesh& shape = this->mesh(mesh);
     if (positions.empty()) positions = shape.positions();
     check_count(positions.size(), shape);
-    check_finite("body of mesh '" + shape.name() + "'", positions);
+    check_positions("body of mesh '" + shape.name() + "'", positions);
     BodyEntry body(mesh, Motion::deforming, {});
     body.positions.assign(positions.begin(), positions.end());
     body.positions_version = state_->next_key++;
-    const BodyId id = state_->add(std::move(body));
-    state_->rotations.resize(std::max<std::size_t>(state_->rotations.size(), id.index + 1));
-    state_->rotations[id.index] = {};
-    return id;
+    return state_->add(std::move(body));
 }
 
 void World::remove_body(BodyId body) {
     state_->bodies.remove(body, "body");
-    state_->planned = false;
+    state_->change();
 }
 
 MeshId World::mesh_of(BodyId body) const { return state_->bodies.get(body, "body").mesh; }
@@ -132,7 +114,7 @@ void World::set_collision(BodyId body, const Collision& collision) {
     if (!collision.sheet && asks && collision.self != SelfCollision::on)
         throw InputError(name + " is a solid: rays along velocities are for sheets");
     entry.collision = collision;
-    state_->planned = false;
+    state_->change();
 }
 
 const Collision& World::collision_of(BodyId body) const { return state_->bodies.get(body, "body").collision; }
@@ -143,8 +125,8 @@ void World::set_pose(BodyId body, const Pose& pose) {
         throw InputError("body " + std::to_string(body.index) + " deforms: it has positions, not a pose");
     state_->begin_motion(entry);
     entry.pose = pose;
-    if (!entry.finite) entry.start_pose = pose;
-    entry.finite = is_finite(pose);
+    if (!entry.usable) entry.start_pose = pose;
+    entry.usable = is_usable(pose);
 }
 
 void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
@@ -154,10 +136,10 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     check_count(positions.size(), state_->mesh_of(entry));
     state_->begin_motion(entry);
     std::ranges::copy(positions, entry.positions.begin());
-    if (!entry.finite && !entry.start.empty()) entry.start = entry.positions;
+    if (!entry.usable) entry.start = entry.positions;
     entry.device_positions = entry.device_start = nullptr;
     entry.positions_version = state_->next_key++;
-    entry.finite = is_finite(positions);
+    entry.usable = is_usable(positions);
 }
 
 void World::set_motion(BodyId body, std::span<const Vec3f> start, std::span<const Vec3f> positions) {
@@ -165,14 +147,14 @@ void World::set_motion(BodyId body, std::span<const Vec3f> start, std::span<cons
     set_positions(body, positions);
     BodyEntry& entry = state_->bodies.get(body, "body");
     entry.start.assign(start.begin(), start.end());
-    entry.finite = entry.finite && is_finite(start);
+    entry.usable = entry.usable && is_usable(start);
 }
 
 void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
     set_pose(body, pose);
     BodyEntry& entry = state_->bodies.get(body, "body");
     entry.start_pose = start;
-    entry.finite = entry.finite && is_finite(start);
+    entry.usable = entry.usable && is_usable(start);
 }
 
 void World::set_device_positions(BodyId body, const Vec3f* positions) {
@@ -190,7 +172,8 @@ void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* posi
     entry.device_positions = positions;
     entry.device_start = start;
     entry.positions_version = state_->next_key++;
-    entry.finite = true;
+    entry.usable = true;
+    state_->stepped = false;
 }
 
 void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
@@ -206,8 +189,8 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     entry.positions.assign(positions.begin(), positions.end());
     entry.device_positions = entry.device_start = nullptr;
     entry.positions_version = state_->next_key++;
-    entry.finite = is_finite(positions);
-    state_->planned = false;
+    entry.usable = is_usable(positions);
+    state_->change();
 }
 
 void World::forget_sides() { state_->forgets_sides = true; }
@@ -221,7 +204,6 @@ const StepStats& World::detect() {
     settings.temporal = s.plan.temporal;
     const Scene scene{view_of(s.views),
                       view_of(std::as_const(s.ids)),
-                      view_of(s.rotations),
                       view_of(std::as_const(s.block_items)),
                       view_of(std::as_const(s.ranges)),
                       view_of(std::as_const(s.blocks)),
@@ -232,6 +214,7 @@ const StepStats& World::detect() {
                       std::exchange(s.forgets_sides, false)};
     s.backend->step(scene, s.stats);
     s.end_motion();
+    s.stepped = true;
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     return s.stats;
 }
@@ -259,7 +242,10 @@ std::vector<World::BodyBox> World::body_boxes() const {
 }
 
 std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
-    if (!state_->planned) throw InputError("cast_rays needs a detect() after bodies were added, removed or changed");
+    state_->check_stepped("cast_rays");
+    const auto usable = [](Vec3d v) { return is_finite(v); };
+    if (!usable(origin) || !std::ranges::all_of(directions, usable))
+        throw InputError("cast_rays needs an origin and directions that are finite");
     state_->backend->fetch_bodies(view_of(state_->views));
     const auto& views = state_->views;
     std::vector<Ray> rays;
@@ -270,12 +256,12 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<cons
         for (std::uint32_t b = 0; b < views.size(); ++b) {
             if (!views[b].active) continue;
             const Frame to_fit = relative_frame({}, views[b].fit);
-            const auto enter = enter_box(to_fit.to_parent(origin), to_fit.rotation * direction, views[b].fit_box);
-            if (!enter) continue;
+            const Stretch inside = stretch_inside(views[b].fit_box, to_fit.to_parent(origin), to_fit.rotation * direction);
+            if (inside.begin > inside.end || inside.end < 0) continue;
             const Frame to_space = relative_frame({}, views[b].space);
             Ray ray;
             // From just outside the box: a surface in the box's face must still lie ahead.
-            ray.origin = to_space.to_parent(origin + std::max(*enter - 2 * views[b].touch, 0.0) * direction);
+            ray.origin = to_space.to_parent(origin + std::max(inside.begin - 2 * views[b].touch, 0.0) * direction);
             ray.direction = to_space.rotation * direction;
             ray.t_max = views[b].fit_box.extent() + 2 * views[b].touch;
             ray.target = b;

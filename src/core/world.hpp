@@ -58,14 +58,14 @@ public:
     /// The world position of a vertex as the last set_pose or set_positions left it.
     Vec3d vertex_position(BodyId body, std::uint32_t vertex) const;
 
-    /// Moves a fixed or rigid body. A pose that is not finite, or has a zero rotation, excludes the body from detect()
-    /// until a good one is set. Throws InputError for a deforming body.
+    /// Moves a fixed or rigid body. A pose that is not finite, further away than constants::largest_coordinate or without a
+    /// rotation excludes the body from detect() until a good one is set. Throws InputError for a deforming body.
     void set_pose(BodyId body, const Pose& pose);
-    /// Moves the vertices of a deforming body; copied. Positions that are not finite exclude the body from detect() until
-    /// good ones are set. Throws InputError for a wrong count or a body that does not deform.
+    /// Moves the vertices of a deforming body; copied. Positions that are not finite, or further away than
+    /// constants::largest_coordinate, exclude the body from detect() until good ones are set. Throws InputError for a wrong count or a body that does not deform.
     void set_positions(BodyId body, std::span<const Vec3f> positions);
     /// The same, and where they were when the step began, in place of where the last step left them: for solvers that try
-    /// several ends of one step. Positions at the start that are not finite exclude the body, too.
+    /// several ends of one step. Positions at the start exclude the body likewise.
     void set_motion(BodyId body, std::span<const Vec3f> start, std::span<const Vec3f> positions);
     /// The same for a fixed or rigid body. Between the two poses its points are taken to move in straight lines.
     void set_motion(BodyId body, const Pose& start, const Pose& pose);
@@ -102,11 +102,12 @@ public:
     std::vector<BodyBox> body_boxes() const;
 
     /// Why `vertex` of `body` has, or has not, a contact with `other`, which may be the same one if it is a sheet, after the
-    /// last detect(). Throws InputError for a vertex there is not, or if bodies were added, removed or changed since.
+    /// last detect(). Throws InputError for a vertex there is not, or if bodies were added, removed, moved or changed since.
     Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
-    /// The first body along each line of sight from `origin`, bodies standing as in the last detect().
-    /// Directions need not be unit; zero ones meet nothing.
+    /// The first body along each line of sight from `origin`, bodies standing as in the last detect(). Directions need not be
+    /// unit; zero ones meet nothing. Throws InputError for one that is not finite, or if bodies were added, removed, moved or
+    /// changed since.
     std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
 
 private:

@@ -36,11 +36,18 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
 }
 
-void World::State::begin_motion(BodyEntry& body) const {
+void World::State::begin_motion(BodyEntry& body) {
+    stepped = false;
     if (body.moved) return;
     body.moved = true;
     body.start_pose = body.pose;
-    if (plan.sheets) body.start = body.positions;
+    body.start.swap(body.positions);
+    body.positions.resize(body.start.size());
+}
+
+void World::State::check_stepped(const char* who) const {
+    if (!stepped)
+        throw InputError(std::string(who) + " needs a detect() after bodies were added, removed, moved or changed");
 }
 
 void World::State::end_motion() {
@@ -79,7 +86,6 @@ void World::State::make_plan() {
     blocks.assign(slots.size(), {});
     patches.assign(slots.size(), {});
     seen.assign(slots.size(), {});
-    rotations.resize(slots.size());
 
     bool solids = false;
     for (const auto& slot : slots) {
@@ -115,11 +121,7 @@ void World::State::make_plan() {
         view.touch = constants::touch_tolerance * view.fit_box.extent();
         describe(body, *entry.mesh);
         if (body.motion == Motion::deforming) {
-            view.positions = view_of(std::as_const(body.positions));
-            // A body that was not asked before has not moved.
-            if (plan.sheets && body.start.empty()) body.start = body.positions;
-            if (!plan.sheets) body.start.clear();
-            view.start = view_of(std::as_const(body.start));
+            place_vertices(i);
             body.blocks.resize(block_count(view.mesh));
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
@@ -170,29 +172,34 @@ void World::State::refresh_views() {
     for (std::uint32_t i = 0; i < views.size(); ++i) {
         if (!ids[i]) continue;
         BodyEntry& body = bodies.slots()[i].thing;
-        if (plan.sheets && !body.moved) {
-            // Nobody has moved it since the last step.
-            if (body.motion != Motion::deforming) {
-                body.start_pose = body.pose;
-            } else if (body.device_positions == nullptr && body.start != body.positions) {
-                body.start = body.positions;
-                body.positions_version = next_key++;
-            }
-        }
-        views[i].active = body.finite;
-        if (!body.finite) {
+        views[i].active = body.usable;
+        if (!body.usable) {
             stats.status |= body_excluded;
             ++stats.excluded_bodies;
         }
         if (body.motion == Motion::deforming) {
+            if (plan.sheets && body.device_positions != nullptr && body.device_start == nullptr)
+                throw InputError("body " + std::to_string(i) + " needs positions in device memory for both ends of the step");
+            if (plan.sheets && !body.moved && body.device_positions == nullptr && body.start != body.positions) {
+                body.start = body.positions;
+                body.positions_version = next_key++;
+            }
+            place_vertices(i);
             views[i].positions_version = body.positions_version;
             views[i].device_positions = body.device_positions;
             views[i].device_start = body.device_start;
-        } else if (body.finite)
-            views[i].fit = views[i].space = frame_of(body.pose);
-        if (body.motion != Motion::deforming)
+        } else {
+            if (body.usable) views[i].fit = views[i].space = frame_of(body.pose);
             views[i].start_space = plan.sheets && body.moved ? frame_of(body.start_pose) : views[i].space;
+        }
     }
+}
+
+void World::State::place_vertices(std::uint32_t index) {
+    BodyEntry& body = bodies.slots()[index].thing;
+    if (plan.sheets) body.start.resize(body.positions.size());
+    views[index].positions = view_of(std::as_const(body.positions));
+    views[index].start = plan.sheets ? view_of(std::as_const(body.start)) : View<const Vec3f>{};
 }
 
 }  // namespace pierce

@@ -26,9 +26,9 @@ struct BodyEntry {
     Motion motion = Motion::fixed;
     Pose pose;
     std::vector<Vec3f> positions;  ///< of a deforming body
-    std::vector<Vec3f> start;      ///< of a deforming body, when the step began; empty where nobody asks
+    std::vector<Vec3f> start;      ///< of a deforming body that has moved: where it was when the step began
     Pose start_pose;               ///< of any other, likewise
-    bool moved = false;            ///< start and end of the next step are given
+    bool moved = false;            ///< since the last step
     Collision collision;
     const Vec3f* device_positions = nullptr;  ///< in place of those
     const Vec3f* device_start = nullptr;
@@ -36,7 +36,7 @@ struct BodyEntry {
     std::vector<Offsets> patches;
     std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;
-    bool finite = true;
+    bool usable = true;  ///< all coordinates are finite and none is too large
 };
 
 /// What a World is made of; world.cpp changes it, world_plan.cpp makes of it what a step reads.
@@ -47,13 +47,13 @@ struct World::State {
     SlotMap<BodyTag, BodyEntry> bodies;
     std::uint64_t next_key = 1;
     bool forgets_sides = false;  ///< the next step does
+    bool stepped = false;        ///< bodies stand as the last step has seen them
 
     // What a step reads; remade when bodies are added, removed or change kind.
     bool planned = false;
     Plan plan;
     std::vector<BodyView> views;
     std::vector<BodyId> ids;
-    std::vector<Quaternion> rotations;
     std::vector<stages::BlockItem> block_items;
     std::vector<stages::BlockRange> ranges;
     std::vector<View<PatchBlock>> blocks;
@@ -64,20 +64,27 @@ struct World::State {
     const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
 
     BodyId add(BodyEntry body) {
-        planned = false;
+        change();
         return bodies.add(std::move(body));
     }
+    /// Bodies are about to be added, removed or changed.
+    void change() { planned = stepped = false; }
+    /// Throws InputError unless bodies stand as the last step has seen them.
+    void check_stepped(const char* who) const;
 
     /// What does not change between steps.
     void make_plan();
     void add_blocks(std::uint32_t body);
     void describe(const BodyEntry& body, const Mesh& mesh);
-    /// A body is about to get a new place: where it is, is where the next step begins.
-    void begin_motion(BodyEntry& body) const;
+    /// A body is about to get a new place: where it is, is where the next step begins. Of a deforming body, the positions
+    /// are anything then.
+    void begin_motion(BodyEntry& body);
     /// The step is over: the next one begins where it has ended, whatever is given.
     void end_motion();
     /// What may have changed since the last step.
     void refresh_views();
+    /// Where a deforming body's vertices are kept, in its view.
+    void place_vertices(std::uint32_t index);
     /// Lengths of the inward rays of a mesh's rest shape inside itself; -1 where a ray does not start inside (R2).
     void find_own_exits(MeshEntry& entry, std::uint32_t index);
 };

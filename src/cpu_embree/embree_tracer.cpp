@@ -86,16 +86,15 @@ void EmbreeTracer::State::forget_unused(View<const BodyView> bodies) {
 }
 
 void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry, TracerCounts& done) {
-    const double reach = body.world_box.max_coordinate();
     const bool other_mesh = entry.mesh_key != body.mesh_key;
     const bool decayed = entry.tree != nullptr && entry.tree->policy.should_rebuild(entry.tree->triangle_count());
     if (entry.tree == nullptr || other_mesh || decayed) {
-        entry.tree = std::make_unique<Tree>(device, TreeKind::moving, body.surface(), reach);
+        entry.tree = std::make_unique<Tree>(device, TreeKind::moving, body.surface(), body.world_box);
         entry.mesh_key = body.mesh_key;
         ++done.builds;
         done.rebuilds += decayed && !other_mesh;
     } else if (entry.positions_version != body.positions_version) {
-        entry.tree->refit(body.surface(), reach);
+        entry.tree->refit(body.surface(), body.world_box);
         ++done.refits;
     }
     entry.positions_version = body.positions_version;
@@ -114,8 +113,7 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
         }
         std::unique_ptr<Tree>& tree = s.still[bodies[b].mesh_key];
         if (tree == nullptr) {
-            tree =
-                std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(), bodies[b].fit_box.max_coordinate());
+            tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(), bodies[b].fit_box);
             ++s.counts.builds;
         }
         s.trees[b] = tree.get();

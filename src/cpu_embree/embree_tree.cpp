@@ -1,5 +1,7 @@
 #include "pierce/cpu_embree/embree_tree.hpp"
 
+#include <limits>
+
 namespace pierce::embree {
 namespace {
 
@@ -24,10 +26,10 @@ struct Tree::Query {
     float far_end() const { return round_up(search->limit() - start + slack); }
 };
 
-Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, double max_coordinate) {
+Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, const Box& box) {
     scene_ = rtcNewScene(device);
     geometry_ = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    set_surface(surface, max_coordinate);
+    set_surface(surface, box);
     rtcSetGeometryUserPrimitiveCount(geometry_, surface.triangles.size);
     rtcSetGeometryUserData(geometry_, this);
     rtcSetGeometryBoundsFunction(geometry_, bounds, nullptr);
@@ -52,13 +54,15 @@ Tree::~Tree() {
     rtcReleaseScene(scene_);
 }
 
-void Tree::set_surface(const Surface& surface, double max_coordinate) {
+void Tree::set_surface(const Surface& surface, const Box& box) {
     surface_ = surface;
-    margin_ = round_up(constants::tree_margin * max_coordinate);
+    // A ray in a triangle's plane touches it from the touch tolerance away.
+    margin_ = round_up(constants::tree_margin * box.max_coordinate() + surface.touch);
+    reach_ = box.inflated(static_cast<double>(margin_));
 }
 
-void Tree::refit(const Surface& surface, double max_coordinate) {
-    set_surface(surface, max_coordinate);
+void Tree::refit(const Surface& surface, const Box& box) {
+    set_surface(surface, box);
     rtcCommitGeometry(geometry_);
     rtcJoinCommitScene(scene_);  // in the caller's arena, so that its thread count holds
 }
@@ -69,8 +73,15 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     init_context(query.context);
     query.search = &search;
     query.slack = 2.0 * margin_ + surface_.touch;
+    // Embree's float32 ray begins where the surface is near: far away its rounding would not fit the margin.
+    double first = -std::numeric_limits<double>::infinity();
+    if (ray.outward > surface_.touch || reach_.distance(ray.origin) > 0) {
+        const Stretch inside = stretch_inside(reach_, ray.origin, ray.direction);
+        if (inside.begin > inside.end) return search.hit();
+        first = inside.begin - query.slack;
+    }
     do {
-        query.start = search.begin() - query.slack;
+        query.start = max_of(search.begin() - query.slack, first);
         const Vec3f origin = to_float(ray.origin + query.start * ray.direction);
         const Vec3f direction = to_float(ray.direction);
         RTCRayHit embree_ray;

@@ -13,13 +13,14 @@ enum class TreeKind { still, moving };
 /// An Embree scene over one surface. Triangles are user primitives, so that Embree asks us for boxes and tests.
 class Tree {
 public:
-    Tree(RTCDevice device, TreeKind kind, const Surface& surface, double max_coordinate);
+    /// `box`: around all positions.
+    Tree(RTCDevice device, TreeKind kind, const Surface& surface, const Box& box);
     ~Tree();
     Tree(const Tree&) = delete;
     Tree& operator=(const Tree&) = delete;
 
     /// Takes over positions that moved, keeping the tree's shape. The triangles must be the same.
-    void refit(const Surface& surface, double max_coordinate);
+    void refit(const Surface& surface, const Box& box);
 
     /// The triangle the ray crosses first; adds the number of triangles tested to `tests`.
     Hit trace(const Ray& ray, std::uint32_t& tests) const;
@@ -38,9 +39,10 @@ private:
     static void bounds(const RTCBoundsFunctionArguments* arguments);
     static void intersect(const RTCIntersectFunctionNArguments* arguments);
     static bool test_near(RTCPointQueryFunctionArguments* arguments);
-    void set_surface(const Surface& surface, double max_coordinate);
+    void set_surface(const Surface& surface, const Box& box);
 
     Surface surface_;
+    Box reach_;         ///< nothing of the surface is near a point outside
     float margin_ = 0;  ///< [length] how far boxes reach beyond their triangles
     RTCScene scene_ = nullptr;
     RTCGeometry geometry_ = nullptr;

@@ -187,14 +187,12 @@ private:
         executor_.upload(std::span<const View<Offsets>>(patch_views), patch_views_);
         executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
-        executor_.upload(std::span<const Quaternion>(host.rotations.begin(), host.rotations.end()), rotations_);
         executor_.upload(std::span<const stages::BlockItem>(host.block_items.begin(), host.block_items.end()), block_items_);
         executor_.upload(std::span<const stages::BlockRange>(host.ranges.begin(), host.ranges.end()), ranges_);
         sent_version_.assign(host.bodies.size, 0);
         revision_ = host.plan->revision;
         scene_ = {view_of(bodies_),
                   view_of(std::as_const(ids_)),
-                  view_of(rotations_),
                   view_of(std::as_const(block_items_)),
                   view_of(std::as_const(ranges_)),
                   view_of(std::as_const(block_views_)),
@@ -247,7 +245,6 @@ private:
     DeviceBuffer<View<Offsets>> patch_views_;
     DeviceBuffer<View<SeenPatch>> seen_views_;
     DeviceBuffer<BodyId> ids_;
-    DeviceBuffer<Quaternion> rotations_;
     DeviceBuffer<stages::BlockItem> block_items_;
     DeviceBuffer<stages::BlockRange> ranges_;
 };

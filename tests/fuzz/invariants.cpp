@@ -77,7 +77,9 @@ private:
         const double sum = c.barycentric[0] + c.barycentric[1] + c.barycentric[2];
         if (std::fabs(sum - 1) > 1e-9) return fail("barycentrics sum to one", c, std::to_string(sum));
         const double size = std::max(source.extent, target.extent);
-        const double room = rounding * (source.coordinate + target.coordinate) + 2 * constants::touch_tolerance * size;
+        // Sheets see float32 coordinates.
+        const double digits = c.of_sheet ? rounding + constants::float_ulp : rounding;
+        const double room = digits * (source.coordinate + target.coordinate) + 2 * constants::touch_tolerance * size;
         if (std::fabs(dot(c.point_b - c.point_a, c.normal) - c.distance) > room && !c.unknown_side)
             return fail("(point_b - point_a) . normal = distance", c,
                         "is " + std::to_string(dot(c.point_b - c.point_a, c.normal)));

@@ -7,13 +7,17 @@
 namespace pierce::fuzz {
 namespace {
 
+bool is_good(Vec3d p) {
+    constexpr double most = 0x1p60;
+    return std::fabs(p.x) <= most && std::fabs(p.y) <= most && std::fabs(p.z) <= most;
+}
 bool is_good(const Pose& pose) {
     const Quaternion& q = pose.rotation;
     const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    return is_finite(pose.position) && std::isfinite(norm) && norm > 0;
+    return is_good(pose.position) && norm >= 0x1p-1000 && norm <= 0x1p1000;
 }
 bool is_good(const std::vector<Vec3f>& positions) {
-    return std::ranges::all_of(positions, [](Vec3f p) { return is_finite(p); });
+    return std::ranges::all_of(positions, [](Vec3f p) { return is_good(to_double(p)); });
 }
 
 std::vector<Vec3d> placed(const MeshData& mesh, const Pose& pose) {

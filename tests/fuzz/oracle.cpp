@@ -136,15 +136,9 @@ public:
     }
 
     std::optional<Failure> run() {
-        for (std::size_t i = 0; i < surfaces_.size(); ++i)
-            for (std::size_t j = i + 1; j < surfaces_.size(); ++j)
-                if (const auto failure = judge_pair(surfaces_[i], surfaces_[j])) return failure;
-        for (const Contact& c : contacts_)
-            if (const auto failure = judge_contact(c)) return failure;
+        // The paper's mode promises neither: a walk may end behind the first crossing.
         if (model_.settings().temporal != Temporal::paper)
-            for (const Surface& s : surfaces_)
-                for (const Surface& t : surfaces_)
-                    if (const auto failure = judge_vertices(s, t)) return failure;
+            if (auto failure = judge_solids()) return failure;
         for (std::size_t i = 0; i < surfaces_.size(); ++i)
             for (std::size_t j = i; j < surfaces_.size(); ++j)
                 if (const auto failure = judge_sheets(surfaces_[i], surfaces_[j])) return failure;
@@ -152,6 +146,18 @@ public:
     }
 
 private:
+    std::optional<Failure> judge_solids() {
+        for (std::size_t i = 0; i < surfaces_.size(); ++i)
+            for (std::size_t j = i + 1; j < surfaces_.size(); ++j)
+                if (auto failure = judge_pair(surfaces_[i], surfaces_[j])) return failure;
+        for (const Contact& c : contacts_)
+            if (auto failure = judge_contact(c)) return failure;
+        for (const Surface& s : surfaces_)
+            for (const Surface& t : surfaces_)
+                if (auto failure = judge_vertices(s, t)) return failure;
+        return std::nullopt;
+    }
+
     Surface surface(const ModelBody& b) const {
         Surface s;
         s.body = &b;
@@ -383,7 +389,9 @@ private:
     std::vector<MovingPoint> moving(const Surface& s) const {
         const std::vector<Vec3d> starts = model_.starts(*s.body);
         std::vector<MovingPoint> points;
-        for (std::size_t v = 0; v < starts.size(); ++v) points.push_back({starts[v], s.points[v]});
+        // Where sheets look, rigid bodies' vertices are float32 as theirs are.
+        const auto rounded = [](Vec3d p) { return to_double(to_float(p)); };
+        for (std::size_t v = 0; v < starts.size(); ++v) points.push_back({rounded(starts[v]), rounded(s.points[v])});
         return points;
     }
 

@@ -52,7 +52,8 @@ struct TraceTree {
         const Ray ray = rays[i];
         const BodyView& body = bodies[ray.target];
         hits[i] = first_crossing(ray, body.surface(), [&](CrossingSearch& search) {
-            show_near(forest, forest.trees[forest.tree_of_body[ray.target]], body, BoxRay(ray, positions_box(body)), search);
+            show_near(forest, forest.trees[forest.tree_of_body[ray.target]], body,
+                      BoxRay(ray, positions_box(body), body.touch), search);
         });
     }
 };

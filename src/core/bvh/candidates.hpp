@@ -48,7 +48,7 @@ private:
     PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray, std::uint32_t* triangles,
                                  RayWork& done) const {
         const Surface surface = body.surface();
-        const BoxRay box_ray(ray, positions_box(body));
+        const BoxRay box_ray(ray, positions_box(body), body.touch);
         const CrossingSearch search(ray, surface);
         const float begin = round_down(search.begin() - box_ray.margin());
         const float end = round_up(search.limit() + box_ray.margin());

@@ -9,13 +9,14 @@
 namespace pierce::bvh {
 
 /// A ray in float32, for boxes. Boxes are grown by constants::slab_margin of the largest coordinate, which covers all that
-/// rounding does to the slab test: no box is missed that the exact ray meets.
+/// rounding does to the slab test, and by `touch`, from which a ray in a triangle's plane touches it: no box is missed that
+/// the exact ray meets.
 class BoxRay {
 public:
-    PIERCE_HD BoxRay(const Ray& ray, const Box& around) {
+    PIERCE_HD BoxRay(const Ray& ray, const Box& around, double touch) {
         double largest = around.max_coordinate();
         for (int k = 0; k < 3; ++k) largest = max_of(std::fabs(ray.origin[k]), largest);
-        margin_ = constants::slab_margin * largest;
+        margin_ = constants::slab_margin * largest + touch;
         const float smallest =
             max_of(constants::smallest_slope, constants::slope_per_coordinate * static_cast<float>(largest));
         for (int k = 0; k < 3; ++k) {

@@ -78,10 +78,46 @@ struct MeasurePatches {
     }
 };
 
-/// The rotation closest to `a` (in the sense of largest trace of R^T a), by the iteration of Mueller, Bender,
-/// Chentanez and Macklin (MIG 2016), starting from `start`.
-PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a, Quaternion start) {
-    Quaternion q = start;
+/// A rotation near the one closest to `a`: its quaternion is the eigenvector of the largest eigenvalue of a symmetric matrix
+/// (Horn 1987), found by squaring that matrix, shifted to have no negative eigenvalue. The identity for a zero matrix.
+PIERCE_HD inline Quaternion rough_rotation(const Matrix3& a) {
+    const double xx = a.row[0].x, xy = a.row[1].x, xz = a.row[2].x, yx = a.row[0].y, yy = a.row[1].y, yz = a.row[2].y,
+                 zx = a.row[0].z, zy = a.row[1].z, zz = a.row[2].z;
+    double m[4][4] = {{xx - yy - zz, xy + yx, zx + xz, yz - zy},
+                      {xy + yx, yy - xx - zz, yz + zy, zx - xz},
+                      {zx + xz, yz + zy, zz - xx - yy, xy - yx},
+                      {yz - zy, zx - xz, xy - yx, xx + yy + zz}};
+    // No eigenvalue is below minus the sum of the singular values of `a`.
+    const double norm = std::sqrt(3 * (length_squared(a.row[0]) + length_squared(a.row[1]) + length_squared(a.row[2])));
+    if (!(norm > 0)) return {};
+    for (int i = 0; i < 4; ++i) m[i][i] += norm;
+    for (std::uint32_t k = 0; k < constants::frame_fit_squarings; ++k) {
+        const double scale = 1 / (m[0][0] + m[1][1] + m[2][2] + m[3][3]);
+        double squared[4][4];
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j <= i; ++j) {
+                double sum = 0;
+                for (int l = 0; l < 4; ++l) sum += (scale * m[i][l]) * (scale * m[l][j]);
+                squared[i][j] = squared[j][i] = sum;
+            }
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) m[i][j] = squared[i][j];
+    }
+    // Every column is the eigenvector by now; the longest one is least rounded.
+    Quaternion q{m[0][0], m[1][0], m[2][0], m[3][0]};
+    double largest = m[0][0];
+    for (int k = 1; k < 4; ++k) {
+        if (!(m[k][k] > largest)) continue;
+        largest = m[k][k];
+        q = {m[0][k], m[1][k], m[2][k], m[3][k]};
+    }
+    return q;
+}
+
+/// The rotation closest to `a` (in the sense of largest trace of R^T a): a rough one, made better by the iteration of Mueller,
+/// Bender, Chentanez and Macklin (MIG 2016). It depends on nothing but `a`, so that contacts do not depend on earlier steps.
+PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a) {
+    Quaternion q = rough_rotation(a);
     const Matrix3 columns = a.transposed();
     for (std::uint32_t i = 0; i < constants::frame_fit_iterations; ++i) {
         const Matrix3 axes = rotation_matrix(q).transposed();
@@ -103,19 +139,18 @@ PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a, Quaternion start)
     return q;
 }
 
-/// The blocks of one deforming body, and the rotation it was last fitted with.
+/// The blocks of one deforming body.
 struct BlockRange {
     std::uint32_t body = 0;
     std::uint32_t first = 0;
     std::uint32_t last = 0;
 };
 
-/// Per deforming body: fits a frame. Reads moments and the last rotation; writes the body's fit and that rotation.
+/// Per deforming body: fits a frame. Reads moments; writes the body's fit.
 struct FitFrame {
     View<BodyView> bodies;
     View<const BlockRange> ranges;
     View<const Moments> moments;
-    View<Quaternion> rotations;  ///< per body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BlockRange range = ranges[Sixteen<Moments>::group_of(i)];
@@ -131,8 +166,7 @@ struct FitFrame {
         const double per_patch = 1.0 / patch_count(body.mesh);
         const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
         for (int r = 0; r < 3; ++r) m.correlation.row[r] -= m.sum[r] * rest_mean;
-        rotations[range.body] = closest_rotation(m.correlation, rotations[range.body]);
-        body.fit.rotation = rotation_matrix(rotations[range.body]);
+        body.fit.rotation = rotation_matrix(closest_rotation(m.correlation));
         body.fit.origin = to_double(body.positions[0]) + mean - body.fit.rotation * (body.mesh.centroid + rest_mean);
     }
 };

@@ -51,7 +51,8 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
 }
 
 /// Per ray of a sheet along a velocity: what it hits counts if the vertex gets there, or comes from there, by its motion
-/// relative to the place it hits; the ray is turned along that. As published, the vertex' own motion decides.
+/// relative to the place it hits; the ray is turned along that. As published, the vertex' own motion decides. A triangle that
+/// the vertex slides in is met by the ray ahead and by the one behind: once is enough.
 struct RelateToLayer {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -63,8 +64,10 @@ struct RelateToLayer {
         const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
         if (!d.along_velocity || hits[i].triangle == no_triangle) return;
         const BodyView& body = bodies[d.target];
-        if (body.collision.self == SelfCollision::published) return;
         Ray& ray = rays[i];
+        const bool against = sources[i].side == 1;
+        if (against && lies_in(ray, body.surface(), hits[i].triangle)) hits[i] = {};
+        if (body.collision.self == SelfCollision::published || hits[i].triangle == no_triangle) return;
         const Meeting m = meet(ray, body.surface(), hits[i].triangle);
         const Triangle& t = body.mesh.triangles[hits[i].triangle];
         Vec3d way = ray.origin - to_double(body.start[sources[i].item]);
@@ -74,7 +77,7 @@ struct RelateToLayer {
             way -= m.barycentric[k] * (corner[k] - to_double(body.start[t.vertex[k]]));
         }
         const bool moves = length_squared(way) > 0;
-        ray.direction = normalized(sources[i].side == 1 ? -way : way);
+        ray.direction = normalized(against ? -way : way);
         ray.t_max = length(way);
         const Crossing crossing =
             moves ? cross_triangle({ray.origin, ray.direction}, corner[0], corner[1], corner[2]) : Crossing{};

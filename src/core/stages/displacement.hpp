@@ -15,7 +15,7 @@ struct MeasureDisplacement {
     View<const BodyView> bodies;
     View<const Pair> pairs;
     View<const std::uint32_t> links;
-    View<const PairMemory> last;
+    View<const PairMemory> last;  ///< empty if the last step did not remember
     Settings settings;
     View<PairMemory> memory;
 
@@ -25,7 +25,7 @@ struct MeasureDisplacement {
         const BodyView& target = bodies[pair.target(i % 2)];
         PairMemory m;
         m.relative = relative_frame(source.fit, target.fit);
-        if (links[i / 2] != no_pair) {
+        if (links[i / 2] != no_pair && last.size > 0) {
             const PairMemory& before = last[2 * links[i / 2] + i % 2];
             const double rounding =
                 constants::double_rounding * (source.world_box.max_coordinate() + target.world_box.max_coordinate());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
 
@@ -165,13 +167,14 @@ PIERCE_HD inline Span part_near(const BodyView& target, Vec3d a, Vec3d b) {
     };
     Span span{0, size};
     if (size > 0 && size < constants::march_cells * target.mesh.clearance.cell) return span;
+    // A step that rounding swallows is the last one.
     for (double step; (step = free(span.begin)) > constants::march_share * (span.end - span.begin);) {
-        span.begin += step;
-        if (span.empty()) return span;
+        const double before = std::exchange(span.begin, span.begin + step);
+        if (span.empty() || !(span.begin > before)) return span;
     }
     for (double step; (step = free(span.end)) > constants::march_share * (span.end - span.begin);) {
-        span.end -= step;
-        if (span.empty()) return span;
+        const double before = std::exchange(span.end, span.end - step);
+        if (span.empty() || !(span.end < before)) return span;
     }
     return span;
 }

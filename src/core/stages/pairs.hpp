@@ -129,10 +129,14 @@ struct TestPair {
 struct PairIdentity {
     BodyId a, b;
     std::uint64_t mesh_a = 0, mesh_b = 0;
+    SelfCollision self_a = SelfCollision::off, self_b = SelfCollision::off;
+    bool sheet_a = false, sheet_b = false;
+    std::uint8_t padding[4] = {};
 
     PIERCE_HD bool is(const PairIdentity& other) const {
         return a.index == other.a.index && a.generation == other.a.generation && b.index == other.b.index &&
-               b.generation == other.b.generation && mesh_a == other.mesh_a && mesh_b == other.mesh_b;
+               b.generation == other.b.generation && mesh_a == other.mesh_a && mesh_b == other.mesh_b &&
+               self_a == other.self_a && self_b == other.self_b && sheet_a == other.sheet_a && sheet_b == other.sheet_b;
     }
 };
 
@@ -148,7 +152,15 @@ struct LinkPair {
     /// Writes the pair of a key, who it is, and which of last step's pairs it was, if any.
     PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity, std::uint32_t& link) const {
         pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
-        identity = {ids[pair.a], ids[pair.b], bodies[pair.a].mesh_key, bodies[pair.b].mesh_key};
+        const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
+        identity = {.a = ids[pair.a],
+                    .b = ids[pair.b],
+                    .mesh_a = a.mesh_key,
+                    .mesh_b = b.mesh_key,
+                    .self_a = a.collision.self,
+                    .self_b = b.collision.self,
+                    .sheet_a = a.collision.sheet,
+                    .sheet_b = b.collision.sheet};
         std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;

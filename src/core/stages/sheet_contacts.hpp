@@ -126,10 +126,10 @@ struct FillSheetContact {
             const Edge& edge = target.mesh.edges[f.other];
             c.other_edge = f.other;
             c.triangle = edge.triangle[0];
-            for (int k = 0; k < 3; ++k) {
-                const std::uint32_t v = target.mesh.triangles[c.triangle].vertex[k];
-                c.barycentric[k] = v == edge.vertex[0] ? 1 - m.weight[0] : v == edge.vertex[1] ? m.weight[0] : 0.0;
-            }
+            // A triangle may name a vertex twice: each end of the edge is one of its corners.
+            const Triangle& t = target.mesh.triangles[c.triangle];
+            const int first = corner_of(t, edge.vertex[0]), second = corner_of(t, edge.vertex[1]);
+            for (int k = 0; k < 3; ++k) c.barycentric[k] = k == first ? 1 - m.weight[0] : k == second ? m.weight[0] : 0.0;
         } else {
             c.triangle = f.other;
             for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight_of(k);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <initializer_list>
+
 #include "pierce/core/closest_search.hpp"
 #include "pierce/core/contact.hpp"
 #include "pierce/core/continuous.hpp"
@@ -94,6 +96,14 @@ private:
         return kind == FeatureKind::vertex_of_b || kind == FeatureKind::piercing_edge_of_b;
     }
 
+    /// The first of some directions that is one, as a unit vector; if there is none, any, and nobody knows which way out is.
+    PIERCE_HD static Vec3d way_out(Judgement& judgement, std::initializer_list<Vec3d> directions) {
+        for (const Vec3d& d : directions)
+            if (const Vec3d unit = normalized(d); length_squared(unit) > 0) return unit;
+        judgement.unknown = true;
+        return {1, 0, 0};
+    }
+
     PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
 
     PIERCE_HD Judgement vertex_and_triangle(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
@@ -125,22 +135,29 @@ private:
         const bool through = above && remembered != 0 && gap < 0 && -gap < pair.margin;
         const bool near = above && std::fabs(height) < pair.thickness && gap < proximity_of_vertex(f, pair);
         if (!met && !near && !through) return {};
+        Judgement judgement{Verdict::contact,
+                            met       ? Found::crossing
+                            : through ? Found::remembered
+                                      : Found::near,
+                            static_cast<std::int8_t>(its_side)};
         m.out = static_cast<double>(its_side) * normal;
         m.distance = gap;
         if (!above) {
             // It meets the triangle and goes on beside it: the place it has met.
             m.weight[0] = 1 - impact.u - impact.v;
             m.weight[1] = impact.u;
-            Vec3d at;
-            for (int k = 0; k < 3; ++k) at += m.weight_of(k) * face.corner[k].end;
+            Vec3d at, start;
+            for (int k = 0; k < 3; ++k) {
+                at += m.weight_of(k) * face.corner[k].end;
+                start += m.weight_of(k) * face.corner[k].start;
+            }
+            // A triangle that has lost its area has no side any more.
+            if (length_squared(m.out) == 0)
+                m.out = way_out(judgement, {static_cast<double>(its_side) * face.start_normal(), p.start - start, p.end - at});
             m.distance = dot(m.out, p.end - at);
         }
         if (met) m.time = impact.time;
-        return {Verdict::contact,
-                met       ? Found::crossing
-                : through ? Found::remembered
-                          : Found::near,
-                static_cast<std::int8_t>(its_side)};
+        return judgement;
     }
 
     /// Weights of the first two corners at the foot of `p`; true if that lies in the triangle.
@@ -239,16 +256,17 @@ private:
         const Vec3d n = cross(u, v), end = cross(q.end - p.end, s.end - r.end);
         const double flat = constants::meeting_tolerance * length(u) * length(v);
         const bool turned = dot(n, motion) > 0;
+        Judgement judgement{Verdict::contact, Found::crossing};
         if (length(n) > flat && length(end) > flat && dot(n, motion) != 0)
             m.out = normalized(turned ? -end : end);
         else
-            m.out = length_squared(motion) > 0 ? normalized(-motion) : normalized(way);
+            m.out = way_out(judgement, {-motion, way});
         const double first_place = between ? at.first : impact.u, second_place = between ? at.second : impact.v;
         way = p.end + first_place * (q.end - p.end) - r.end - second_place * (s.end - r.end);
         m.distance = dot(m.out, way);
         set_places(m, first_place, second_place);
         m.time = impact.time;
-        return {Verdict::contact, Found::crossing};
+        return judgement;
     }
 
     PIERCE_HD static void set_places(SheetMeeting& m, double first, double second) {
