@@ -72,13 +72,13 @@ PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d 
 
     Crossing crossing;
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return crossing;
+    if (is_degenerate(v0, v1, v2)) return crossing;
     const double reach = length_squared(a) + length_squared(b) + length_squared(c);
     if (std::fabs(u) + std::fabs(v) + std::fabs(w) <= constants::coplanar_tolerance * reach) {
         crossing.kind = Crossing::coplanar;
         return crossing;
     }
     const double det = u + v + w;
-    if (is_degenerate(v0, v1, v2)) return crossing;
     crossing.kind = Crossing::transversal;
     crossing.sign = det < 0 ? ray.facing : -ray.facing;
     crossing.weight[0] = u / det;

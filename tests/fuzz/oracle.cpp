@@ -12,6 +12,7 @@
 
 #include "fuzz/invariants.hpp"
 #include "support/brute_force.hpp"
+#include "truth/exact_continuous.hpp"
 #include "truth/meeting.hpp"
 
 namespace pierce::fuzz {
@@ -348,9 +349,8 @@ private:
                     const std::array<MovingPoint, 4> corners = {of_s[v], of_t[face.vertex[0]], of_t[face.vertex[1]],
                                                                 of_t[face.vertex[2]]};
                     if (are_apart(corners, 1) || !truth::features_meet(truth::Features::vertex_and_face, corners)) continue;
-                    if (leaves_solid(corners, t)) continue;
                     ++counts_.feature_meetings;
-                    if (!vertices.contains({turn == 1, v, f}))
+                    if (!vertices.contains({turn == 1, v, f}) && !leaves_solid(corners, t))
                         return Failure{"truth: no crossing of a sheet is missed",
                                        describe(s, t) + " vertex " + std::to_string(v) + " triangle " + std::to_string(f)};
                 }
@@ -409,10 +409,24 @@ private:
         return false;
     }
 
-    /// True if a vertex is behind a solid's triangle when the step begins: it leaves, and that is its ray's to report.
+    /// True unless a vertex comes into a solid through a triangle for certain: what leaves is its ray's to report.
     bool leaves_solid(const std::array<MovingPoint, 4>& c, const Surface& target) const {
         if (target.body->collision.sheet || !is_closed(target)) return false;
-        return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) < 0;
+        const std::optional<truth::ExactTime> time = truth::first_meeting_of_vertex_and_face(truth::exact(c));
+        if (!time) return true;
+        const double t = time->lower.get_d();
+        std::array<Vec3d, 4> at, way;
+        for (std::size_t k = 0; k < 4; ++k) {
+            way[k] = c[k].end - c[k].start;
+            at[k] = c[k].start + t * way[k];
+        }
+        const Vec3d n = cross(at[2] - at[1], at[3] - at[1]);
+        const double size = length_squared(n);
+        if (!(size > 0)) return false;
+        const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size, v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;
+        const Vec3d relative = way[0] - u * way[1] - v * way[2] - (1 - u - v) * way[3];
+        constexpr double certain = 1e-6;
+        return dot(n, relative) > -certain * length(n) * length(relative);
     }
 
     static bool is_closed(const Surface& s) {

@@ -19,6 +19,8 @@ struct CullEdgeBlock {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[blocks[i].directed];
+        masks[i] = counts[i] = 0;
+        if (d.is_self()) return;  // of a body itself, vertices alone are looked at; a sheet has no clearance either
         const BodyView& source = bodies[d.source];
         const std::uint32_t b = blocks[i].index, count = block_length(source.mesh, b);
         const PatchBlock& block = source.blocks[b];
@@ -33,7 +35,7 @@ struct CullEdgeBlock {
         const double span = static_cast<double>(block.reach) + static_cast<double>(longest_edge);
         const BallsNearby<> balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
                                   2 * source.deviation + constants::touch_tolerance * span);
-        masks[i] = d.is_self() ? 0 : balls.near & first_bits(count);
+        masks[i] = balls.near & first_bits(count);
         counts[i] = bit_count(masks[i]);
     }
 };
