@@ -231,7 +231,7 @@ private:
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
         if (scene.ranges.size < scene.bodies.size)
-            executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies});
+            executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
         seen_bodies_.clear();
         if (scene.plan->temporal == Temporal::off) return;

@@ -29,6 +29,9 @@ public:
         offset_ = choices_.pick({0.0, 0.0, 0.0, 0.0, 0.0, 100.0, 1e5, 1e7});
         on_grid_ = choices_.one_in(3);
         likes_sheets_ = choices_.one_in(3);
+        // Some worlds are as people make them: truth has more to say of these.
+        is_tame_ = choices_.one_in(3);
+        if (is_tame_) scale_ = 1, offset_ = 0, on_grid_ = false;
         const std::uint32_t meshes = 1 + choices_.below(3), bodies = 2 + choices_.below(3);
         for (std::uint32_t m = 0; m < meshes; ++m) add_mesh();
         for (std::uint32_t b = 0; b < bodies; ++b) add_body();
@@ -72,7 +75,7 @@ private:
 
     void add_mesh() {
         Call& call = push(Kind::add_mesh);
-        call.data = any_mesh(choices_);
+        call.data = is_tame_ ? proper_mesh(choices_) : any_mesh(choices_);
         for (Vec3f& p : call.data.positions) p = to_float(scale_ * to_double(p));
         meshes_.push_back(call.data);
     }
@@ -96,7 +99,7 @@ private:
             default:
                 pose.rotation = {choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(0.1, 1)};
         }
-        if (choices_.one_in(60)) spoil(pose);
+        if (!is_tame_ && choices_.one_in(60)) spoil(pose);
         return pose;
     }
 
@@ -124,9 +127,9 @@ private:
                                    : placed(mesh, any_pose());
         const auto size = static_cast<std::uint32_t>(p.size());
         if (size == 0) return p;
-        const double step = scale_ * choices_.pick({0.0, 0.01, 0.1, 0.5});
+        const double step = scale_ * (is_tame_ ? choices_.pick({0.0, 0.01, 0.05}) : choices_.pick({0.0, 0.01, 0.1, 0.5}));
         const auto some = [&] { return step * (on_grid_ ? static_cast<double>(choices_.below(3)) - 1 : choices_.real(-1, 1)); };
-        switch (choices_.below(8)) {
+        switch (choices_.below(is_tame_ ? 4 : 8)) {
             case 0: break;
             case 1: {
                 const Vec3d way{some(), some(), some()};
@@ -152,6 +155,7 @@ private:
                 else
                     for (Vec3f& v : p) v = to_float(to_double(v) + Vec3d{some(), some(), some()});
         }
+        if (is_tame_) return p;
         if (choices_.one_in(40))
             p[choices_.below(size)].x =
                 choices_.pick({std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f, 3e38f});
@@ -261,7 +265,7 @@ private:
     std::vector<MeshData> meshes_;
     std::vector<KnownBody> bodies_;
     double scale_ = 1, offset_ = 0;
-    bool on_grid_ = false, likes_sheets_ = false;
+    bool on_grid_ = false, likes_sheets_ = false, is_tame_ = false;
 };
 
 }  // namespace

@@ -172,9 +172,10 @@ private:
         const OracleCounts& o = counts_.oracle;
         fmt::print(
             "{} worlds from seed {}, {:.0f} s: {} calls ({} refused), {} steps, {} contacts; {} pairs that overlap and {} that do "
-            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets\n",
+            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets, {} exact questions about others\n",
             counts_.worlds, options_.seed, seconds_, counts_.calls, counts_.refused, counts_.steps, counts_.contacts,
-            o.overlapping_pairs, o.apart_pairs, o.inside_vertices, o.segments, o.expected_contacts, o.feature_meetings);
+            o.overlapping_pairs, o.apart_pairs, o.inside_vertices, o.segments, o.expected_contacts, o.feature_meetings,
+            o.feature_questions);
         for (const auto& [kind, seeds] : failures_) {
             fmt::print("FAILED {} times: {}; seeds", seeds.size(), kind);
             std::size_t left = 10;

@@ -13,6 +13,6 @@ std::optional<Failure> judge_apart(const Program& program, const std::vector<tes
 std::string name_of_signal(int signal);
 
 /// A world that takes longer than this hangs [s].
-inline constexpr unsigned longest_world = 20;
+inline constexpr unsigned longest_world = 60;
 
 }  // namespace pierce::fuzz

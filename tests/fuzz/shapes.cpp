@@ -179,6 +179,19 @@ void spoil(MeshData& m, Choices& choices) {
 
 }  // namespace
 
+MeshData proper_mesh(Choices& choices) {
+    MeshData mesh;
+    switch (choices.below(6)) {
+        case 0: mesh = box(); break;
+        case 1: mesh = tetrahedron(); break;
+        case 2: mesh = octahedron(); break;
+        case 3: mesh = channel(); break;
+        case 4: mesh = torus(5 + choices.below(6), 3 + choices.below(6)); break;
+        default: mesh = box(); transform(mesh, {1, 1, choices.pick({0.5, 0.1, 0.02})}, {});
+    }
+    return mesh;
+}
+
 MeshData any_mesh(Choices& choices) {
     MeshData mesh = base_shape(choices);
     for (std::uint32_t left = choices.pick({0u, 0u, 0u, 1u, 1u, 2u}); left > 0 && !mesh.triangles.empty(); --left)

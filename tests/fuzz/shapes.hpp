@@ -9,4 +9,7 @@ namespace pierce::fuzz {
 /// by World::add_mesh().
 MeshData any_mesh(Choices& choices);
 
+/// A small closed mesh without any defect.
+MeshData proper_mesh(Choices& choices);
+
 }  // namespace pierce::fuzz

@@ -389,6 +389,7 @@ struct MeasureReach {
 /// Per body: the world box of a fixed or rigid body that moved. Reads its pose and rest box.
 struct PlaceBox {
     View<BodyView> bodies;
+    bool meets_sheets = false;  ///< where sheets look, its vertices are rounded to float32
 
     static constexpr bool is_cheap = true;
 
@@ -405,6 +406,7 @@ struct PlaceBox {
         body.world_box = {center - reach, center + reach};
         // Where nobody asks, the step began where it ends.
         body.travel = largest_motion(body.start_space, body.space, body.fit_box);
+        if (meets_sheets) body.travel += constants::float_ulp * (body.world_box.max_coordinate() + body.travel);
     }
 };
 

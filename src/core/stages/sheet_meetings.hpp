@@ -289,8 +289,9 @@ private:
         const Vec3d a = of_face.vertex(t.vertex[0]).end, b = of_face.vertex(t.vertex[1]).end - a,
                     c = of_face.vertex(t.vertex[2]).end - a;
         const Vec3d p = of_edge.vertex(e.vertex[0]).end - a, q = of_edge.vertex(e.vertex[1]).end - a;
-        const Vec3d normal = normalized(cross(b, c));
-        const double from = dot(normal, p), to = dot(normal, q);
+        // Of the two, `pierces` has seen different signs: with the normal as it is, not made a unit, they are the same here.
+        const Vec3d across = cross(b, c), normal = normalized(across);
+        const double from = dot(across, p), to = dot(across, q);
         m.along = from / (from - to);
         const Vec3d at = p + m.along * (q - p);
         weights_over({}, b, c, at, m.weight);
