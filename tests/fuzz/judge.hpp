@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "support/backends.hpp"
 
 namespace pierce::fuzz {
+
+/// Which backends to play on; asked in the process that does, as a GPU's driver does not survive a fork.
+using Backends = std::function<std::vector<test::NamedBackend>()>;
 
 /// What was looked at.
 struct JudgeCounts {

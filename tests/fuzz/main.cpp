@@ -57,8 +57,8 @@ std::vector<test::NamedBackend> chosen_backends(const std::string& names) {
 /// One of several processes that share the seeds out.
 class Worker {
 public:
-    Worker(const Options& options, unsigned index, const std::vector<test::NamedBackend>& backends, Desk& desk, int log)
-        : options_(options), index_(index), backends_(backends), desk_(desk), log_(log) {}
+    Worker(const Options& options, const Backends& backends, Desk& desk, int log)
+        : options_(options), backends_(backends()), desk_(desk), log_(log) {}
 
     /// Goes on after the seed on the desk.
     [[noreturn]] void run(std::chrono::steady_clock::time_point end) {
@@ -78,15 +78,15 @@ public:
 
 private:
     const Options& options_;
-    unsigned index_;
-    const std::vector<test::NamedBackend>& backends_;
+    std::vector<test::NamedBackend> backends_;
     Desk& desk_;
     int log_;
 };
 
 class Watch {
 public:
-    explicit Watch(const Options& options) : options_(options), backends_(chosen_backends(options.backends)) {}
+    explicit Watch(const Options& options)
+        : options_(options), backends_([&options] { return chosen_backends(options.backends); }) {}
 
     int run() {
         if (!options_.replay.empty()) return replay();
@@ -128,7 +128,7 @@ private:
             if (child < 0) throw std::runtime_error("no process");
             if (child == 0) {
                 close(log[0]);
-                Worker(options_, w, backends_, desks_[w], log[1]).run(end);
+                Worker(options_, backends_, desks_[w], log[1]).run(end);
             }
             running[child] = w;
         };
@@ -213,7 +213,7 @@ private:
     }
 
     const Options& options_;
-    std::vector<test::NamedBackend> backends_;
+    Backends backends_;
     Desk* desks_ = nullptr;
     JudgeCounts counts_;
     double seconds_ = 0;

@@ -13,7 +13,7 @@ std::string name_of_signal(int signal) {
     return signal == SIGALRM ? "a world takes too long" : std::string("crash: ") + strsignal(signal);
 }
 
-std::optional<Failure> judge_apart(const Program& program, const std::vector<test::NamedBackend>& backends) {
+std::optional<Failure> judge_apart(const Program& program, const Backends& backends) {
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("no pipe");
     const pid_t child = fork();
@@ -22,7 +22,7 @@ std::optional<Failure> judge_apart(const Program& program, const std::vector<tes
         close(ends[0]);
         alarm(longest_world);
         JudgeCounts counts;
-        const std::optional<Failure> failure = judge(program, backends, counts);
+        const std::optional<Failure> failure = judge(program, backends(), counts);
         const std::string text = failure ? failure->kind + '\0' + failure->text : "";
         for (std::size_t at = 0; at < text.size();) {
             const ssize_t n = write(ends[1], text.data() + at, text.size() - at);
