@@ -29,6 +29,12 @@ public:
                                     std::uint32_t vertex) const = 0;
     /// Brings the world's views of its bodies up to date with what the last step found out about where they are.
     virtual void fetch_bodies(View<BodyView>) const {}
+    /// Brings deforming bodies' shapes of the last step (Scene::seen) up to date with what the last step has seen.
+    virtual void fetch_seen(View<const BodyId>, View<const View<SeenPatch>>) const {}
+    /// What the last step has left for the next one.
+    virtual StepMemory memory() const = 0;
+    /// Makes that the last step's, whoever has taken it. It must have been checked.
+    virtual void remember(const StepMemory& memory) = 0;
     /// Traces rays outside a step, bringing the targets' trees up to date first.
     virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
 };
@@ -62,6 +68,9 @@ public:
                             std::uint32_t vertex) const override {
         return pipeline_.certificate(bodies, pair, side, vertex);
     }
+
+    StepMemory memory() const override { return pipeline_.memory(); }
+    void remember(const StepMemory& memory) override { pipeline_.remember(memory); }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         std::vector<std::uint32_t> wanted(bodies.size, 0);

@@ -187,6 +187,11 @@ public:
     }
 
     template <class T>
+    std::vector<T> download(const HostBuffer<T>& buffer) const {
+        return {buffer.begin(), buffer.end()};
+    }
+
+    template <class T>
     void upload(std::span<const T> items, HostBuffer<T>& buffer) {
         buffer.assign(items.begin(), items.end());
     }

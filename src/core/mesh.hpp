@@ -153,6 +153,7 @@ public:
     std::span<const Vec3f> positions() const { return data_.positions; }
     std::span<const Vec3f> normals() const { return normals_; }
     std::span<const Triangle> triangles() const { return data_.triangles; }
+    const MeshData& data() const { return data_; }
     const MeshTraits& traits() const { return traits_; }
     MeshView view() const;
 

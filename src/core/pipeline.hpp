@@ -21,6 +21,7 @@
 #include "pierce/core/stages/reproject.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
 #include "pierce/core/stages/walk.hpp"
+#include "pierce/core/step_memory.hpp"
 #include "pierce/core/step_stats.hpp"
 #include "pierce/core/step_tools.hpp"
 
@@ -133,6 +134,40 @@ public:
     }
     /// The last step never was: step() may be called again in its place.
     void forget_step(const Scene& scene) { recall(scene); }
+
+    /// What the last step has left for the next one.
+    StepMemory memory() const {
+        StepMemory m;
+        m.pair_keys = executor_.download(pair_keys_);
+        m.identities = executor_.download(identities_);
+        m.bodies = executor_.download(seen_bodies_);
+        m.directed = executor_.download(memory_);
+        m.blocks = executor_.download(block_records_);
+        m.patches = executor_.download(patch_records_);
+        m.vertices = executor_.download(records_);
+        m.contact_keys = executor_.download(contact_keys_);
+        m.ages = executor_.download(ages_);
+        if (!m.directed.empty()) m.contacts = executor_.download(contacts_);
+        sheets_.save(m);
+        return m;
+    }
+    /// Makes it the last step's.
+    void remember(const StepMemory& m) {
+        const auto take = [&]<class Item>(const std::vector<Item>& from, Buffer<Item>& to) {
+            executor_.upload(std::span<const Item>(from), to);
+        };
+        take(m.pair_keys, pair_keys_);
+        take(m.identities, identities_);
+        take(m.bodies, seen_bodies_);
+        take(m.directed, memory_);
+        take(m.blocks, block_records_);
+        take(m.patches, patch_records_);
+        take(m.vertices, records_);
+        take(m.contact_keys, contact_keys_);
+        take(m.ages, ages_);
+        take(m.contacts, contacts_);
+        sheets_.restore(m);
+    }
 
     const Buffer<Contact>& contacts() const { return contacts_; }
     /// Those of sheets.

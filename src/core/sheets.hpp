@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pierce/core/scene.hpp"
+#include "pierce/core/step_memory.hpp"
 #include "pierce/core/stages/flat_stars.hpp"
 #include "pierce/core/stages/sheet_contacts.hpp"
 #include "pierce/core/step_tools.hpp"
@@ -37,6 +38,20 @@ public:
         bits_ = scene.plan->feature_bits;
         search(scene, pairs, links);
         meet(scene, pairs, links);
+    }
+
+    /// What the last step has left for the next one.
+    void save(StepMemory& m) const {
+        m.sheet_bits = bits_;
+        m.sheet_keys = executor_.download(keys_);
+        m.sheet_records = executor_.download(records_);
+        m.deepest = executor_.download(deepest_);
+    }
+    void restore(const StepMemory& m) {
+        bits_ = m.sheet_bits;
+        executor_.upload(std::span(m.sheet_keys), keys_);
+        executor_.upload(std::span(m.sheet_records), records_);
+        executor_.upload(std::span(m.deepest), deepest_);
     }
 
     /// There are no sheets in this step.

@@ -8,7 +8,6 @@
 #include "pierce/core/world_state.hpp"
 
 namespace pierce {
-namespace {
 
 bool is_usable(const Pose& pose) {
     const Quaternion& q = pose.rotation;
@@ -19,6 +18,8 @@ bool is_usable(const Pose& pose) {
 bool is_usable(std::span<const Vec3f> positions) {
     return std::ranges::all_of(positions, [](Vec3f p) { return is_within_reach(p); });
 }
+
+namespace {
 
 void check_pose(const Pose& pose, const std::string& mesh) {
     if (!is_usable(pose))
@@ -102,17 +103,8 @@ Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
 
 void World::set_collision(BodyId body, const Collision& collision) {
     BodyEntry& entry = state_->bodies.get(body, "body");
-    const std::string name = "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'";
-    const bool asks = collision.sheet || collision.self != SelfCollision::off;
-    if (asks && entry.motion != Motion::deforming)
-        throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
-    if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
-        throw InputError(name + " needs a thickness that is finite and not negative");
-    if (!collision.sheet && collision.thickness > 0) throw InputError(name + " has a thickness but is no sheet");
-    if (!collision.sheet && asks && !state_->mesh_of(entry).traits().closed())
-        throw InputError(name + " has no inside: it can meet itself only as a sheet");
-    if (!collision.sheet && asks && collision.self != SelfCollision::on)
-        throw InputError(name + " is a solid: rays along velocities are for sheets");
+    state_->check_collision(
+        entry, collision, "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'");
     entry.collision = collision;
     state_->change();
 }

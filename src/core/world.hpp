@@ -1,5 +1,6 @@
 #pragma once
 
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <span>
@@ -81,6 +82,13 @@ public:
     /// The next detect() takes it that no sheet is through anything when its step begins, whatever the last one has found:
     /// nothing is remembered of sheets, also not the age of their contacts. For solvers that try several ends of one step.
     void forget_sides();
+
+    /// Writes the world: settings, meshes, bodies, and what the last step has left for the next one; not that step's contacts.
+    /// Throws InputError if it cannot be written, or if a body has its positions in device memory.
+    void save(std::ostream& out) const;
+    /// A world as save() has written it, on any backend: handles stay what they were, and the next steps' contacts are those
+    /// the saved world would have had. Throws InputError for anything else, of this version or not, whoever made it.
+    static World restore(std::istream& in, std::unique_ptr<Backend> backend = reference_backend());
 
     /// One step: finds all contacts of the bodies as they stand.
     const StepStats& detect();

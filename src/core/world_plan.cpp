@@ -36,6 +36,19 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
 }
 
+void World::State::check_collision(const BodyEntry& body, const Collision& collision, const std::string& name) const {
+    const bool asks = collision.sheet || collision.self != SelfCollision::off;
+    if (asks && body.motion != Motion::deforming)
+        throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
+    if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
+        throw InputError(name + " needs a thickness that is finite and not negative");
+    if (!collision.sheet && collision.thickness > 0) throw InputError(name + " has a thickness but is no sheet");
+    if (!collision.sheet && asks && !mesh_of(body).traits().closed())
+        throw InputError(name + " has no inside: it can meet itself only as a sheet");
+    if (!collision.sheet && asks && collision.self != SelfCollision::on)
+        throw InputError(name + " is a solid: rays along velocities are for sheets");
+}
+
 void World::State::begin_motion(BodyEntry& body) {
     stepped = false;
     if (body.moved) return;

@@ -9,6 +9,10 @@
 
 namespace pierce {
 
+/// True for a place where a body can be: all coordinates are finite and none is too large, and a rotation is one.
+bool is_usable(const Pose& pose);
+bool is_usable(std::span<const Vec3f> positions);
+
 /// A mesh of a world.
 struct MeshEntry {
     std::unique_ptr<Mesh> mesh;
@@ -72,6 +76,10 @@ struct World::State {
     /// Throws InputError unless bodies stand as the last step has seen them.
     void check_stepped(const char* who) const;
 
+    /// Throws InputError, naming the body, for what it cannot be in contact with.
+    void check_collision(const BodyEntry& body, const Collision& collision, const std::string& name) const;
+    /// Throws InputError for a body that cannot have been saved.
+    void check_restored(const BodyEntry& body) const;
     /// What does not change between steps.
     void make_plan();
     void add_blocks(std::uint32_t body);

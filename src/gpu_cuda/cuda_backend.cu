@@ -67,6 +67,12 @@ public:
 
     void fetch_bodies(View<BodyView> bodies) const override { mirror_.fetch(bodies); }
 
+    void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override {
+        mirror_.fetch_seen(ids, seen);
+    }
+    StepMemory memory() const override { return pipeline_.memory(); }
+    void remember(const StepMemory& memory) override { pipeline_.remember(memory); }
+
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         outside_->closest_hits(bodies, rays, hits);
     }

@@ -245,6 +245,14 @@ public:
     }
 
     template <class T>
+    std::vector<T> download(const Buffer<T>& buffer) const {
+        std::vector<T> items(number(count_of(buffer)));
+        copy_to_host(items.data(), buffer.data(), items.size());
+        wait();
+        return items;
+    }
+
+    template <class T>
     void upload(std::span<const T> items, Buffer<T>& buffer) {
         buffer.resize(static_cast<std::uint32_t>(items.size()));
         copy(buffer.data(), items.data(), items.size(), cudaMemcpyHostToDevice);

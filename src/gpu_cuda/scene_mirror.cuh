@@ -73,7 +73,23 @@ public:
         }
     }
 
+    /// Deforming bodies' shapes of the last step, of those that are still there, into the host's.
+    void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> host) const {
+        for (std::uint32_t b = 0; b < host.size && b < seen_of_body_.size(); ++b) {
+            const SeenOfBody& known = seen_of_body_[b];
+            if (known.id == ids[b] && known.count == host[b].size)
+                executor_.copy_to_host(host[b].data, seen_.data() + known.first, known.count);
+        }
+        executor_.wait();
+    }
+
 private:
+    /// Where a body's shape of the last step is kept, in seen_.
+    struct SeenOfBody {
+        BodyId id;
+        std::uint32_t first = 0, count = 0;
+    };
+
     /// Device copies of arrays that stay as they are.
     class Arrays {
     public:
@@ -136,8 +152,9 @@ private:
 
     void rebuild(const Scene& host) {
         executor_.wait();
+        fetch_seen(host.ids, host.seen);
         forget_unused(host.bodies);
-        std::uint32_t vertices = 0, blocks = 0, patches = 0, seen = 0;
+        std::uint32_t vertices = 0, blocks = 0, patches = 0;
         first_vertex_.assign(host.bodies.size, 0);
         for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
             if (host.bodies[b].motion != Motion::deforming) continue;
@@ -145,14 +162,18 @@ private:
             vertices += host.bodies[b].positions.size;
             blocks += host.bodies[b].blocks.size;
             patches += host.bodies[b].patches.size;
-            seen += host.seen[b].size;
+        }
+        std::vector<SeenPatch> shapes;
+        seen_of_body_.assign(host.bodies.size, {});
+        for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
+            seen_of_body_[b] = {host.ids[b], static_cast<std::uint32_t>(shapes.size()), host.seen[b].size};
+            shapes.insert(shapes.end(), host.seen[b].begin(), host.seen[b].end());
         }
         positions_.resize(vertices);
         starts_.resize(host.plan->sheets ? vertices : 0);
         blocks_.resize(blocks);
         patches_.resize(patches);
-        seen_.resize(seen);
-        executor_.assign(seen_, seen, SeenPatch{});
+        executor_.upload(std::span<const SeenPatch>(shapes), seen_);
 
         std::vector<BodyView> views(host.bodies.begin(), host.bodies.end());
         std::vector<View<PatchBlock>> block_views(views.size());
@@ -233,6 +254,7 @@ private:
     Scene scene_;
     std::unordered_map<std::uint64_t, MeshCopy> meshes_;  ///< by mesh key
     std::vector<std::uint32_t> first_vertex_;             ///< per deforming body, in positions_
+    std::vector<SeenOfBody> seen_of_body_;
     std::vector<std::uint64_t> sent_version_;
     std::vector<BodyChange> staged_changes_;
     DeviceBuffer<BodyChange> changes_;

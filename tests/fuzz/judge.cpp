@@ -92,9 +92,20 @@ private:
             ++counts_.refused;
             return model_.skip(call);
         }
+        if (call.kind == Call::Kind::restore) restore();
         if (call.kind == Call::Kind::detect) look_at_step();
         model_.apply(call, players_[0]);
         if (call.kind == Call::Kind::forget_sides) knows_sides_ = false;
+    }
+
+    /// Every second world goes on as another backend has saved it; the others must not notice that they were saved.
+    void restore() {
+        for (std::size_t i = 1; i < players_.size(); i += 2) try {
+                if (remembers_less(i) || remembers_less(i - 1)) continue;
+                players_[i].restore(players_[i - 1].save());
+            } catch (const std::exception& error) {
+                return fail("a saved world is restored", backends_[i].name + ": " + error.what());
+            }
     }
 
     /// True for a backend on which certificates do not pay: it casts rays where others have a proof, or walk.

@@ -31,7 +31,7 @@ std::string to_text(const std::vector<std::optional<RayHit>>& hits) {
 }  // namespace
 
 Player::Player(MakeBackend backend, const Settings& settings)
-    : make_(std::move(backend)), settings_(settings), world_(make_(), settings) {}
+    : make_(std::move(backend)), world_(make_(), settings) {}
 
 Player::Outcome Player::play(const Call& call) {
     try {
@@ -43,6 +43,17 @@ Player::Outcome Player::play(const Call& call) {
         if (adds_body) bodies_.emplace_back();
         return {true, error.what()};
     }
+}
+
+std::string Player::save() const {
+    std::ostringstream out;
+    world_.save(out);
+    return out.str();
+}
+
+void Player::restore(const std::string& saved) {
+    std::istringstream in(saved);
+    world_ = World::restore(in, make_());
 }
 
 std::string Player::answer(const Call& c) {
@@ -78,7 +89,7 @@ std::string Player::answer(const Call& c) {
             for (const Vec3f& d : c.positions) directions.push_back(to_double(d));
             return to_text(world_.cast_rays(c.pose.position, directions));
         }
-        case Kind::restore: break;
+        case Kind::restore: return {};  // of all backends at once: restore()
     }
     return {};
 }

@@ -27,6 +27,10 @@ public:
     };
     Outcome play(const Call& call);
 
+    /// Goes on with a world that another player has saved.
+    std::string save() const;
+    void restore(const std::string& saved);
+
     World& world() { return world_; }
     const std::vector<BodyId>& bodies() const { return bodies_; }
     const std::vector<MeshId>& meshes() const { return meshes_; }
@@ -37,7 +41,6 @@ private:
     BodyId body(std::uint32_t number) const { return number < bodies_.size() ? bodies_[number] : BodyId{}; }
 
     MakeBackend make_;
-    Settings settings_;
     World world_;
     std::vector<MeshId> meshes_;  ///< null for what was refused
     std::vector<BodyId> bodies_;

@@ -140,6 +140,19 @@ struct PairIdentity {
     }
 };
 
+/// Who a pair is.
+PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<const BodyId> ids, Pair pair) {
+    const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
+    return {.a = ids[pair.a],
+            .b = ids[pair.b],
+            .mesh_a = a.mesh_key,
+            .mesh_b = b.mesh_key,
+            .self_a = a.collision.self,
+            .self_b = b.collision.self,
+            .sheet_a = a.collision.sheet,
+            .sheet_b = b.collision.sheet};
+}
+
 inline constexpr std::uint32_t no_pair = 0xffffffffu;
 
 /// Which of last step's pairs a pair was.
@@ -152,15 +165,7 @@ struct LinkPair {
     /// Writes the pair of a key, who it is, and which of last step's pairs it was, if any.
     PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity, std::uint32_t& link) const {
         pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
-        const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
-        identity = {.a = ids[pair.a],
-                    .b = ids[pair.b],
-                    .mesh_a = a.mesh_key,
-                    .mesh_b = b.mesh_key,
-                    .self_a = a.collision.self,
-                    .self_b = b.collision.self,
-                    .sheet_a = a.collision.sheet,
-                    .sheet_b = b.collision.sheet};
+        identity = identity_of(bodies, ids, pair);
         std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
             const std::uint32_t middle = low + (high - low) / 2;

@@ -43,6 +43,12 @@ struct CullItem {
     std::uint32_t index = 0;
 };
 
+/// True if vertices of a directed pair's source are looked at: its target has an inside, or they look along their velocities.
+PIERCE_HD inline bool is_asked(const BodyView& source, const BodyView& target, bool self, std::uint32_t side) {
+    return (self && source.sends_velocity_rays()) ||
+           (target.is_solid() && target.mesh.clearance.steps.size > 0 && !(self && side == 1));
+}
+
 /// Per directed pair (pair * 2 + side): the frames, and the blocks of patches there are to test; none if the target has no
 /// inside. Reads pairs, bodies and, if steps remember, the pairs' memory; writes directed pairs, blocks and where they
 /// begin.
@@ -83,9 +89,7 @@ struct DirectPair {
         d.along_velocity = d.is_self() && source.sends_velocity_rays();
         if (d.along_velocity) d.last_blocks = no_record;
         directed[i] = d;
-        const bool asked =
-            d.along_velocity || (target.is_solid() && target.mesh.clearance.steps.size > 0 && !(d.is_self() && i % 2 == 1));
-        return asked ? block_count(source.mesh) : 0;
+        return is_asked(source, target, d.is_self(), i % 2) ? block_count(source.mesh) : 0;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, CullItem* blocks) const {
