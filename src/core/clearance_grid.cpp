@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "pierce/core/mesh.hpp"
 
@@ -62,67 +61,90 @@ void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
             }
 }
 
-/// Floods the outside from a corner through faces of unmarked cells.
+/// Floods the outside from a corner through faces of unmarked cells, a run along x at a time.
 void flood_outside(Cells& cells) {
     const auto* size = cells.layout.size;
     std::vector<std::array<std::int32_t, 3>> open{{0, 0, 0}};
-    cells.state[0] = outside;
     while (!open.empty()) {
-        const auto cell = open.back();
+        const auto [x, y, z] = open.back();
         open.pop_back();
-        for (int axis = 0; axis < 3; ++axis)
-            for (int step : {-1, 1}) {
-                auto next = cell;
-                next[axis] += step;
-                if (next[axis] < 0 || next[axis] >= size[axis]) continue;
-                Cell& state = cells.state[cells.at(next[0], next[1], next[2])];
-                if (state != unknown) continue;
-                state = outside;
-                open.push_back(next);
-            }
-    }
-}
-
-/// One axis of the distance transform: out[i] = min over j of in[j] + gap(i, j)^2, gap in whole cells.
-void sweep(std::span<float> line, std::vector<float>& scratch) {
-    scratch.assign(line.begin(), line.end());
-    const std::size_t n = line.size();
-    for (std::size_t i = 0; i < n; ++i) {
-        float best = scratch[i];
-        for (std::size_t d = 1; d < n; ++d) {
-            const float gap = static_cast<float>(d - 1);
-            if (gap * gap >= best) break;
-            if (i >= d) best = std::min(best, scratch[i - d] + gap * gap);
-            if (i + d < n) best = std::min(best, scratch[i + d] + gap * gap);
+        Cell* const row = cells.state.data() + cells.at(0, y, z);
+        if (row[x] != unknown) continue;
+        std::int32_t first = x, last = x;
+        while (first > 0 && row[first - 1] == unknown) --first;
+        while (last + 1 < size[0] && row[last + 1] == unknown) ++last;
+        std::fill(row + first, row + last + 1, outside);
+        for (const auto [dy, dz] : {std::array{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+            const std::int32_t ny = y + dy, nz = z + dz;
+            if (ny < 0 || ny >= size[1] || nz < 0 || nz >= size[2]) continue;
+            const Cell* const next = cells.state.data() + cells.at(0, ny, nz);
+            for (std::int32_t k = first; k <= last; ++k)
+                if (next[k] == unknown && (k == first || next[k - 1] != unknown)) open.push_back({k, ny, nz});
         }
-        line[i] = best;
     }
 }
 
-std::vector<float> squared_gaps(const Cells& cells) {
-    const auto* size = cells.layout.size;
-    std::vector<float> gap(cells.state.size());
-    for (std::size_t i = 0; i < gap.size(); ++i)
-        gap[i] = cells.state[i] == outside ? std::numeric_limits<float>::infinity() : 0.0f;
-    std::vector<float> line, scratch;
-    for (int axis = 0; axis < 3; ++axis) {
-        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        line.resize(static_cast<std::size_t>(size[axis]));
-        for (std::int32_t a = 0; a < size[u]; ++a)
-            for (std::int32_t b = 0; b < size[v]; ++b) {
-                std::int32_t index[3];
-                index[u] = a;
-                index[v] = b;
-                const auto at = [&](std::int32_t i) {
-                    index[axis] = i;
-                    return cells.at(index[0], index[1], index[2]);
-                };
-                for (std::int32_t i = 0; i < size[axis]; ++i) line[static_cast<std::size_t>(i)] = gap[at(i)];
-                sweep(line, scratch);
-                for (std::int32_t i = 0; i < size[axis]; ++i) gap[at(i)] = line[static_cast<std::size_t>(i)];
-            }
+/// Squares of gaps in whole cells. More than `most` is no more than that: clearance is stored in a byte.
+using Gap = std::int16_t;
+constexpr std::int32_t most_cells = 256 / constants::clearance_steps_per_cell + 1;
+constexpr Gap most = most_cells * most_cells;
+
+Gap squared_gap(std::int32_t cells_away) {
+    const std::int32_t gap = std::clamp(cells_away - 1, 0, most_cells);
+    return static_cast<Gap>(gap * gap);
+}
+
+/// To the nearest cell of the same row along x that is not outside.
+std::vector<Gap> gaps_along_x(const Cells& cells) {
+    const auto length = static_cast<std::size_t>(cells.layout.size[0]);
+    std::vector<Gap> gaps(cells.state.size());
+    for (std::size_t row = 0; row < gaps.size(); row += length) {
+        std::int32_t away = most_cells + 1;
+        for (std::size_t i = 0; i < length; ++i) {
+            away = cells.state[row + i] == outside ? away + 1 : 0;
+            gaps[row + i] = squared_gap(away);
+        }
+        away = most_cells + 1;
+        for (std::size_t i = length; i-- > 0;) {
+            away = cells.state[row + i] == outside ? away + 1 : 0;
+            gaps[row + i] = std::min(gaps[row + i], squared_gap(away));
+        }
     }
-    return gap;
+    return gaps;
+}
+
+/// One more axis of the distance transform: of lines of `count` rows, `stride` apart, out[i] = min over j of
+/// in[j] + gap(i, j)^2.
+void join_rows(const ClearanceGridView& grid, int axis, std::vector<Gap>& gaps) {
+    const auto length = static_cast<std::size_t>(grid.size[0]), rows_y = static_cast<std::size_t>(grid.size[1]);
+    const std::size_t stride = axis == 1 ? length : length * rows_y, count = static_cast<std::size_t>(grid.size[axis]);
+    const std::size_t lines = static_cast<std::size_t>(axis == 1 ? grid.size[2] : grid.size[1]);
+    const std::size_t line_stride = axis == 1 ? length * rows_y : length;
+    const std::vector<Gap> in = gaps;
+    for (std::size_t line = 0; line < lines; ++line)
+        for (std::size_t i = 0; i < count; ++i) {
+            Gap* const out = gaps.data() + line * line_stride + i * stride;
+            const auto take = [&](std::size_t j, Gap further) {
+                const Gap* const other = in.data() + line * line_stride + j * stride;
+                for (std::size_t x = 0; x < length; ++x) {
+                    const auto candidate = static_cast<Gap>(other[x] + further);
+                    out[x] = candidate < out[x] ? candidate : out[x];
+                }
+            };
+            for (std::size_t d = 1; d < count; ++d) {
+                const Gap further = squared_gap(static_cast<std::int32_t>(d));
+                if (further >= *std::max_element(out, out + length)) break;
+                if (i >= d) take(i - d, further);
+                if (i + d < count) take(i + d, further);
+            }
+        }
+}
+
+std::vector<Gap> squared_gaps(const Cells& cells) {
+    std::vector<Gap> gaps = gaps_along_x(cells);
+    join_rows(cells.layout, 1, gaps);
+    join_rows(cells.layout, 2, gaps);
+    return gaps;
 }
 
 }  // namespace
@@ -141,10 +163,12 @@ ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions, std::span<c
 
     ClearanceGrid grid{cells.layout, {}};
     grid.steps.reserve(cells.state.size());
-    for (float squared : squared_gaps(cells)) {
+    std::array<std::uint8_t, most + 1> steps_of{};
+    for (std::size_t squared = 0; squared < steps_of.size(); ++squared) {
         const double steps = std::floor(std::sqrt(static_cast<double>(squared)) * constants::clearance_steps_per_cell);
-        grid.steps.push_back(static_cast<std::uint8_t>(std::min(steps, 255.0)));
+        steps_of[squared] = static_cast<std::uint8_t>(std::min(steps, 255.0));
     }
+    for (const Gap squared : squared_gaps(cells)) grid.steps.push_back(steps_of[static_cast<std::size_t>(squared)]);
     return grid;
 }
 

@@ -351,8 +351,7 @@ private:
                                                                 of_t[face.vertex[2]]};
                     // Exact arithmetic takes long: it is asked only about what is no contact.
                     if (vertices.contains({turn == 1, v, f}) || are_apart(corners, 1)) continue;
-                    ++counts_.feature_questions;
-                    if (truth::features_meet(truth::Features::vertex_and_face, corners) && !leaves_solid(corners, t))
+                    if (meet(truth::Features::vertex_and_face, corners) && !leaves_solid(corners, t))
                         return Failure{"truth: no crossing of a sheet is missed",
                                        describe(s, t) + " vertex " + std::to_string(v) + " triangle " + std::to_string(f)};
                 }
@@ -363,13 +362,20 @@ private:
                 if (self && (e >= f || e[0] == f[0] || e[0] == f[1] || e[1] == f[0] || e[1] == f[1])) continue;
                 const std::array<MovingPoint, 4> corners = {p[e[0]], p[e[1]], q[f[0]], q[f[1]]};
                 if (edges.contains(key(e[0], e[1], f[0], f[1], self)) || are_apart(corners, 2)) continue;
-                ++counts_.feature_questions;
-                if (truth::features_meet(truth::Features::edges, corners))
+                if (meet(truth::Features::edges, corners))
                     return Failure{"truth: no crossing of a sheet is missed",
                                    describe(a, b) + " edges " + std::to_string(e[0]) + "-" + std::to_string(e[1]) + " and " +
                                        std::to_string(f[0]) + "-" + std::to_string(f[1])};
             }
         return std::nullopt;
+    }
+
+    /// What rational numbers have to decide takes long: of that, no more than some questions a step.
+    bool meet(truth::Features features, const std::array<MovingPoint, 4>& corners) {
+        constexpr std::uint64_t most = 16;
+        if (decided_.exact >= most) return false;
+        ++counts_.feature_questions;
+        return truth::features_meet(features, corners, &decided_);
     }
 
     static std::array<std::uint32_t, 4> key(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, bool self) {
@@ -423,11 +429,13 @@ private:
             at[k] = c[k].start + t * way[k];
         }
         const Vec3d n = cross(at[2] - at[1], at[3] - at[1]);
-        const double size = length_squared(n);
-        if (!(size > 0)) return false;
+        const double size = length_squared(n), longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
+        constexpr double certain = 1e-6;
+        // A triangle without area then has no sides; which side is which was seen when the step began.
+        if (size <= certain * certain * longest * longest)
+            return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) <= 0;
         const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size, v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;
         const Vec3d relative = way[0] - u * way[1] - v * way[2] - (1 - u - v) * way[3];
-        constexpr double certain = 1e-6;
         return dot(n, relative) > -certain * length(n) * length(relative);
     }
 
@@ -444,6 +452,7 @@ private:
     const Model& model_;
     std::span<const Contact> contacts_;
     OracleCounts& counts_;
+    truth::MeetingCounts decided_;
     std::vector<Surface> surfaces_;
 };
 
