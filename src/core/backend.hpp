@@ -32,9 +32,9 @@ public:
     /// Brings deforming bodies' shapes of the last step (Scene::seen) up to date with what the last step has seen.
     virtual void fetch_seen(View<const BodyId>, View<const View<SeenPatch>>) const {}
     /// What the last step has left for the next one.
-    virtual StepMemory memory() const = 0;
+    virtual StepMemory memory() const { return {}; }
     /// Makes that the last step's, whoever has taken it. It must have been checked.
-    virtual void remember(const StepMemory& memory) = 0;
+    virtual void remember(const StepMemory&) {}
     /// Traces rays outside a step, bringing the targets' trees up to date first.
     virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
 };

@@ -57,7 +57,7 @@ public:
         if (scene.plan->casts_rays) time("update", [&] { tools_.update_all(scene.bodies); });
         time("pairs", [&] { pairs(scene); });
         if (scene.plan->sheets)
-            time("sheets", [&] { sheets(scene); });
+            time("sheets", [&] { sheets_.find(scene, pairs_, view_of(links_)); });
         else
             sheets_.forget();
         forget_rays();
@@ -330,11 +330,6 @@ private:
         tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), unsorted_keys_, unsorted_, pair_keys_, order_);
     }
 
-    void sheets(const Scene& scene) {
-        if (scene.forgets_sides) executor_.assign(no_links_, static_cast<std::uint32_t>(pairs_.size()), stages::no_pair);
-        sheets_.find(scene, pairs_, view_of(scene.forgets_sides ? no_links_ : links_));
-    }
-
     // Stage 3. How far pairs have moved.
     void displacement(const Scene& scene) {
         const Count directed_count = 2 * count_of(pairs_);
@@ -592,7 +587,7 @@ private:
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> block_bounds_;
     Buffer<std::uint64_t> unsorted_keys_, keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> unsorted_, order_, separated_, starts_inside_, accepted_, links_, no_links_, ages_, last_ages_;
+    Buffer<std::uint32_t> unsorted_, order_, separated_, starts_inside_, accepted_, links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
     Buffer<stages::PairIdentity> identities_, last_identities_;

@@ -18,7 +18,7 @@ struct Scene {
     View<const View<SeenPatch>> seen;           ///< per body, where its shape of the last step is kept; empty: nowhere
     Settings settings;
     const Plan* plan = nullptr;
-    bool forgets_sides = false;  ///< nothing of the last step is known to sheets
+    View<const std::uint32_t> forgets_sides;  ///< one number; not 0: nothing of the last step is known to sheets
 };
 
 }  // namespace pierce

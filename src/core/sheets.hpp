@@ -37,7 +37,7 @@ public:
     void find(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         bits_ = scene.plan->feature_bits;
         search(scene, pairs, links);
-        meet(scene, pairs, links);
+        meet(scene, pairs);
     }
 
     /// What the last step has left for the next one.
@@ -85,10 +85,18 @@ private:
         const Count pair_count = count_of(pairs);
         const std::uint32_t bodies = scene.bodies.size;
         sheet_pairs_.resize(pair_count);
+        links_.resize(pair_count);
         if (!is_bound_) executor_.assign(wanted_, bodies, 0u);
         executor_.for_each("plan_sheet_pair", pair_count,
-                           stages::PlanSheetPair{scene.bodies, scene.ids, view_of(pairs), links, view_of(last_deepest_),
-                                                 view_of(sheet_pairs_), view_of(wanted_)});
+                           stages::PlanSheetPair{.bodies = scene.bodies,
+                                                 .ids = scene.ids,
+                                                 .pairs = view_of(pairs),
+                                                 .links = links,
+                                                 .forgets = scene.forgets_sides,
+                                                 .last_deepest = view_of(last_deepest_),
+                                                 .sheet_pairs = view_of(sheet_pairs_),
+                                                 .sheet_links = view_of(links_),
+                                                 .wanted = view_of(wanted_)});
         if (!is_bound_) {
             place(scene);
             bound(scene);
@@ -182,7 +190,7 @@ private:
     }
 
     /// Their features, and which of those are contacts.
-    void meet(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
+    void meet(const Scene& scene, const Buffer<Pair>& pairs) {
         executor_.emit("find_features", count_of(triangles_),
                        stages::FindFeatures{view_of(sheet_pairs_), interleaved(view_of(drifting_)), view_of(triangles_)},
                        meeting_triangles_);
@@ -193,7 +201,7 @@ private:
         executor_.emit("list_features", count_of(meeting_triangles_),
                        stages::ListFeatures{bodies_of(scene), view_of(sheet_pairs_), view_of(meeting_triangles_), bits_},
                        features_, unsorted_keys_, unsorted_);
-        const stages::SheetMemory memory{links, view_of(last_keys_), view_of(last_records_), last_bits_};
+        const stages::SheetMemory memory{view_of(links_), view_of(last_keys_), view_of(last_records_), last_bits_};
         executor_.beside([&] { judge(scene, pairs, memory); });
         order_features(pairs);
         executor_.join();
@@ -256,6 +264,7 @@ private:
     std::uint64_t planned_ = 0;  ///< revision of the plan whose bodies are placed, all of them
     Buffer<stages::MovingVertex> vertices_;
     Buffer<stages::SheetPair> sheet_pairs_;
+    Buffer<std::uint32_t> links_;  ///< per pair, which of last step's it was; none if sheets forget
     Buffer<std::uint32_t> wanted_, section_counts_, section_offsets_, section_begins_, section_ends_, block_counts_,
         block_offsets_, vertex_offsets_, flat_;
     Buffer<std::uint32_t> counts_, open_, undecided_, kept_, unsorted_, order_, ages_;

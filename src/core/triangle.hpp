@@ -109,8 +109,12 @@ PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Ve
     return static_cast<std::int64_t>(part * static_cast<double>(constants::half_turn));
 }
 
-/// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer to it than `tolerance`.
+/// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer than `tolerance` to its three sides and to
+/// its box: beyond a sharp corner the lines along its sides are near for longer than boxes of trees reach.
 PIERCE_HD inline bool touches_triangle(Vec3d p, Vec3d v0, Vec3d v1, Vec3d v2, double tolerance) {
+    for (int k = 0; k < 3; ++k)
+        if (p[k] < min_of(v0[k], min_of(v1[k], v2[k])) - tolerance || p[k] > max_of(v0[k], max_of(v1[k], v2[k])) + tolerance)
+            return false;
     const Vec3d n = normalized(cross(v1 - v0, v2 - v0));
     if (length_squared(n) == 0 || std::fabs(dot(n, p - v0)) > tolerance) return false;
     const auto is_beyond = [&](Vec3d from, Vec3d to) { return dot(cross(n, normalized(to - from)), p - from) < -tolerance; };

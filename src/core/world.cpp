@@ -194,6 +194,7 @@ const StepStats& World::detect() {
     s.refresh_views();
     Settings settings = s.settings;
     settings.temporal = s.plan.temporal;
+    const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
     const Scene scene{view_of(s.views),
                       view_of(std::as_const(s.ids)),
                       view_of(std::as_const(s.block_items)),
@@ -203,7 +204,7 @@ const StepStats& World::detect() {
                       view_of(std::as_const(s.seen)),
                       settings,
                       &s.plan,
-                      std::exchange(s.forgets_sides, false)};
+                      {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);
     s.end_motion();
     s.stepped = true;

@@ -49,7 +49,11 @@ public:
         const bool is_new = revision_ != host.plan->revision;
         if (is_new) rebuild(host);
         send_changes(host.bodies);
-        scene_.forgets_sides = host.forgets_sides;
+        if (is_new || sent_forgets_ != host.forgets_sides[0]) {
+            sent_forgets_ = host.forgets_sides[0];
+            executor_.upload(std::span<const std::uint32_t>(&sent_forgets_, 1), forgets_);
+        }
+        scene_.forgets_sides = view_of(std::as_const(forgets_));
         return is_new;
     }
 
@@ -257,6 +261,8 @@ private:
     std::vector<SeenOfBody> seen_of_body_;
     std::vector<std::uint64_t> sent_version_;
     std::vector<BodyChange> staged_changes_;
+    std::uint32_t sent_forgets_ = 0;
+    DeviceBuffer<std::uint32_t> forgets_;
     DeviceBuffer<BodyChange> changes_;
     DeviceBuffer<BodyView> bodies_;
     DeviceBuffer<Vec3f> positions_, starts_;

@@ -30,6 +30,7 @@ public:
     using ImporterT::add_vertex;
 
     OpenMesh::VertexHandle add_vertex(const OpenMesh::Vec3f& p) override {
+        check(mesh.positions.size());
         mesh.positions.push_back({p[0], p[1], p[2]});
         return OpenMesh::VertexHandle(static_cast<int>(mesh.positions.size()) - 1);
     }
@@ -42,6 +43,7 @@ public:
     }
 
     OpenMesh::FaceHandle add_face(const VHandles& corners) override {
+        check(mesh.triangles.size() + corners.size());
         for (std::size_t k = 2; k < corners.size(); ++k)
             mesh.triangles.push_back(
                 {{static_cast<std::uint32_t>(corners[0].idx()), static_cast<std::uint32_t>(corners[k - 1].idx()),
@@ -63,8 +65,15 @@ public:
     void finish() override {}
 
     MeshData mesh;
+    std::uintmax_t most = 0;  ///< vertices, or triangles: a file has no more than bytes
     int faces = 0;
     std::size_t declared_vertices = 0, declared_faces = 0;  ///< by the file's header, zero if it has none
+
+private:
+    /// Readers believe a header's counts, and go on at the end of the file.
+    void check(std::size_t count) const {
+        if (count >= most) throw std::runtime_error("it promises more than it holds");
+    }
 };
 
 /// Reads what streams refuse, too: nan, inf, and what is too large for a float, as infinite.
@@ -117,31 +126,93 @@ void check_obj_vertices(const std::filesystem::path& file, std::size_t vertices)
                          " vertices are beyond float32");
 }
 
+/// Throws std::runtime_error for a PLY header that OpenMesh's reader does not survive: it trusts that properties come after
+/// their element.
+void check_ply_header(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string line;
+    const auto refuse = [&] { throw std::runtime_error("its header is damaged: " + line); };
+    bool in_element = false;
+    if (!std::getline(in, line) || !line.starts_with("ply")) refuse();
+    while (std::getline(in, line)) {
+        std::istringstream words(line);
+        std::string first, second, third;
+        words >> first >> second >> third;
+        if (first == "end_header") return;
+        if (first == "comment" || first == "obj_info" || first.empty()) continue;
+        if (first == "element") {
+            std::uint64_t count = 0;
+            const auto [end, error] = std::from_chars(third.data(), third.data() + third.size(), count);
+            if (error != std::errc() || end != third.data() + third.size()) refuse();
+            in_element = true;
+        } else if (first == "property") {
+            if (!in_element || third.empty()) refuse();
+        } else if (first != "format") {
+            refuse();
+        }
+    }
+    refuse();
+}
+
+/// True for a corner of an OBJ face: one to three whole numbers, of which those after the first may be missing, with slashes
+/// between them.
+bool is_obj_corner(const std::string& word) {
+    const char *at = word.data(), *const end = at + word.size();
+    for (int number = 0; number < 3; ++number) {
+        std::int64_t value = 0;
+        const auto [after, error] = std::from_chars(at, end, value);
+        if (error == std::errc::result_out_of_range || (number == 0 && error != std::errc())) return false;
+        at = after;
+        if (at == end) return true;
+        if (*at++ != '/') return false;
+    }
+    return false;
+}
+
+/// Throws std::runtime_error for an OBJ face that OpenMesh's reader does not survive: it trusts that corners are numbers.
+void check_obj_faces(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::string line, word;
+    for (std::size_t number = 1; std::getline(in, line); ++number) {
+        std::istringstream words(line);
+        if (!(words >> word) || word != "f") continue;
+        while (words >> word && !word.starts_with('#'))
+            if (!is_obj_corner(word)) throw std::runtime_error("line " + std::to_string(number) + " is no face: " + line);
+    }
+}
+
 }  // namespace
 
 MeshData read_mesh(const std::filesystem::path& file) {
     const std::string name = "'" + file.string() + "'";
-    if (!std::ifstream(file)) throw InputError("cannot open " + name);
+    if (!std::ifstream(file) || !std::filesystem::is_regular_file(file)) throw InputError("cannot open " + name);
     std::ostringstream complaints;
     omerr().connect(complaints);
     omerr().disconnect(std::cerr);
     Kernel unused;
     Collector collector(unused);
+    collector.most = std::filesystem::file_size(file);
     OpenMesh::IO::Options options;
     bool read = false, ran_out = false;
     std::string kind = file.extension().string();
     std::ranges::transform(kind, kind.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     try {
+        if (kind == ".ply") check_ply_header(file);
+        if (kind == ".obj") check_obj_faces(file);
         if (kind == ".off" || kind == ".ply") {
             // These readers know how much there should be, but do not notice its end. The stream does.
             std::ifstream in(file, std::ios::binary);
             in.imbue(std::locale(in.getloc(), new AnyNumber));
+            // They go on for ever, or for as long as a number in the file says, where there is nothing left to read.
+            in.exceptions(std::ios::failbit | std::ios::badbit);
             read = OpenMesh::IO::IOManager().read(in, kind.substr(1), collector, options);
             ran_out = in.fail();
         } else {
             read = OpenMesh::IO::IOManager().read(file.string(), collector, options);
         }
     } catch (const std::exception& error) {
+        omerr().disconnect(complaints);
+        omerr().connect(std::cerr);
         throw InputError("cannot read " + name + ": " + error.what());
     }
     omerr().disconnect(complaints);

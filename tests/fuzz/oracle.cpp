@@ -422,6 +422,12 @@ private:
         if (target.body->collision.sheet || !is_closed(target)) return false;
         const std::optional<truth::ExactTime> time = truth::first_meeting_of_vertex_and_face(truth::exact(c));
         if (!time) return true;
+        // Within the tolerance of a meeting nobody can tell on which side it began.
+        double size_of_all = 0;
+        for (const MovingPoint& p : c)
+            for (const Vec3d& at : {p.start, p.end}) size_of_all = std::max(size_of_all, length(at - c[0].start));
+        const Vec3d first = normalized(cross(c[2].start - c[1].start, c[3].start - c[1].start));
+        if (std::fabs(dot(first, c[0].start - c[1].start)) <= 2 * constants::meeting_tolerance * size_of_all) return true;
         const double t = time->lower.get_d();
         std::array<Vec3d, 4> at, way;
         for (std::size_t k = 0; k < 4; ++k) {

@@ -174,18 +174,25 @@ private:
     PIERCE_HD std::int32_t side(const FeaturePair& f, const MovingTriangle& face, const MovingPoint& p, double height,
                                 std::int32_t remembered, bool met, const Impact& impact) const {
         if (remembered != 0) return remembered;
-        const Vec3d n = face.start_normal();
-        const double before = dot(n, p.start - face.corner[0].start);
+        const Vec3d n = face.start_normal(), from_corner = p.start - face.corner[0].start;
+        const double before = dot(n, from_corner);
         if (met) {
             const double weight[3] = {1 - impact.u - impact.v, impact.u, impact.v};
             Vec3d motion = p.end - p.start;
-            for (int k = 0; k < 3; ++k) motion -= weight[k] * (face.corner[k].end - face.corner[k].start);
+            double way = length(motion);
+            for (int k = 0; k < 3; ++k) {
+                const Vec3d of_corner = face.corner[k].end - face.corner[k].start;
+                motion -= weight[k] * of_corner;
+                way += length(of_corner);
+            }
             Vec3d c[3];
             for (int k = 0; k < 3; ++k)
                 c[k] = face.corner[k].start + impact.time * (face.corner[k].end - face.corner[k].start);
-            const double approach = dot(cross(c[1] - c[0], c[2] - c[0]), motion);
-            if (approach != 0) return approach < 0 ? 1 : -1;
-            return before < 0 ? -1 : 1;
+            // What rests on the triangle, or moves with it, comes from neither side: what rounding says of that is no answer.
+            const Vec3d then = cross(c[1] - c[0], c[2] - c[0]);
+            const double approach = dot(then, motion);
+            if (std::fabs(approach) > constants::motion_rounding * length(then) * way) return approach < 0 ? 1 : -1;
+            return before < -constants::motion_rounding * length(n) * length(from_corner) ? -1 : 1;
         }
         if ((before < 0) == (height < 0)) return height < 0 ? -1 : 1;
         // It has changed sides without meeting this triangle: through a neighbour, or around the border.

@@ -31,15 +31,17 @@ struct alignas(16) SheetPair {
     PIERCE_HD bool is_self() const { return first == second; }
 };
 
-/// Per pair: how it is searched. Reads how deep vertices were on the wrong side in the last step. Marks the bodies of pairs
-/// with a sheet.
+/// Per pair: how it is searched, and which of last step's pairs it was, as far as sheets remember. Reads how deep vertices were
+/// on the wrong side in the last step. Marks the bodies of pairs with a sheet.
 struct PlanSheetPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
     View<const Pair> pairs;
     View<const std::uint32_t> links;
+    View<const std::uint32_t> forgets;       ///< Scene::forgets_sides: read here, as a captured step is repeated with either
     View<const std::uint32_t> last_deepest;  ///< per pair of the last step, as the bits of a float32
     View<SheetPair> sheet_pairs;
+    View<std::uint32_t> sheet_links;
     View<std::uint32_t> wanted;  ///< per body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -53,9 +55,11 @@ struct PlanSheetPair {
         s.thickness = s.margin = max_of(a.thickness, b.thickness);
         s.is_solid[0] = bodies[pair.a].is_solid();
         s.is_solid[1] = bodies[pair.b].is_solid();
-        if (links[i] != no_pair && links[i] < last_deepest.size) {
-            s.margin += static_cast<double>(std::bit_cast<float>(last_deepest[links[i]]));
-            s.was_through = last_deepest[links[i]] != 0;
+        const std::uint32_t link = forgets[0] != 0 ? no_pair : links[i];
+        sheet_links[i] = link;
+        if (link < last_deepest.size) {
+            s.margin += static_cast<double>(std::bit_cast<float>(last_deepest[link]));
+            s.was_through = last_deepest[link] != 0;
         }
         s.quick_thickness = round_up(s.thickness);
         s.quick_margin = round_up(s.margin);
