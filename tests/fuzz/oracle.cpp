@@ -427,7 +427,8 @@ private:
         for (const MovingPoint& p : c)
             for (const Vec3d& at : {p.start, p.end}) size_of_all = std::max(size_of_all, length(at - c[0].start));
         const Vec3d first = normalized(cross(c[2].start - c[1].start, c[3].start - c[1].start));
-        if (std::fabs(dot(first, c[0].start - c[1].start)) <= 2 * constants::meeting_tolerance * size_of_all) return true;
+        const double unclear = 2 * constants::meeting_tolerance * size_of_all;
+        if (std::fabs(dot(first, c[0].start - c[1].start)) <= unclear) return true;
         const double t = time->lower.get_d();
         std::array<Vec3d, 4> at, way;
         for (std::size_t k = 0; k < 4; ++k) {
@@ -436,6 +437,8 @@ private:
         }
         const Vec3d n = cross(at[2] - at[1], at[3] - at[1]);
         const double size = length_squared(n), longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
+        // Nor from which side it meets a triangle that is no wider.
+        if (std::sqrt(size) <= unclear * std::sqrt(longest)) return true;
         constexpr double certain = 1e-6;
         // A triangle without area then has no sides; which side is which was seen when the step began.
         if (size <= certain * certain * longest * longest)
