@@ -177,6 +177,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     if (entry.collision != Collision{} && !entry.collision.sheet && !shape.traits().closed())
         throw InputError("mesh '" + shape.name() + "' has no inside: its body can meet itself only as a sheet");
     entry.mesh = mesh;
+    entry.seen.clear();
     entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());
     entry.device_positions = entry.device_start = nullptr;
