@@ -210,6 +210,9 @@ MeshData read_mesh(const std::filesystem::path& file) {
         } else {
             read = OpenMesh::IO::IOManager().read(file.string(), collector, options);
         }
+    } catch (const std::ios_base::failure&) {
+        ran_out = true;
+        read = collector.declared_vertices > 0;
     } catch (const std::exception& error) {
         omerr().disconnect(complaints);
         omerr().connect(std::cerr);

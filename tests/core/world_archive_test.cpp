@@ -1,0 +1,115 @@
+// Saved worlds go on as they would have, on any backend, and nothing else is taken for one.
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/core/world.hpp"
+#include "support/backends.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using testing::HasSubstr;
+
+/// Solids that move, one that deforms, and a sheet that goes through one of them.
+class SavedRun {
+public:
+    SavedRun(std::unique_ptr<Backend> backend, const Settings& settings) : world(std::move(backend), settings) {
+        test::Random random(5);
+        const MeshId solid = world.add_mesh("solid", test::random_closed_mesh(random));
+        square_ = {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}}};
+        const MeshId sheet = world.add_mesh("sheet", square_);
+        world.remove_body(world.add_rigid_body(solid));
+        world.add_fixed_body(solid);
+        moving_ = world.add_rigid_body(solid, {{0.8, 0, 0}, {}});
+        cloth_ = world.add_deforming_body(sheet);
+        world.set_collision(cloth_, {.self = SelfCollision::on, .sheet = true, .thickness = 0.05});
+    }
+    explicit SavedRun(World restored, const SavedRun& other)
+        : world(std::move(restored)), square_(other.square_), moving_(other.moving_), cloth_(other.cloth_), step_(other.step_) {}
+
+    /// The hash of the next step.
+    std::uint64_t next() {
+        ++step_;
+        world.set_pose(moving_, {{0.8 - 0.02 * step_, 0.01 * step_, 0}, {0, 0, 0.05 * step_, 1}});
+        std::vector<Vec3f> positions = square_.positions;
+        for (Vec3f& p : positions) p.z = 1.5f - 0.1f * static_cast<float>(step_);
+        world.set_positions(cloth_, positions);
+        world.detect();
+        return contact_hash(world.contacts());
+    }
+
+    std::string saved() const {
+        std::ostringstream out;
+        world.save(out);
+        return out.str();
+    }
+
+    World world;
+
+private:
+    MeshData square_;
+    BodyId moving_, cloth_;
+    int step_ = 0;
+};
+
+World restored(const std::string& saved, std::unique_ptr<Backend> backend = reference_backend()) {
+    std::istringstream in(saved);
+    return World::restore(in, std::move(backend));
+}
+
+TEST(WorldArchiveTest, ARunGoesOnWithEqualHashesOnAnyBackend) {
+    for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified})
+        for (const Coverage coverage : {Coverage::vertices, Coverage::complete}) {
+            const Settings settings{.coverage = coverage, .temporal = temporal};
+            SavedRun run(reference_backend(), settings);
+            for (int step = 0; step < 6; ++step) run.next();
+            const std::string saved = run.saved();
+            std::vector<SavedRun> others;
+            for (const test::NamedBackend& backend : test::backends())
+                others.emplace_back(restored(saved, backend.make()), run);
+            for (int step = 0; step < 8; ++step) {
+                const std::uint64_t expected = run.next();
+                for (SavedRun& other : others) EXPECT_EQ(other.next(), expected) << other.world.backend() << ' ' << step;
+            }
+            EXPECT_FALSE(run.world.contacts().empty());
+        }
+}
+
+TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
+    SavedRun run(reference_backend(), {});
+    for (int step = 0; step < 4; ++step) run.next();
+    const std::string saved = run.saved();
+    const auto refused = [](const std::string& bytes, const char* why) {
+        EXPECT_THAT([&] { restored(bytes); }, testing::ThrowsMessage<InputError>(HasSubstr(why)));
+    };
+    refused("", "ends too soon");
+    refused("a file of another kind, long enough for a header", "something else");
+    refused(saved.substr(0, saved.size() - 1), "more or less than its header says");
+    refused(saved + "x", "more or less than its header says");
+    std::string later = saved;
+    later[8] = 2;
+    refused(later, "has version 2; this library reads version 1");
+    test::Random random(6);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 100; ++i) {
+        std::string damaged = saved;
+        char& byte = damaged[static_cast<std::size_t>(random.integer(28, static_cast<int>(saved.size()) - 1))];
+        byte = static_cast<char>(byte ^ (1 << random.integer(0, 7)));
+        refused(damaged, "its checksum differs");
+    }
+}
+
+TEST(WorldArchiveTest, HandlesStayWhatTheyWere) {
+    SavedRun run(reference_backend(), {});
+    World world = restored(run.saved());
+    EXPECT_THROW(world.remove_body({0, 1}), InputError) << "the first body was removed, and its place taken";
+    EXPECT_EQ(world.motion_of({0, 2}), Motion::fixed);
+    EXPECT_TRUE(world.contacts().empty());
+}
+
+}  // namespace
+}  // namespace pierce
