@@ -76,6 +76,14 @@ private:
     }
 };
 
+/// As long as it is there, OpenMesh keeps its complaints to itself.
+struct Silence {
+    Silence() { omerr().disable(); }
+    ~Silence() { omerr().enable(); }
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+};
+
 /// Reads what streams refuse, too: nan, inf, and what is too large for a float, as infinite.
 class AnyNumber : public std::num_get<char> {
 protected:
@@ -186,9 +194,7 @@ void check_obj_faces(const std::filesystem::path& file) {
 MeshData read_mesh(const std::filesystem::path& file) {
     const std::string name = "'" + file.string() + "'";
     if (!std::ifstream(file) || !std::filesystem::is_regular_file(file)) throw InputError("cannot open " + name);
-    std::ostringstream complaints;
-    omerr().connect(complaints);
-    omerr().disconnect(std::cerr);
+    const Silence silence;
     Kernel unused;
     Collector collector(unused);
     collector.most = std::filesystem::file_size(file);
@@ -214,12 +220,8 @@ MeshData read_mesh(const std::filesystem::path& file) {
         ran_out = true;
         read = collector.declared_vertices > 0;
     } catch (const std::exception& error) {
-        omerr().disconnect(complaints);
-        omerr().connect(std::cerr);
         throw InputError("cannot read " + name + ": " + error.what());
     }
-    omerr().disconnect(complaints);
-    omerr().connect(std::cerr);
     if (!read) throw InputError("cannot read " + name + ": not an OBJ, PLY, STL or OFF file, or damaged");
     if (kind == ".obj") check_obj_vertices(file, collector.mesh.positions.size());
     const bool cut_short = ran_out || collector.mesh.positions.size() < collector.declared_vertices ||

@@ -116,9 +116,10 @@ bool is_proper(const Surface& s) {
                                          length_squared(s.points[v[0]] - s.points[v[2]])});
         // Thinner triangles are never hit.
         if (length(n) <= 16 * constants::degenerate_area * longest) return false;
+    }
+    for (std::size_t i = 0; i < s.triangles.size(); ++i)
         for (std::size_t j = i + 1; j < s.triangles.size(); ++j)
             if (meet_elsewhere(s, i, j)) return false;
-    }
     for (std::size_t i = 0; i < s.triangles.size(); ++i) {
         const auto& v = s.triangles[i].vertex;
         const Vec3d middle = (1.0 / 3) * (s.points[v[0]] + s.points[v[1]] + s.points[v[2]]);

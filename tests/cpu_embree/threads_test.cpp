@@ -1,0 +1,68 @@
+// The whole pipeline on several threads, and several worlds at once: the thread sanitizer looks on. Without Embree, which is not
+// compiled for it.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "fuzz/generator.hpp"
+#include "fuzz/player.hpp"
+#include "pierce/core/brute_force_tracer.hpp"
+#include "pierce/core/contact_hash.hpp"
+#include "pierce/core/error.hpp"
+#include "pierce/cpu_embree/tbb_executor.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+std::unique_ptr<Backend> threads_without_embree() {
+    return std::make_unique<PipelineBackend<TbbExecutor, BruteForceTracer>>(
+        "brute force, 3 threads", std::make_unique<TbbExecutor>(3), std::make_unique<BruteForceTracer>());
+}
+
+fuzz::Program program_of_seed(std::uint64_t seed) {
+    const std::vector<std::uint8_t> bytes = fuzz::bytes_of(seed);
+    fuzz::Choices choices(bytes);
+    return fuzz::random_program(choices);
+}
+
+/// The hashes of a program's steps; none if its settings are refused.
+std::vector<std::uint64_t> hashes(const fuzz::Program& program, const fuzz::MakeBackend& backend) {
+    std::vector<std::uint64_t> all;
+    try {
+        fuzz::Player player(backend, program.settings);
+        for (const fuzz::Call& call : program.calls) {
+            player.play(call);
+            if (call.kind == fuzz::Call::Kind::detect) all.push_back(contact_hash(player.world().contacts()));
+        }
+    } catch (const InputError&) {
+    }
+    return all;
+}
+
+TEST(PipelineThreadsTest, StepsOnSeveralThreadsAreThoseOfOne) {
+    constexpr std::uint64_t first = 500;
+    SCOPED_TRACE("seeds from " + std::to_string(first));
+    for (std::uint64_t seed = first; seed < first + 40; ++seed) {
+        const fuzz::Program program = program_of_seed(seed);
+        EXPECT_EQ(hashes(program, threads_without_embree), hashes(program, reference_backend)) << "seed " << seed;
+    }
+}
+
+TEST(TwoWorldsTest, RunInTwoThreadsAsTheyDoAlone) {
+    constexpr std::uint64_t first = 600;
+    SCOPED_TRACE("seeds from " + std::to_string(first));
+    for (std::uint64_t seed = first; seed < first + 20; ++seed) {
+        const fuzz::Program one = program_of_seed(seed), other = program_of_seed(seed + 1000);
+        std::vector<std::uint64_t> of_one, of_other;
+        {
+            const std::jthread beside([&] { of_other = hashes(other, bvh_backend); });
+            of_one = hashes(one, bvh_backend);
+        }
+        EXPECT_EQ(of_one, hashes(one, bvh_backend)) << "seed " << seed;
+        EXPECT_EQ(of_other, hashes(other, bvh_backend)) << "seed " << seed + 1000;
+    }
+}
+
+}  // namespace
+}  // namespace pierce
