@@ -273,7 +273,8 @@ private:
         if (model_.settings().reproject) return std::nullopt;
         if (!overlap(source.box, target.box)) return std::nullopt;
         const std::vector<test::SolidVec> inward = inward_directions(source);
-        const test::Expected expected = test::expected_contacts(solid(source), inward, solid(target));
+        const test::Expected expected =
+            test::expected_contacts(solid(source, target), inward, solid(target, target));
         std::set<std::uint32_t> found;
         for (const Contact& c : contacts_) {
             const bool from_a = c.source == Side::a;
@@ -296,9 +297,11 @@ private:
         return std::nullopt;
     }
 
-    static test::Solid solid(const Surface& s) {
+    /// As large, and where, as if `one` were about one unit large: what counts as unclear is said in such units.
+    static test::Solid solid(const Surface& s, const Surface& one) {
         test::Solid made;
-        for (const Vec3d& p : s.points) made.positions.push_back(test::exact(p));
+        const double unit = 1 / one.box.extent();
+        for (const Vec3d& p : s.points) made.positions.push_back(test::exact(unit * (p - one.points[0])));
         made.triangles = s.triangles;
         return made;
     }
