@@ -110,5 +110,37 @@ TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
     }
 }
 
+/// Boxes that share faces, edges, corners and halves of them, turned every way, facing outward or inward.
+TEST(TieTest, BackendsAgreeOnBoxesOnAGrid) {
+    MeshData box;
+    for (int k = 0; k < 8; ++k) box.positions.push_back({k & 1 ? 1.f : 0.f, k & 2 ? 1.f : 0.f, k & 4 ? 1.f : 0.f});
+    box.triangles = {{{0, 2, 3}}, {{0, 3, 1}}, {{4, 5, 7}}, {{4, 7, 6}}, {{0, 1, 5}}, {{0, 5, 4}},
+                     {{2, 6, 7}}, {{2, 7, 3}}, {{0, 4, 6}}, {{0, 6, 2}}, {{1, 3, 7}}, {{1, 7, 5}}};
+    MeshData flipped = box;
+    for (Triangle& t : flipped.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    constexpr Quaternion turns[] = {{0, 0, 0, 1}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    for (const MeshData& mesh : {box, flipped}) {
+        std::vector<World> worlds;
+        std::vector<BodyId> moving;
+        for (const test::NamedBackend& backend : test::backends()) {
+            worlds.emplace_back(backend.make(), Settings{.coverage = Coverage::complete});
+            const MeshId id = worlds.back().add_mesh("box", mesh);
+            worlds.back().add_fixed_body(id);
+            moving.push_back(worlds.back().add_rigid_body(id));
+        }
+        for (const Quaternion& turn : turns)
+            for (int place = 0; place < 125; ++place) {
+                const Pose pose{{place % 5 * 0.5 - 1, place / 5 % 5 * 0.5 - 1, place / 25 * 0.5 - 1}, turn};
+                std::vector<std::uint64_t> found;
+                for (std::size_t w = 0; w < worlds.size(); ++w) {
+                    worlds[w].set_pose(moving[w], pose);
+                    worlds[w].detect();
+                    found.push_back(contact_hash(worlds[w].contacts()));
+                }
+                for (std::uint64_t hash : found) ASSERT_EQ(hash, found[0]) << "place " << place;
+            }
+    }
+}
+
 }  // namespace
 }  // namespace pierce
