@@ -306,17 +306,22 @@ private:
         return made;
     }
 
-    /// Against the mean of the normals around each vertex, by angles.
-    static std::vector<test::SolidVec> inward_directions(const Surface& s) {
-        std::vector<Vec3d> normals(s.points.size());
+    /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and turned: far from the origin
+    /// its places say less of thin triangles.
+    std::vector<test::SolidVec> inward_directions(const Surface& s) const {
+        std::vector<Vec3d> points = s.points, normals(s.points.size());
+        Matrix3 turn;
+        if (s.body->motion != Motion::deforming) {
+            turn = frame_of(s.body->pose).rotation;
+            for (std::size_t v = 0; v < points.size(); ++v) points[v] = to_double(model_.mesh(*s.body).positions[v]);
+        }
         for (const Triangle& t : s.triangles)
             for (int k = 0; k < 3; ++k) {
-                const Vec3d p = s.points[t.vertex[k]], u = s.points[t.vertex[(k + 1) % 3]] - p,
-                            v = s.points[t.vertex[(k + 2) % 3]] - p;
+                const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p, v = points[t.vertex[(k + 2) % 3]] - p;
                 normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) * normalized(cross(u, v));
             }
         std::vector<test::SolidVec> inward;
-        for (const Vec3d& n : normals) inward.push_back(test::exact(-normalized(n)));
+        for (const Vec3d& n : normals) inward.push_back(test::exact(turn * -normalized(n)));
         return inward;
     }
 
