@@ -1,5 +1,5 @@
-// The contacts of every scene are what they were: one hash per scene, coverage and memory, the same for every backend, number
-// of threads, compiler and build type. PIERCE_WRITE_GOLDEN=1 writes the file anew; CHANGELOG.md says why it changed.
+// The contacts of the scenes are what they were: one hash per scene, coverage and memory, the same for every backend and number
+// of threads. PIERCE_WRITE_GOLDEN=1 writes the file anew; CHANGELOG.md says why it changed.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
