@@ -47,7 +47,11 @@ World& World::operator=(World&&) noexcept = default;
 World::~World() = default;
 
 MeshId World::add_mesh(std::string name, MeshData data) {
-    auto mesh = std::make_unique<Mesh>(std::move(name), std::move(data));
+    return add_mesh(std::make_shared<const Mesh>(std::move(name), std::move(data)));
+}
+
+MeshId World::add_mesh(std::shared_ptr<const Mesh> mesh) {
+    if (!mesh) throw InputError("there is no mesh to add");
     return state_->meshes.add({std::move(mesh), state_->next_key++, {}});
 }
 

@@ -37,6 +37,8 @@ public:
 
     /// Checks and keeps a mesh; see Mesh for what is refused. `name` appears in messages.
     MeshId add_mesh(std::string name, MeshData data);
+    /// Keeps a mesh that other worlds may have, too: it is checked and measured once. Throws InputError if there is none.
+    MeshId add_mesh(std::shared_ptr<const Mesh> mesh);
     /// Throws InputError while a body still uses the mesh.
     void remove_mesh(MeshId mesh);
     const Mesh& mesh(MeshId mesh) const;

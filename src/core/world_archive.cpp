@@ -219,7 +219,7 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     std::set<std::uint64_t> keys;
     restore_slots<SavedMesh>(archive, s.meshes, [&](SavedMesh saved) {
         require(saved.key != 0 && saved.key < s.next_key && keys.insert(saved.key).second, "a mesh with a wrong key");
-        return MeshEntry{std::make_unique<Mesh>(std::move(saved.name), std::move(saved.data)), saved.key, {}};
+        return MeshEntry{std::make_shared<const Mesh>(std::move(saved.name), std::move(saved.data)), saved.key, {}};
     });
     restore_slots<BodyEntry>(archive, s.bodies, [&](BodyEntry body) {
         s.check_restored(body);

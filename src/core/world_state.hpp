@@ -15,7 +15,7 @@ bool is_usable(std::span<const Vec3f> positions);
 
 /// A mesh of a world.
 struct MeshEntry {
-    std::unique_ptr<Mesh> mesh;
+    std::shared_ptr<const Mesh> mesh;
     std::uint64_t key = 0;
     std::vector<double> own_exit;  ///< of the rest shape; made when a fixed or rigid body first needs it
 };

@@ -68,7 +68,7 @@ private:
     bool make_players() {
         std::size_t refused = 0;
         for (const test::NamedBackend& backend : backends_) try {
-                players_.emplace_back(backend.make, program_.settings);
+                players_.emplace_back(backend.make, program_.settings, pool_);
             } catch (const InputError&) {
                 ++refused;
             }
@@ -138,7 +138,7 @@ private:
     /// But for the paper's mode, and for the sides of sheets that are through something.
     void compare_with_fresh(std::span<const Contact> contacts) {
         if (program_.settings.temporal == Temporal::paper || knows_sides_) return;
-        Player fresh = model_.fresh(backends_[0].make, Temporal::off);
+        Player fresh = model_.fresh(backends_[0].make, Temporal::off, pool_);
         fresh.world().detect();
         std::vector<Contact> expected(fresh.world().contacts().begin(), fresh.world().contacts().end());
         const std::vector<const ModelBody*> bodies = model_.bodies();
@@ -155,6 +155,7 @@ private:
     const Program& program_;
     const std::vector<test::NamedBackend>& backends_;
     JudgeCounts& counts_;
+    std::shared_ptr<MeshPool> pool_ = std::make_shared<MeshPool>();
     Model model_;
     std::vector<Player> players_;
     std::set<std::size_t> restored_;  ///< since the last step

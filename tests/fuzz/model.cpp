@@ -140,10 +140,10 @@ std::vector<Vec3d> Model::ends(const ModelBody& body) const {
     return body.motion == Motion::deforming ? in_double(body.positions) : placed(mesh(body), body.pose);
 }
 
-Player Model::fresh(const MakeBackend& backend, Temporal temporal) const {
+Player Model::fresh(const MakeBackend& backend, Temporal temporal, std::shared_ptr<MeshPool> pool) const {
     Settings settings = settings_;
     settings.temporal = temporal;
-    Player player(backend, settings);
+    Player player(backend, settings, std::move(pool));
     std::vector<std::uint32_t> number(meshes_.size(), std::numeric_limits<std::uint32_t>::max());
     std::uint32_t body = 0;
     for (const ModelBody* b : bodies()) {

@@ -41,7 +41,7 @@ public:
     std::vector<Vec3d> ends(const ModelBody& body) const;
 
     /// A new world in the same state; its bodies are those of bodies(), in that order.
-    Player fresh(const MakeBackend& backend, Temporal temporal) const;
+    Player fresh(const MakeBackend& backend, Temporal temporal, std::shared_ptr<MeshPool> pool) const;
 
 private:
     Settings settings_;

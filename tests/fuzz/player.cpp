@@ -30,8 +30,8 @@ std::string to_text(const std::vector<std::optional<RayHit>>& hits) {
 
 }  // namespace
 
-Player::Player(MakeBackend backend, const Settings& settings)
-    : make_(std::move(backend)), world_(make_(), settings) {}
+Player::Player(MakeBackend backend, const Settings& settings, std::shared_ptr<MeshPool> pool)
+    : make_(std::move(backend)), pool_(std::move(pool)), world_(make_(), settings) {}
 
 Player::Outcome Player::play(const Call& call) {
     try {
@@ -59,9 +59,7 @@ void Player::restore(const std::string& saved) {
 std::string Player::answer(const Call& c) {
     using Kind = Call::Kind;
     switch (c.kind) {
-        case Kind::add_mesh:
-            meshes_.push_back(world_.add_mesh("mesh " + std::to_string(meshes_.size()), c.data));
-            break;
+        case Kind::add_mesh: meshes_.push_back(world_.add_mesh(pool_->made_of(c.data))); break;
         case Kind::remove_mesh: world_.remove_mesh(mesh(c.mesh)); break;
         case Kind::add_fixed_body: bodies_.push_back(world_.add_fixed_body(mesh(c.mesh), c.pose)); break;
         case Kind::add_rigid_body: bodies_.push_back(world_.add_rigid_body(mesh(c.mesh), c.pose)); break;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "fuzz/mesh_pool.hpp"
 #include "fuzz/program.hpp"
 #include "pierce/core/world.hpp"
 
@@ -15,8 +16,8 @@ using MakeBackend = std::function<std::unique_ptr<Backend>()>;
 /// Plays a program's calls on a world.
 class Player {
 public:
-    /// Throws what World's constructor throws.
-    Player(MakeBackend backend, const Settings& settings);
+    /// Throws what World's constructor throws. Players of one program share their meshes.
+    Player(MakeBackend backend, const Settings& settings, std::shared_ptr<MeshPool> pool = std::make_shared<MeshPool>());
 
     /// What a call came to: what it answered, or the error it was refused with. Lets any exception through but InputError.
     struct Outcome {
@@ -41,6 +42,7 @@ private:
     BodyId body(std::uint32_t number) const { return number < bodies_.size() ? bodies_[number] : BodyId{}; }
 
     MakeBackend make_;
+    std::shared_ptr<MeshPool> pool_;
     World world_;
     std::vector<MeshId> meshes_;  ///< null for what was refused
     std::vector<BodyId> bodies_;

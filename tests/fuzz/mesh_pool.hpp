@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pierce/core/mesh.hpp"
+
+namespace pierce::fuzz {
+
+/// Meshes that the worlds of one program share: most of the time of a small world is spent on measuring its meshes.
+class MeshPool {
+public:
+    /// The mesh made of `data`. Throws what Mesh's constructor throws.
+    std::shared_ptr<const Mesh> made_of(const MeshData& data);
+
+private:
+    std::vector<std::shared_ptr<const Mesh>> meshes_;
+};
+
+}  // namespace pierce::fuzz
