@@ -87,6 +87,16 @@ inline constexpr double march_share = 0.125;
 /// Shorter edges are cast as they are: looking them up takes as long [cell of the target's clearance grid].
 inline constexpr double march_cells = 8;
 
+/// How far edges that only touch are moved before they are cast again, and how much deeper both bodies must be there to
+/// overlap [touch tolerance]: more than what two crossings must be apart to be two, at any angle that is not small.
+inline constexpr double nudge = 4, skin = 16;
+
+/// How deep both bodies must be behind an edge inside the other that gives the pair its only contacts [touch tolerance].
+inline constexpr double least_inside = 2;
+
+/// The direction in which they are moved [1]: no mesh has edges or faces along it but by intent.
+inline constexpr double nudge_direction[3] = {0.5570860145311556, 0.37139067635410373, 0.7427813527082074};
+
 /// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 

@@ -72,6 +72,48 @@ public:
                                       view_of(batch.hits), view_of(routes)});
     }
 
+    /// Of pairs whose edges touch and that have no contact so far (`contact`, per pair), as aligned bodies may: casts the
+    /// edges again as if one body had moved a little, there and back. Appends the chords where both bodies have an inside,
+    /// and writes their sources.
+    void add_touching_chords(const Scene& scene, View<const stages::DirectedPair> directed,
+                             View<const std::uint32_t> contact, Buffer<RaySource>& sources) {
+        sources.clear();
+        for (const double sign : {1.0, -1.0}) {
+            const std::uint32_t again =
+                tools_.list("touching_segments", count_of(segments_),
+                            stages::OnlyTouches{view_of(items_), view_of(segments_), view_of(touching_), contact}, active_);
+            if (again == 0) return;
+            executor_.for_each("nudge_segments", again,
+                               stages::NudgeSegment{scene.bodies, directed, view_of(items_), view_of(spans_),
+                                                    view_of(active_), sign, view_of(segments_), view_of(rays_)});
+            found_.clear();
+            tools_.update(scene.bodies, rays_);
+            follow(scene, directed, found_);
+            const auto count = static_cast<std::uint32_t>(found_.size());
+            now_rays_.resize(2 * std::size_t{count});
+            executor_.for_each("generate_touch_rays", count,
+                               stages::GenerateTouchRays{scene.bodies, directed, view_of(items_), view_of(segments_),
+                                                         view_of(found_), view_of(now_rays_)});
+            tools_.update(scene.bodies, now_rays_);
+            tools_.trace("trace_touch", scene.bodies, now_rays_, now_hits_);
+            const std::uint32_t kept =
+                tools_.list("deep_touches", count,
+                            stages::LeavesBoth{scene.bodies, view_of(now_rays_), view_of(now_hits_), false}, places_);
+            const auto chords = static_cast<std::uint32_t>(chords_.size()),
+                       before = static_cast<std::uint32_t>(sources.size());
+            chords_.resize(chords + kept);
+            sources.resize(before + kept);
+            executor_.for_each("keep_touches", kept,
+                               stages::KeepTouch{view_of(items_),
+                                                 view_of(segments_),
+                                                 view_of(found_),
+                                                 view_of(places_),
+                                                 chords,
+                                                 view_of(chords_),
+                                                 {sources.data() + before, kept}});
+        }
+    }
+
     View<const Chord> chords() const { return view_of(chords_); }
 
     /// There are no chords in this step.
@@ -80,9 +122,17 @@ public:
 private:
     void find_chords(const Scene& scene, View<const stages::DirectedPair> directed) {
         finished_.resize(count_of(segments_));
+        executor_.assign(touching_, directed.size / 2, 0u);
         found_.clear();
-        keys_.clear();
-        unsorted_.clear();
+        follow(scene, directed, found_);
+        const auto count = static_cast<std::uint32_t>(found_.size());
+        keys_.resize(count);
+        unsorted_.resize(count);
+        executor_.for_each("key_chords", count, stages::KeyChord{view_of(found_), view_of(keys_), view_of(unsorted_)});
+    }
+
+    /// Follows the active segments from crossing to crossing, and appends their chords to `found`.
+    void follow(const Scene& scene, View<const stages::DirectedPair> directed, Buffer<stages::FoundChord>& found) {
         while (!active_.empty()) {
             const auto count = static_cast<std::uint32_t>(active_.size());
             now_rays_.resize(count);
@@ -95,15 +145,12 @@ private:
                 "advance_segments", count,
                 stages::AdvanceSegment{scene.bodies, directed, view_of(items_), view_of(spans_), view_of(active_),
                                        view_of(now_hits_), view_of(segments_), view_of(rays_), view_of(counts_),
-                                       view_of(now_found_), view_of(finished_)});
-            const auto begin = static_cast<std::uint32_t>(found_.size());
-            const std::uint32_t all = begin + tools_.place("chord_scan", counts_, offsets_);
-            found_.resize(all);
-            keys_.resize(all);
-            unsorted_.resize(all);
-            executor_.for_each("keep_chords", count,
-                               stages::KeepChord{view_of(counts_), view_of(offsets_), view_of(now_found_), begin,
-                                                 view_of(found_), view_of(keys_), view_of(unsorted_)});
+                                       view_of(now_found_), view_of(finished_), view_of(touching_)});
+            const auto begin = static_cast<std::uint32_t>(found.size());
+            found.resize(begin + tools_.place("chord_scan", counts_, offsets_));
+            executor_.for_each(
+                "keep_chords", count,
+                stages::KeepChord{view_of(counts_), view_of(offsets_), view_of(now_found_), begin, view_of(found)});
             const std::uint32_t left =
                 tools_.list("active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)}, places_);
             next_active_.resize(left);
@@ -115,7 +162,8 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, unsorted_, order_;
+    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, unsorted_, order_,
+        touching_;
     Buffer<std::uint64_t> keys_, sorted_keys_;
     Buffer<stages::CullItem> patches_;
     Buffer<stages::EdgeGroup> groups_;

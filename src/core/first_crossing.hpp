@@ -102,6 +102,7 @@ public:
         }
         if (window_.weight >= constants::crossing_weight) return settle(window_.exit, true);
         if (window_.weight <= -constants::crossing_weight) return settle(window_.entry, false);
+        grazed_ = true;
         after_ = nearest_ + surface_.touch;
         summing_ = false;
         nearest_ = second_ = std::numeric_limits<double>::infinity();
@@ -135,8 +136,8 @@ private:
     }
 
     PIERCE_HD bool settle(std::uint32_t triangle, bool exit) {
-        hit_ = {triangle};
-        if (!exit && behind_exit_) hit_ = {behind_triangle_, true};
+        hit_ = {triangle, false, grazed_};
+        if (!exit && behind_exit_) hit_ = {behind_triangle_, true, grazed_};
         return false;
     }
 
@@ -159,6 +160,7 @@ private:
     bool nearest_exit_ = false;
     bool first_pass_;
     bool summing_ = false;
+    bool grazed_ = false;
 };
 
 /// How a ray's line meets a triangle of the surface.

@@ -235,7 +235,9 @@ private:
             time("classify",
                  [&] { executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies)); });
         if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
-        if (complete) time("separation", [&] { separation(scene); });
+        if (complete)
+            time("separation",
+                 [&] { separation_.separate(scene, view_of(pairs_), view_of(directed_), edges_, batch_, routes_); });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         // What follows changes neither hits nor own rays.
         time("stats", [&] { executor_.beside([&] { count_rays(); }); });
@@ -243,8 +245,8 @@ private:
         if (remembers) time("remember", [&] { remember(scene); });
     }
 
-    /// What an earlier step has left in the lists of stages that cast rays: stages may not run in this one, and others tell by
-    /// an empty list that they did not.
+    /// What an earlier step has left in the lists of stages that cast rays: stages may not run in this one, and others tell
+    /// by an empty list that they did not.
     void forget_rays() {
         memory_.clear();
         block_records_.clear();
@@ -287,8 +289,7 @@ private:
             executor_.for_each(
                 "measure_patches", blocks,
                 stages::MeasurePatches{scene.bodies, scene.block_items, scene.blocks, scene.patches, view_of(moments_)});
-            executor_.for_each("fit_frame", bodies,
-                               stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_)});
+            executor_.for_each("fit_frame", bodies, stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_)});
             executor_.for_each("measure_bounds", blocks,
                                stages::MeasureBounds{scene.bodies, scene.block_items, scene.seen, view_of(block_bounds_)});
         } else {
@@ -453,28 +454,6 @@ private:
                 view_of(batch_.keep)};
     }
 
-    /// Contacts for pairs that overlap and have none.
-    void separation(const Scene& scene) {
-        const std::uint32_t before = count_of(batch_.rays);
-        if (separation_.cast(scene, view_of(pairs_), view_of(directed_), edges_.chords(), batch_, routes_) == 0) return;
-        // What was a candidate so far stays one; of the new rays, those that start inside are contacts.
-        const std::uint32_t count = count_of(batch_.rays) - before;
-        batch_.meetings.resize(count_of(batch_.rays));
-        executor_.emit("test_separation", count,
-                       stages::TestInside{scene.bodies,
-                                          {batch_.rays.data() + before, count},
-                                          {batch_.hits.data() + before, count},
-                                          {},
-                                          {batch_.meetings.data() + before, count}},
-                       separated_);
-        const std::uint32_t candidates = count_of(batch_.candidates), added = count_of(separated_);
-        batch_.candidates.resize(candidates + added);
-        batch_.keep.resize(candidates + added);
-        executor_.for_each("keep_separated", added,
-                           stages::KeepSeparated{view_of(separated_), before, candidates, view_of(batch_.candidates),
-                                                 view_of(batch_.keep)});
-    }
-
     /// Contacts move to the closest point of the target's surface.
     void reproject(const Scene& scene) {
         const Count count = count_of(batch_.candidates);
@@ -587,7 +566,7 @@ private:
     Buffer<stages::Moments> moments_;
     Buffer<stages::PartBounds> block_bounds_;
     Buffer<std::uint64_t> unsorted_keys_, keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> unsorted_, order_, separated_, starts_inside_, accepted_, links_, ages_, last_ages_;
+    Buffer<std::uint32_t> unsorted_, order_, starts_inside_, accepted_, links_, ages_, last_ages_;
     Buffer<stages::SweepItem> sweep_;
     Buffer<Pair> pairs_;
     Buffer<stages::PairIdentity> identities_, last_identities_;

@@ -37,13 +37,15 @@ struct Chord {
     std::uint32_t edge = 0;
     std::uint32_t ordinal = 0;  ///< which of the edge's chords in this pair
     double middle = 0;          ///< where along the edge its middle is: 0 at the first vertex, 1 at the second
+    double skin = 0;  ///< [length] the edge only touches the target: its ray does not count what it crosses up to here
 };
 
 /// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from it in `classify`.
 struct alignas(8) Hit {
     std::uint32_t triangle = no_triangle;
     bool predicted = false;  ///< found looking outward: the vertex has not entered yet
-    std::uint8_t padding[3] = {};
+    bool grazed = false;     ///< on its way the ray touched the surface and did not cross it
+    std::uint8_t padding[2] = {};
 
     friend bool operator==(const Hit&, const Hit&) = default;
 };

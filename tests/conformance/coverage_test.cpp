@@ -192,6 +192,89 @@ TEST_P(CoverageTest, BarsThatCrossWithoutAVertexInside) {
     EXPECT_LT(std::hypot(sum.x, sum.y), 1e-6 * sum.z) << "a lies below b, and the normal points from a to b";
 }
 
+/// Of two convex bodies with whole coordinates: true if no plane lies between them, nor touches both. Exact.
+bool convex_bodies_overlap(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b, const std::vector<Triangle>& of_a,
+                           const std::vector<Triangle>& of_b) {
+    std::vector<Vec3d> axes, edges[2];
+    const std::vector<Vec3d>* points[] = {&a, &b};
+    const std::vector<Triangle>* triangles[] = {&of_a, &of_b};
+    for (int k = 0; k < 2; ++k)
+        for (const Triangle& t : *triangles[k]) {
+            const Vec3d p = (*points[k])[t.vertex[0]], q = (*points[k])[t.vertex[1]], r = (*points[k])[t.vertex[2]];
+            axes.push_back(cross(q - p, r - p));
+            edges[k].insert(edges[k].end(), {q - p, r - q, p - r});
+        }
+    for (const Vec3d& e : edges[0])
+        for (const Vec3d& f : edges[1]) axes.push_back(cross(e, f));
+    return std::ranges::none_of(axes, [&](Vec3d axis) {
+        if (length_squared(axis) == 0) return false;
+        const auto along = [&](Vec3d p) { return dot(axis, p); };
+        const auto [low_a, high_a] = std::ranges::minmax(a, {}, along);
+        const auto [low_b, high_b] = std::ranges::minmax(b, {}, along);
+        return along(high_a) <= along(low_b) || along(high_b) <= along(low_a);
+    });
+}
+
+std::vector<Vec3d> placed_at_whole_numbers(const MeshData& mesh, const Pose& pose) {
+    std::vector<Vec3d> points;
+    for (Vec3f p : mesh.positions) {
+        const Vec3d q = frame_of(pose).to_parent(to_double(p));
+        points.push_back({std::round(q.x), std::round(q.y), std::round(q.z)});
+    }
+    return points;
+}
+
+/// Their corners lie on each other's edges and faces in every way there is.
+TEST_P(CoverageTest, AlignedBodiesOfWholeNumbersHaveAContactExactlyIfTheyOverlap) {
+    MeshData box, tetrahedron, octahedron;
+    for (int k = 0; k < 8; ++k) box.positions.push_back({k & 1 ? 2.f : 0.f, k & 2 ? 2.f : 0.f, k & 4 ? 2.f : 0.f});
+    box.triangles = {{{0, 2, 3}}, {{0, 3, 1}}, {{4, 5, 7}}, {{4, 7, 6}}, {{0, 1, 5}}, {{0, 5, 4}},
+                     {{2, 6, 7}}, {{2, 7, 3}}, {{0, 4, 6}}, {{0, 6, 2}}, {{1, 3, 7}}, {{1, 7, 5}}};
+    tetrahedron.positions = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
+    tetrahedron.triangles = {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}};
+    octahedron.positions = {{2, 0, 0}, {-2, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 2}, {0, 0, -2}};
+    octahedron.triangles = {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
+                            {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
+    const MeshData regular{{{0, 0, 0}, {2, 0, 2}, {2, 2, 0}, {0, 2, 2}},
+                           {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}};
+    const MeshData* shapes[] = {&box, &tetrahedron, &octahedron, &regular};
+    const double half = std::sqrt(0.5);
+    constexpr int reach = 5;
+    for (const MeshData* first : shapes)
+        for (const MeshData* second : shapes) {
+            World world(GetParam().make(), complete());
+            world.add_fixed_body(world.add_mesh("first", *first));
+            const BodyId moving = world.add_rigid_body(world.add_mesh("second", *second));
+            const std::vector<Vec3d> still = placed_at_whole_numbers(*first, {});
+            int wrong = 0;
+            // Quarter and half turns about an axis, and none.
+            for (const Quaternion& turn : {Quaternion{0, 0, 0, 1},
+                                           {1, 0, 0, 0},
+                                           {0, 1, 0, 0},
+                                           {0, 0, 1, 0},
+                                           {half, 0, 0, half},
+                                           {0, half, 0, half},
+                                           {0, 0, half, half},
+                                           {1, 1, 1, 1}})
+                for (int x = -reach; x <= reach; ++x)
+                    for (int y = -reach; y <= reach; ++y)
+                        for (int z = -reach; z <= reach; ++z) {
+                            const Pose pose{{double(x), double(y), double(z)}, turn};
+                            const bool overlap = convex_bodies_overlap(still, placed_at_whole_numbers(*second, pose),
+                                                                       first->triangles, second->triangles);
+                            world.set_pose(moving, pose);
+                            world.detect();
+                            const bool deep =
+                                std::ranges::any_of(world.contacts(), [](const Contact& c) { return c.distance < 0; });
+                            if (deep == overlap || wrong++ > 0) continue;
+                            ADD_FAILURE() << first->positions.size() << " and " << second->positions.size()
+                                          << " vertices, overlap " << overlap << ", at " << x << ' ' << y << ' ' << z
+                                          << ", turned by " << turn.x << ' ' << turn.y << ' ' << turn.z << ' ' << turn.w;
+                        }
+            EXPECT_EQ(wrong, 0);
+        }
+}
+
 TEST_P(CoverageTest, APlateInsideABlock) {
     const MeshData plate = scenes::box({-1, -1, 0}, {1, 1, 0.01}), block = scenes::box({-2, -2, -2}, {2, 2, 2});
     for (bool deforming : {false, true}) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "pierce/core/error.hpp"
 #include "pierce/scenes/shapes.hpp"
@@ -90,6 +91,20 @@ TEST(WorldTest, RefusesUnusableMeshesAndNamesThem) {
         EXPECT_THAT([&] { world.add_mesh("crate", broken); },
                     ThrowsMessage<InputError>(HasSubstr("'crate': vertex 5 is not finite")));
     }
+}
+
+TEST(WorldTest, WorldsShareAMeshThatOutlivesThem) {
+    std::shared_ptr<const Mesh> mesh = std::make_shared<const Mesh>("box", unit_box());
+    World second;
+    {
+        World first;
+        EXPECT_EQ(&first.mesh(first.add_mesh(mesh)), mesh.get());
+        second.add_fixed_body(second.add_mesh(mesh));
+        mesh.reset();
+    }
+    second.add_rigid_body(second.add_mesh("own", unit_box()), at(0.5, 0.5, 0.5));
+    EXPECT_GT(second.detect().contacts, 0u);
+    EXPECT_THROW(second.add_mesh(mesh), InputError);
 }
 
 TEST(WorldTest, RefusedCallsChangeNothing) {

@@ -50,9 +50,20 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
     return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c, surface.touch);
 }
 
+/// True for rays that leave their target at their first crossing: they start inside.
+struct LeavesTarget {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const Hit> hits;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return hits[i].triangle != no_triangle && leads_out(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
+    }
+};
+
 /// Per ray of a sheet along a velocity: what it hits counts if the vertex gets there, or comes from there, by its motion
-/// relative to the place it hits; the ray is turned along that. As published, the vertex' own motion decides. A triangle that
-/// the vertex slides in is met by the ray ahead and by the one behind: once is enough.
+/// relative to the place it hits; the ray is turned along that. As published, the vertex' own motion decides. A triangle
+/// that the vertex slides in is met by the ray ahead and by the one behind: once is enough.
 struct RelateToLayer {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;

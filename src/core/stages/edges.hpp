@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pierce/core/atomics.hpp"
 #include "pierce/core/stages/classify.hpp"
 #include "pierce/core/stages/vertex_cull.hpp"
 
@@ -264,6 +265,7 @@ struct AdvanceSegment {
     View<std::uint32_t> counts;    ///< per active segment: chords found now
     View<FoundChord> found;        ///< per active segment, where there is one
     View<std::uint32_t> finished;  ///< per segment
+    View<std::uint32_t> touching;  ///< per pair: marked where an edge touches the surface
 
     PIERCE_HD void operator()(std::uint32_t k) const {
         const std::uint32_t i = active[k];
@@ -272,6 +274,7 @@ struct AdvanceSegment {
         const Surface surface = bodies[ray.target].surface();
         counts[k] = 0;
         finished[i] = 1;
+        if (hits[k].grazed) mark_touching(i);
         if (hits[k].triangle == no_triangle) {
             if (segment.inside) add(k, segment.enter, ray.t_max);
             return;
@@ -289,7 +292,7 @@ struct AdvanceSegment {
 private:
     PIERCE_HD void add(std::uint32_t k, double begin, double end) const {
         const std::uint32_t i = active[k];
-        if (!(end - begin > bodies[rays[i].target].touch)) return;
+        if (!(end - begin > bodies[rays[i].target].touch)) return mark_touching(i);
         const std::uint32_t item = segments[i].item;
         const BodyView& source = bodies[directed[items[item].directed].source];
         const Edge& edge = source.mesh.edges[items[item].edge];
@@ -297,8 +300,10 @@ private:
             length(to_double(source.positions[edge.vertex[1]]) - to_double(source.positions[edge.vertex[0]]));
         const double middle = (spans[item].begin + 0.5 * (begin + end)) / size;
         counts[k] = 1;
-        found[k] = {i, {items[item].edge, segments[i].chords++, clamp_to(middle, 0.0, 1.0)}};
+        found[k] = {i, {items[item].edge, segments[i].chords++, clamp_to(middle, 0.0, 1.0), 0.0}};
     }
+
+    PIERCE_HD void mark_touching(std::uint32_t i) const { atomic_mark(touching[items[segments[i].item].directed / 2]); }
 };
 
 /// True for active segments that may have more crossings.
@@ -314,17 +319,141 @@ struct KeepChord {
     View<const FoundChord> found;
     std::uint32_t begin = 0;  ///< chords of earlier rounds
     View<FoundChord> chords;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t k) const {
+        if (counts[k]) chords[begin + offsets[k]] = found[k];
+    }
+};
+
+/// True for segments of pairs whose edges touch, and that have no contact so far.
+struct OnlyTouches {
+    View<const EdgeItem> items;
+    View<const Segment> segments;
+    View<const std::uint32_t> touching, contact;  ///< per pair
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        const std::uint32_t pair = items[segments[i].item].directed / 2;
+        return touching[pair] && !contact[pair];
+    }
+};
+
+/// [length] How far the bodies of a pair are moved against each other, if their edges only touch.
+PIERCE_HD inline double nudge_of(View<const BodyView> bodies, const DirectedPair& d) {
+    return constants::nudge * max_of(bodies[d.source].touch, bodies[d.target].touch);
+}
+
+/// Per segment to be cast again: its ray, as if one body of the pair had moved a little. Edges that lay in the other's
+/// surface come to lie inside or outside then; of two bodies that overlap, some edge crosses the other.
+struct NudgeSegment {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeItem> items;
+    View<const Span> spans;
+    View<const std::uint32_t> again;  ///< places in segments and rays
+    double sign = 1;                  ///< of the move
+    View<Segment> segments;
+    View<Ray> rays;
+
+    PIERCE_HD void operator()(std::uint32_t k) const {
+        const std::uint32_t i = again[k];
+        const EdgeItem item = items[segments[i].item];
+        const DirectedPair& d = directed[item.directed];
+        const BodyView& source = bodies[d.source];
+        const double* u = constants::nudge_direction;
+        const Vec3d move = (item.directed % 2 == 0 ? sign : -sign) * nudge_of(bodies, d) * Vec3d{u[0], u[1], u[2]};
+        const Edge& edge = source.mesh.edges[item.edge];
+        Ray& ray = rays[i];
+        ray.origin = d.to_space.to_parent(to_double(source.positions[edge.vertex[0]])) +
+                     spans[segments[i].item].begin * ray.direction + bodies[d.target].space.rotation.transposed() * move;
+        ray.t_min = 0;
+        segments[i].enter = 0;
+        segments[i].crossed = segments[i].inside = false;
+    }
+};
+
+/// The rays from a chord's middle, between its edge's triangles, that show whether the target and the source have an inside
+/// there. What lies within `skin` [length] does not count, so that bodies which only touch have none in common.
+PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const DirectedPair& d, const Chord& chord, double skin,
+                                        Ray& into_target, Ray& into_source) {
+    const BodyView& source = bodies[d.source];
+    const Edge& edge = source.mesh.edges[chord.edge];
+    const Vec3d start = point_on(source, edge, chord.middle), direction = inward_direction(source, edge);
+    const bool leads = length_squared(direction) > 0;
+    into_target = into_source = {};
+    into_target.t_min = into_source.t_min = skin;
+    into_target.origin = d.to_space.to_parent(start);
+    into_target.direction = normalized(d.to_space.rotation * direction);
+    into_target.t_max = leads ? bodies[d.target].fit_box.extent() : -1.0;
+    into_target.target = d.target;
+    into_source.origin = start;
+    into_source.direction = direction;
+    into_source.t_max = leads && source.mesh.simple ? source.fit_box.extent() : -1.0;
+    into_source.target = d.source;
+}
+
+/// True for chords whose two rays leave both bodies: they overlap there. A ray that is none says `otherwise`.
+struct LeavesBoth {
+    View<const BodyView> bodies;
+    View<const Ray> rays;  ///< two per chord
+    View<const Hit> hits;
+    bool otherwise = true;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return leaves(2 * i) && leaves(2 * i + 1); }
+
+private:
+    PIERCE_HD bool leaves(std::uint32_t ray) const {
+        return rays[ray].t_max < 0 ? otherwise : LeavesTarget{bodies, rays, hits}(ray);
+    }
+};
+
+/// Per chord of a nudged edge: its rays. Reads the edge where it is.
+struct GenerateTouchRays {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const EdgeItem> items;
+    View<const Segment> segments;
+    View<FoundChord> found;
+    View<Ray> rays;  ///< two per chord
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        FoundChord& f = found[i];
+        const DirectedPair& d = directed[items[segments[f.segment].item].directed];
+        f.chord.skin = constants::skin * max_of(bodies[d.source].touch, bodies[d.target].touch);
+        write_inside_rays(bodies, d, f.chord, f.chord.skin, rays[2 * i], rays[2 * i + 1]);
+    }
+};
+
+/// Per chord of a nudged edge that shows an overlap: joins the step's chords.
+struct KeepTouch {
+    View<const EdgeItem> items;
+    View<const Segment> segments;
+    View<const FoundChord> found;
+    View<const std::uint32_t> places;  ///< in `found`
+    std::uint32_t begin = 0;           ///< chords there are already
+    View<Chord> chords;
+    View<RaySource> sources;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const FoundChord& f = found[places[i]];
+        const std::uint32_t directed = items[segments[f.segment].item].directed;
+        chords[begin + i] = f.chord;
+        sources[i] = {directed / 2, begin + i, static_cast<std::uint8_t>(directed % 2), RayStart::chord};
+    }
+};
+
+/// Per chord: a key that puts chords in the order of edges, those of one edge as they were found.
+struct KeyChord {
+    View<const FoundChord> found;
     View<std::uint64_t> keys;
     View<std::uint32_t> order;
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD void operator()(std::uint32_t k) const {
-        if (!counts[k]) return;
-        const std::uint32_t slot = begin + offsets[k];
-        chords[slot] = found[k];
-        keys[slot] = found[k].segment;
-        order[slot] = slot;
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        keys[i] = found[i].segment;
+        order[i] = i;
     }
 };
 

@@ -1,22 +1,12 @@
 #pragma once
 
-#include <atomic>
-
+#include "pierce/core/atomics.hpp"
 #include "pierce/core/stages/edges.hpp"
 
 /// After stage 9, with complete coverage: pairs that overlap but have no contact along an inward ray, because each ray
 /// leaves its own body first, or because one body is all inside the other. The direction in which the two separate soonest
 /// gives them their contacts.
 namespace pierce::stages {
-
-/// Sets a flag that others may be setting too.
-PIERCE_HD inline void raise(std::uint32_t& flag) {
-#ifdef __CUDA_ARCH__
-    flag = 1;
-#else
-    std::atomic_ref<std::uint32_t>(flag).store(1, std::memory_order_relaxed);
-#endif
-}
 
 /// Per candidate: tells its pair that something is inside, and whether it is a contact.
 struct MarkTouching {
@@ -27,8 +17,8 @@ struct MarkTouching {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        raise(reached[sources[candidates[i]].pair]);
-        if (keep[i]) raise(touching[sources[candidates[i]].pair]);
+        atomic_mark(reached[sources[candidates[i]].pair]);
+        if (keep[i]) atomic_mark(touching[sources[candidates[i]].pair]);
     }
 };
 
@@ -82,7 +72,7 @@ struct MarkReached {
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { raise(reached[sources[i].pair]); }
+    PIERCE_HD void operator()(std::uint32_t i) const { atomic_mark(reached[sources[i].pair]); }
 };
 
 /// True for vertices that are candidates, but whose pair has no contact.
@@ -97,12 +87,31 @@ struct IsStrandedVertex {
     }
 };
 
-/// True for chords whose pair has no contact. A chord is inside, whether or not its ray got as far as the target's surface.
+/// True for chords whose pair has no contact. A chord is inside, whether or not its ray got as far as the target's surface;
+/// but one along the surface may be so by rounding alone.
 struct IsStrandedChord {
     View<const RaySource> sources;
     View<const std::uint32_t> touching;
 
     PIERCE_HD bool operator()(std::uint32_t i) const { return !touching[sources[i].pair]; }
+};
+
+/// Per stranded chord: the rays that show whether it is more than rounding.
+struct GenerateStrandedChordRays {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const Chord> chords;
+    View<const std::uint32_t> stranded;
+    View<const RaySource> sources;  ///< of chords
+    View<Ray> rays;                 ///< two per chord
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const RaySource& from = sources[stranded[i]];
+        const DirectedPair& d = directed[2 * from.pair + from.side];
+        const double least = constants::least_inside * max_of(bodies[d.source].touch, bodies[d.target].touch);
+        const Chord& chord = chords[from.item];
+        write_inside_rays(bodies, d, chord, max_of(chord.skin, least), rays[2 * i], rays[2 * i + 1]);
+    }
 };
 
 /// True for pairs that overlap without a contact.
@@ -159,13 +168,16 @@ struct SeparationRays {
 
     PIERCE_HD Vec3d direction(const RaySource& from) const { return (from.side == 0 ? 1.0 : -1.0) * directions[from.pair]; }
 
-    PIERCE_HD void write(std::uint32_t i, RaySource from) const {
+    PIERCE_HD void write(std::uint32_t i, const RaySource& from) const { write(i, from, direction(from)); }
+
+    PIERCE_HD void write(std::uint32_t i, RaySource from, Vec3d direction) const {
         const DirectedPair& d = directed[2 * from.pair + from.side];
         const BodyView& target = bodies[d.target];
         Ray ray;
         ray.origin = d.to_space.to_parent(start_of(bodies[d.source], from, chords));
-        ray.direction = normalized(target.space.rotation.transposed() * direction(from));
+        ray.direction = normalized(target.space.rotation.transposed() * direction);
         ray.t_max = target.fit_box.extent();
+        if (from.start == RayStart::chord) ray.t_min = chords[from.item].skin;
         ray.target = d.target;
         from.separates = true;
         rays[begin + i] = ray;
@@ -180,23 +192,25 @@ struct SeparationRays {
     }
 };
 
-/// True for rays that leave their target at their first crossing: they start inside.
-struct LeavesTarget {
-    View<const BodyView> bodies;
-    View<const Ray> rays;
-    View<const Hit> hits;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const {
-        return hits[i].triangle != no_triangle && leads_out(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
-    }
-};
-
 /// Per source of a stranded vertex or chord: its ray.
 struct GenerateStrandedRays {
     SeparationRays out;
     View<const RaySource> from;
 
     PIERCE_HD void operator()(std::uint32_t i) const { out.write(i, from[i]); }
+};
+
+/// Per chord of an edge that only touches: a ray between the edge's triangles. Both bodies have an inside there, but their
+/// way apart may lead out of the target at once.
+struct GenerateTouchingRays {
+    SeparationRays out;
+    View<const RaySource> from;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BodyView& source = out.bodies[out.directed[2 * from[i].pair + from[i].side].source];
+        const Edge& edge = source.mesh.edges[out.chords[from[i].item].edge];
+        out.write(i, from[i], source.space.rotation * inward_direction(source, edge));
+    }
 };
 
 /// Per part found inside: a ray from its vertex and, once per body, from those vertices that are furthest from the way out.
@@ -248,17 +262,23 @@ private:
     }
 };
 
-/// Per new ray that starts inside: makes it a contact, whatever its own body is like there.
+/// Per new ray that starts inside: makes it a contact, whatever its own body is like there, and tells its pair if it has any
+/// depth: the way apart may lead out of the target at once.
 struct KeepSeparated {
     View<const std::uint32_t> inside;
+    View<const RaySource> sources;
+    View<const Meeting> meetings;
     std::uint32_t first_ray = 0, first_candidate = 0;
     View<std::uint32_t> candidates, keep;
+    View<std::uint32_t> touching;  ///< per pair
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        candidates[first_candidate + i] = first_ray + inside[i];
+        const std::uint32_t ray = first_ray + inside[i];
+        candidates[first_candidate + i] = ray;
         keep[first_candidate + i] = 1;
+        if (meetings[ray].t > 0) atomic_mark(touching[sources[ray].pair]);
     }
 };
 

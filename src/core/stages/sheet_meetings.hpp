@@ -127,9 +127,13 @@ private:
         if (!met && !close) return {};
         // Looking into the memory takes longer than all the rest: only where it matters.
         const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles) : 0;
-        const std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
-        // What is inside a solid is pushed out along a ray.
-        if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) return {};
+        std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
+        // What is inside a solid is pushed out along a ray. But what leaves it here and ends behind the triangle all the
+        // same has come in again, and may have slipped around the triangle's border before.
+        if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) {
+            if (!met || remembered != 0 || !(height < 0)) return {};
+            its_side = 1;
+        }
 
         const double gap = its_side * height;
         const bool through = above && remembered != 0 && gap < 0 && -gap < pair.margin;
@@ -153,7 +157,8 @@ private:
             }
             // A triangle that has lost its area has no side any more.
             if (length_squared(m.out) == 0)
-                m.out = way_out(judgement, {static_cast<double>(its_side) * face.start_normal(), p.start - start, p.end - at});
+                m.out =
+                    way_out(judgement, {static_cast<double>(its_side) * face.start_normal(), p.start - start, p.end - at});
             m.distance = dot(m.out, p.end - at);
         }
         if (met) m.time = impact.time;
@@ -188,7 +193,8 @@ private:
             Vec3d c[3];
             for (int k = 0; k < 3; ++k)
                 c[k] = face.corner[k].start + impact.time * (face.corner[k].end - face.corner[k].start);
-            // What rests on the triangle, or moves with it, comes from neither side: what rounding says of that is no answer.
+            // What rests on the triangle, or moves with it, comes from neither side: what rounding says of that is no
+            // answer.
             const Vec3d then = cross(c[1] - c[0], c[2] - c[0]);
             const double approach = dot(then, motion);
             if (std::fabs(approach) > constants::motion_rounding * length(then) * way) return approach < 0 ? 1 : -1;
