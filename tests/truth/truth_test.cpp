@@ -51,7 +51,7 @@ TEST(ExactMeshTest, PointsInOnAndOutOfACube) {
     const Nearest nearest = mesh.nearest({0.75, 0.25, -0.5});
     EXPECT_EQ(nearest.point, (Vec3d{1, 0.25, -0.5}));
     EXPECT_EQ(nearest.distance, 0.25);
-    const Triangle& t = cube(1).triangles[nearest.triangle];
+    const Triangle t = cube(1).triangles[nearest.triangle];
     for (std::uint32_t v : t.vertex) EXPECT_EQ(mesh.positions()[v].x, 1);
 }
 
