@@ -45,6 +45,11 @@ struct Box {
         return {lower - m, upper + m};
     }
 
+    /// True if `p` is inside or on the box.
+    PIERCE_HD bool contains(Vec3d p) const {
+        return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y && p.z >= lower.z && p.z <= upper.z;
+    }
+
     /// Distance from `p` to the nearest point of the box; zero inside.
     PIERCE_HD double distance(Vec3d p) const {
         Vec3d gap;

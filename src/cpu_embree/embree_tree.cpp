@@ -75,7 +75,7 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     query.slack = 2.0 * margin_ + surface_.touch;
     // Embree's float32 ray begins where the surface is near: far away its rounding would not fit the margin.
     double first = -std::numeric_limits<double>::infinity();
-    if (ray.outward > surface_.touch || reach_.distance(ray.origin) > 0) {
+    if (ray.outward > surface_.touch || !reach_.contains(ray.origin)) {
         const Stretch inside = stretch_inside(reach_, ray.origin, ray.direction);
         if (inside.begin > inside.end) return search.hit();
         first = inside.begin - query.slack;

@@ -224,7 +224,8 @@ private:
                   view_of(std::as_const(patch_views_)),
                   view_of(std::as_const(seen_views_)),
                   host.settings,
-                  host.plan};
+                  host.plan,
+                  view_of(std::as_const(forgets_))};
     }
 
     void send_changes(View<const BodyView> host) {

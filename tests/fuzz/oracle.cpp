@@ -46,7 +46,8 @@ struct Surface {
         return std::sqrt(squared);
     }
 
-    /// How often the surface winds around a point that is not on it: the sum of solid angles (van Oosterom and Strackee 1983).
+    /// How often the surface winds around a point that is not on it: the sum of solid angles (van Oosterom and Strackee
+    /// 1983).
     double winding(Vec3d p) const {
         double sum = 0;
         for (const Triangle& t : triangles) {
@@ -105,18 +106,22 @@ bool meet_elsewhere(const Surface& s, std::size_t i, std::size_t j) {
     return false;
 }
 
-bool is_proper(const Surface& s) {
-    if (!is_manifold(s.triangles)) return false;
+/// True if no triangle is so thin that it might never be hit.
+bool has_area(const Surface& s) {
     for (std::size_t i = 0; i < s.triangles.size(); ++i) {
         if (s.face(i).is_degenerate()) return false;
         const auto& v = s.triangles[i].vertex;
         const Vec3d n = cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]);
-        const double longest = std::max({length_squared(s.points[v[1]] - s.points[v[0]]),
-                                         length_squared(s.points[v[2]] - s.points[v[1]]),
-                                         length_squared(s.points[v[0]] - s.points[v[2]])});
-        // Thinner triangles are never hit.
+        const double longest =
+            std::max({length_squared(s.points[v[1]] - s.points[v[0]]), length_squared(s.points[v[2]] - s.points[v[1]]),
+                      length_squared(s.points[v[0]] - s.points[v[2]])});
         if (length(n) <= 16 * constants::degenerate_area * longest) return false;
     }
+    return true;
+}
+
+bool is_proper(const Surface& s) {
+    if (!is_manifold(s.triangles) || !has_area(s)) return false;
     for (std::size_t i = 0; i < s.triangles.size(); ++i)
         for (std::size_t j = i + 1; j < s.triangles.size(); ++j)
             if (meet_elsewhere(s, i, j)) return false;
@@ -157,6 +162,8 @@ private:
         for (const Surface& s : surfaces_)
             for (const Surface& t : surfaces_)
                 if (auto failure = judge_vertices(s, t)) return failure;
+        for (const Surface& s : surfaces_)
+            if (auto failure = judge_self(s)) return failure;
         return std::nullopt;
     }
 
@@ -191,8 +198,8 @@ private:
     static bool is_solid(const Surface& s) { return s.proper && !s.body->collision.sheet; }
 
     std::size_t contacts_between(const Surface& a, const Surface& b) const {
-        return static_cast<std::size_t>(std::ranges::count_if(
-            contacts_, [&](const Contact& c) { return c.a == a.body->id && c.b == b.body->id; }));
+        return static_cast<std::size_t>(
+            std::ranges::count_if(contacts_, [&](const Contact& c) { return c.a == a.body->id && c.b == b.body->id; }));
     }
 
     static bool overlaps(const Surface& a, const Surface& b, Vec3d shift) {
@@ -240,8 +247,8 @@ private:
         return "bodies " + std::to_string(a.body->id.index) + " and " + std::to_string(b.body->id.index);
     }
 
-    /// A contact of solids: its source point is inside the target, and so is the way to its end; that is in its own body, too,
-    /// unless the way is not its own inward ray.
+    /// A contact of solids: its source point is inside the target, and so is the way to its end; that is in its own body,
+    /// too, unless the way is not its own inward ray.
     std::optional<Failure> judge_contact(const Contact& c) {
         if (c.of_sheet || c.a == c.b) return std::nullopt;
         const Surface* source = find(c.source == Side::a ? c.a : c.b);
@@ -273,8 +280,7 @@ private:
         if (model_.settings().reproject) return std::nullopt;
         if (!overlap(source.box, target.box)) return std::nullopt;
         const std::vector<test::SolidVec> inward = inward_directions(source);
-        const test::Expected expected =
-            test::expected_contacts(solid(source, target), inward, solid(target, target));
+        const test::Expected expected = test::expected_contacts(solid(source, target), inward, solid(target, target));
         std::set<std::uint32_t> found;
         for (const Contact& c : contacts_) {
             const bool from_a = c.source == Side::a;
@@ -297,6 +303,45 @@ private:
         return std::nullopt;
     }
 
+    /// Of a surface each of whose edges has two triangles.
+    static double mean_edge_length(const Surface& s) {
+        double sum = 0;
+        for (const Triangle& t : s.triangles)
+            for (int k = 0; k < 3; ++k) sum += length(s.points[t.vertex[(k + 1) % 3]] - s.points[t.vertex[k]]);
+        return sum / static_cast<double>(3 * s.triangles.size());
+    }
+
+    /// Vertices of a deforming solid inside another part of it, by definition.
+    std::optional<Failure> judge_self(const Surface& s) {
+        if (!s.active || s.touch <= 0 || s.body->motion != Motion::deforming || s.body->collision.sheet ||
+            s.body->collision.self != SelfCollision::on || model_.settings().reproject || !is_manifold(s.triangles) ||
+            !has_area(s))
+            return std::nullopt;
+        const MeshData& mesh = model_.mesh(*s.body);
+        Surface rest = s;
+        for (std::size_t v = 0; v < rest.points.size(); ++v) rest.points[v] = to_double(mesh.positions[v]);
+        if (!has_area(rest)) return std::nullopt;
+        const test::Expected expected =
+            test::expected_self_contacts(solid(s, s), inward_directions(s), solid(rest, s),
+                                         constants::self_distance * mean_edge_length(rest) / s.box.extent());
+        std::set<std::uint32_t> found;
+        for (const Contact& c : contacts_)
+            if (c.found == Found::self && c.a == s.body->id) found.insert(c.vertex);
+        for (std::uint32_t v : expected.unclear) found.erase(v);
+        const std::set<std::uint32_t> unclear(expected.unclear.begin(), expected.unclear.end());
+        for (const test::ExpectedContact& e : expected.contacts) {
+            if (unclear.contains(e.vertex)) continue;
+            ++counts_.expected_contacts;
+            if (!found.erase(e.vertex))
+                return Failure{"truth: a vertex inside another part of its body has its contact",
+                               describe(s, s) + " vertex " + std::to_string(e.vertex)};
+        }
+        if (!found.empty())
+            return Failure{"truth: a contact of a body with itself starts inside another part of it",
+                           describe(s, s) + " vertex " + std::to_string(*found.begin())};
+        return std::nullopt;
+    }
+
     /// As large, and where, as if `one` were about one unit large: what counts as unclear is said in such units.
     static test::Solid solid(const Surface& s, const Surface& one) {
         test::Solid made;
@@ -306,8 +351,8 @@ private:
         return made;
     }
 
-    /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and turned: far from the origin
-    /// its places say less of thin triangles.
+    /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and turned: far from the
+    /// origin its places say less of thin triangles.
     std::vector<test::SolidVec> inward_directions(const Surface& s) const {
         std::vector<Vec3d> points = s.points, normals(s.points.size());
         Matrix3 turn;
@@ -317,7 +362,8 @@ private:
         }
         for (const Triangle& t : s.triangles)
             for (int k = 0; k < 3; ++k) {
-                const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p, v = points[t.vertex[(k + 2) % 3]] - p;
+                const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p,
+                            v = points[t.vertex[(k + 2) % 3]] - p;
                 normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) * normalized(cross(u, v));
             }
         std::vector<test::SolidVec> inward;
@@ -333,7 +379,7 @@ private:
         const bool looked_at = self ? of_a.sheet && of_a.self == SelfCollision::on : of_a.sheet || of_b.sheet;
         if (!looked_at || !a.active || !b.active) return std::nullopt;
         const std::vector<MovingPoint> p = moving(a), q = self ? p : moving(b);
-        std::set<std::tuple<bool, std::uint32_t, std::uint32_t>> vertices;       // from b, vertex, triangle
+        std::set<std::tuple<bool, std::uint32_t, std::uint32_t>> vertices;  // from b, vertex, triangle
         std::set<std::array<std::uint32_t, 4>> edges;
         for (const Contact& c : contacts_) {
             if (!c.of_sheet || c.a != a.body->id || c.b != b.body->id) continue;
@@ -445,14 +491,16 @@ private:
             at[k] = c[k].start + t * way[k];
         }
         const Vec3d n = cross(at[2] - at[1], at[3] - at[1]);
-        const double size = length_squared(n), longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
+        const double size = length_squared(n),
+                     longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
         // Nor from which side it meets a triangle that is no wider.
         if (std::sqrt(size) <= unclear * std::sqrt(longest)) return true;
         constexpr double certain = 1e-6;
         // A triangle without area then has no sides; which side is which was seen when the step began.
         if (size <= certain * certain * longest * longest)
             return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) <= 0;
-        const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size, v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;
+        const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size,
+                     v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;
         const Vec3d relative = way[0] - u * way[1] - v * way[2] - (1 - u - v) * way[3];
         return dot(n, relative) > -certain * length(n) * length(relative);
     }

@@ -361,8 +361,9 @@ struct NudgeSegment {
         const EdgeItem item = items[segments[i].item];
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
-        const double* u = constants::nudge_direction;
-        const Vec3d move = (item.directed % 2 == 0 ? sign : -sign) * nudge_of(bodies, d) * Vec3d{u[0], u[1], u[2]};
+        // A device can read an array of constants only where the compiler does.
+        constexpr Vec3d along{constants::nudge_direction[0], constants::nudge_direction[1], constants::nudge_direction[2]};
+        const Vec3d move = (item.directed % 2 == 0 ? sign : -sign) * nudge_of(bodies, d) * along;
         const Edge& edge = source.mesh.edges[item.edge];
         Ray& ray = rays[i];
         ray.origin = d.to_space.to_parent(to_double(source.positions[edge.vertex[0]])) +
