@@ -3,9 +3,9 @@
 //   pierce_bench --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/simulation.hpp"
 
 namespace {
 

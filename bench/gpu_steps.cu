@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/gpu_cuda/cuda_backend.hpp"
-#include "pierce/gpu_cuda/device_buffer.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "gpu_cuda/device_buffer.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/cuda_backend.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/world.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce {
 namespace {

@@ -10,11 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/bvh/bvh_tracer.hpp"
-#include "pierce/core/bvh/sah.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/gpu_cuda/cuda_executor.cuh"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
+#include "core/trace/bvh/sah.hpp"
+#include "gpu_cuda/cuda_executor.cuh"
+#include "pierce/world.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce {
 namespace {

@@ -11,8 +11,8 @@
 #include <random>
 #include <vector>
 
-#include "pierce/core/box.hpp"
-#include "pierce/core/continuous.hpp"
+#include "core/geometry/continuous.hpp"
+#include "pierce/box.hpp"
 
 namespace {
 

@@ -1,30 +1,21 @@
 # install(): libraries and headers for find_package(pierce), and the command.
 include(CMakePackageConfigHelpers)
 
-set(pierce_installed pierce_core)
-set(pierce_folders core)  # whose headers are all public
-if(PIERCE_EMBREE)
-    list(APPEND pierce_installed pierce_cpu_embree)
-    # The rest of it speaks Embree, whose version is nobody else's business.
-    install(FILES ${PROJECT_SOURCE_DIR}/src/cpu_embree/embree_backend.hpp
-            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pierce/cpu_embree)
-endif()
-if(PIERCE_CUDA)
-    list(APPEND pierce_installed pierce_gpu_cuda)
-    # The rest of it is for nvcc.
-    install(FILES ${PROJECT_SOURCE_DIR}/src/gpu_cuda/cuda_backend.hpp
-            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pierce/gpu_cuda)
-endif()
-if(PIERCE_BULLET)
-    list(APPEND pierce_installed pierce_bullet)
-    list(APPEND pierce_folders bullet)
-endif()
+set(pierce_installed core)
+foreach(module IN ITEMS EMBREE:cpu_embree CUDA:gpu_cuda BULLET:bullet)
+    string(REPLACE ":" ";" module ${module})
+    list(GET module 0 option)
+    if(PIERCE_${option})
+        list(GET module 1 name)
+        list(APPEND pierce_installed ${name})
+    endif()
+endforeach()
 
-install(TARGETS ${pierce_installed} EXPORT pierce_targets)
+list(TRANSFORM pierce_installed PREPEND pierce_ OUTPUT_VARIABLE pierce_targets)
+install(TARGETS ${pierce_targets} EXPORT pierce_targets)
 install(EXPORT pierce_targets NAMESPACE pierce:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/pierce)
-foreach(folder IN LISTS pierce_folders)
-    install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pierce/${folder}
-            FILES_MATCHING PATTERN "*.hpp")
+foreach(module IN LISTS pierce_installed)
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${module}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endforeach()
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/pierce-config.cmake.in pierce-config.cmake

@@ -1,15 +1,19 @@
-# pierce_library(NAME SOURCES...): a library target pierce_NAME, known as pierce::NAME here and when installed.
+# pierce_library(NAME SOURCES...): a library target pierce_NAME, known as pierce::NAME here and when installed. Its public
+# headers, if it has any, lie in include/ as they are installed.
 function(pierce_library name)
     add_library(pierce_${name} ${ARGN})
     add_library(pierce::${name} ALIAS pierce_${name})
     set_target_properties(pierce_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
-    target_include_directories(pierce_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
-                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include)
+        target_include_directories(pierce_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                                                         $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    endif()
     pierce_options(pierce_${name})
 endfunction()
 
-# The compile options of everything in this project.
+# The compile options of everything in this project, which sees all of its headers.
 function(pierce_options target)
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     get_target_property(type ${target} TYPE)
     target_compile_features(${target} PUBLIC cxx_std_20)
     # No errno from sqrt and no traps: neither changes a result, both stand in the way of vector instructions.

@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "pierce/core/moving_point.hpp"
+#include "core/geometry/moving_point.hpp"
 
 namespace pierce::truth {
 

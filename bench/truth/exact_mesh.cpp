@@ -14,7 +14,7 @@
 #include <random>
 #include <string>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::truth {
 namespace {

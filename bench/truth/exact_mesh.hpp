@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "pierce/core/box.hpp"
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/pose.hpp"
+#include "pierce/box.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/pose.hpp"
 
 /// What is true of placed meshes, by exact predicates and with none of the library's detection code.
 namespace pierce::truth {

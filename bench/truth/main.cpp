@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pierce/app/progress.hpp"
-#include "pierce/core/error.hpp"
+#include "app/progress.hpp"
+#include "pierce/error.hpp"
 #include "truth/frame_truth.hpp"
 #include "truth/sheet_truth.hpp"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "pierce/core/moving_point.hpp"
+#include "core/geometry/moving_point.hpp"
 
 namespace pierce::truth {
 

@@ -1,4 +1,5 @@
 #include "truth/sheet_truth.hpp"
+#include "core/mesh/mesh_view.hpp"
 
 #include <CGAL/Bbox_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pierce/scenes/recording.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "scenes/recording.hpp"
 #include "truth/meeting.hpp"
 
 namespace pierce::truth {

@@ -1,5 +1,5 @@
-#include <pierce/core/world.hpp>
-#include <pierce/cpu_embree/embree_backend.hpp>
+#include <pierce/embree_backend.hpp>
+#include <pierce/world.hpp>
 
 #include <cstdio>
 

@@ -7,9 +7,9 @@
 
 #include "compare.hpp"
 #include "frame_log.hpp"
-#include "pierce/scenes/leaks.hpp"
-#include "pierce/scenes/shapes.hpp"
 #include "progress.hpp"
+#include "scenes/leaks.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::app {
 namespace {

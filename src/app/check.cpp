@@ -6,9 +6,9 @@
 
 #include "commands.hpp"
 #include "frame_log.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/mesh_check.hpp"
-#include "pierce/scenes/mesh_io.hpp"
+#include "pierce/error.hpp"
+#include "pierce/mesh_check.hpp"
+#include "scenes/mesh_io.hpp"
 
 namespace pierce::app {
 namespace {

@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "frame_log.hpp"
-#include "pierce/scenes/crossing_motion.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/sheet_accuracy.hpp"
-#include "pierce/scenes/simulation.hpp"
 #include "progress.hpp"
+#include "scenes/crossing_motion.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/sheet_accuracy.hpp"
+#include "scenes/simulation.hpp"
 #include "statistics.hpp"
 #include "truth_program.hpp"
 

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "frame_log.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/layers.hpp"
-#include "pierce/scenes/sheet_accuracy.hpp"
-#include "pierce/scenes/simulation.hpp"
 #include "progress.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/layers.hpp"
+#include "scenes/sheet_accuracy.hpp"
+#include "scenes/simulation.hpp"
 #include "truth_program.hpp"
 
 namespace pierce::app {

@@ -9,14 +9,14 @@
 #include "detection_json.hpp"
 #include "frame_log.hpp"
 #include "picture.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/mesh_io.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
 #include "progress.hpp"
 #include "report.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/mesh_io.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/simulation.hpp"
 
 namespace pierce::app {
 namespace {

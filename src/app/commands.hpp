@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pierce/scenes/method.hpp"
+#include "scenes/method.hpp"
 
 namespace pierce::app {
 

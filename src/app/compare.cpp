@@ -8,10 +8,10 @@
 
 #include "commands.hpp"
 #include "frame_log.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/detector.hpp"
+#include "pierce/error.hpp"
 #include "plot.hpp"
 #include "progress.hpp"
+#include "scenes/detector.hpp"
 
 namespace pierce::app {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "pierce/scenes/accuracy.hpp"
-#include "pierce/scenes/method.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/truth_file.hpp"
 #include "plot.hpp"
+#include "scenes/accuracy.hpp"
+#include "scenes/method.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/truth_file.hpp"
 #include "truth_program.hpp"
 
 namespace pierce::app {

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pierce/core/contact.hpp"
-#include "pierce/scenes/method.hpp"
+#include "pierce/contact.hpp"
+#include "scenes/method.hpp"
 
 namespace pierce::app {
 

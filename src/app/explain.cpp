@@ -5,12 +5,12 @@
 #include "commands.hpp"
 #include "detection_json.hpp"
 #include "frame_log.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/mesh_io.hpp"
-#include "pierce/scenes/recording.hpp"
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
 #include "progress.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/mesh_io.hpp"
+#include "scenes/recording.hpp"
 
 namespace pierce::app {
 namespace {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <thread>
 
-#include "pierce/core/error.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::app {
 

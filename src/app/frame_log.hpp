@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "pierce/scenes/method.hpp"
+#include "scenes/method.hpp"
 
 namespace pierce::app {
 

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "compare.hpp"
-#include "pierce/core/box.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/hard_cases.hpp"
-#include "pierce/scenes/ray_probe.hpp"
+#include "pierce/box.hpp"
+#include "pierce/error.hpp"
 #include "plot.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/hard_cases.hpp"
+#include "scenes/ray_probe.hpp"
 
 namespace pierce::app {
 namespace {

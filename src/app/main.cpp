@@ -11,7 +11,7 @@
 #include "compare.hpp"
 #include "explain.hpp"
 #include "paper_report.hpp"
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 #include "validate.hpp"
 
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/simulation.hpp"
 #include "progress.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/simulation.hpp"
 
 namespace pierce::app {
 std::uint32_t Timing::steps() const { return static_cast<std::uint32_t>(std::max(1L, std::lround(seconds / dt))); }

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "frame_log.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/scene.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/scene.hpp"
 
 namespace pierce::app {
 

@@ -1,6 +1,6 @@
 #include "page.hpp"
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::app {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "pierce/scenes/contact_error.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/recording.hpp"
+#include "scenes/contact_error.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/recording.hpp"
 
 namespace pierce::app {
 

@@ -7,7 +7,7 @@
 #include "page.hpp"
 #include "paper_quality.hpp"
 #include "paper_report.hpp"
-#include "pierce/scenes/recording.hpp"
+#include "scenes/recording.hpp"
 
 /// The sections of the paper's report: each measures one thing and writes it down.
 namespace pierce::app {

@@ -4,8 +4,8 @@
 
 #include "motion.hpp"
 #include "paper_sections.hpp"
-#include "pierce/scenes/simulation.hpp"
 #include "progress.hpp"
+#include "scenes/simulation.hpp"
 #include "statistics.hpp"
 
 namespace pierce::app {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::app {
 namespace {

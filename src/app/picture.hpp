@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <span>
 
-#include "pierce/core/world.hpp"
+#include "pierce/world.hpp"
 
 namespace pierce::app {
 

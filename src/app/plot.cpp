@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::app {
 

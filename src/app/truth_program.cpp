@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 extern char** environ;
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/sheet_truth_file.hpp"
-#include "pierce/scenes/truth_file.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/sheet_truth_file.hpp"
+#include "scenes/truth_file.hpp"
 
 namespace pierce::app {
 

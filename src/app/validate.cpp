@@ -7,10 +7,10 @@
 #include "commands.hpp"
 #include "detection_json.hpp"
 #include "frame_log.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/simulation.hpp"
-#include "pierce/scenes/validation.hpp"
+#include "pierce/error.hpp"
 #include "progress.hpp"
+#include "scenes/simulation.hpp"
+#include "scenes/validation.hpp"
 
 namespace pierce::app {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/settings.hpp"
+#include "pierce/settings.hpp"
 
 namespace pierce::app {
 

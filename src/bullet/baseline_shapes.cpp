@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::bullet {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/bullet/soft_response.hpp"
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::bullet {
 namespace {

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <unordered_map>
 
+#include "core/geometry/moving_point.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/moving_point.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::bullet {
 namespace {

@@ -1,12 +1,13 @@
-#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/embree_backend.hpp"
 
 #include <tbb/info.h>
 
 #include <algorithm>
 
-#include "pierce/core/error.hpp"
-#include "pierce/cpu_embree/embree_api.hpp"
-#include "pierce/cpu_embree/embree_tracer.hpp"
+#include "core/step/pipeline_backend.hpp"
+#include "cpu_embree/embree_api.hpp"
+#include "cpu_embree/embree_tracer.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce {
 

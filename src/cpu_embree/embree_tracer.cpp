@@ -1,11 +1,13 @@
-#include "pierce/cpu_embree/embree_tracer.hpp"
+#include "cpu_embree/embree_tracer.hpp"
 
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
-#include "pierce/cpu_embree/embree_tree.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "cpu_embree/embree_tree.hpp"
 
 namespace pierce {
 namespace {

@@ -2,8 +2,10 @@
 
 #include <memory>
 
-#include "pierce/core/tracer.hpp"
-#include "pierce/cpu_embree/tbb_executor.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/trace/tracer.hpp"
+#include "cpu_embree/tbb_executor.hpp"
 
 namespace pierce {
 

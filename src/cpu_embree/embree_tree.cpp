@@ -1,4 +1,7 @@
-#include "pierce/cpu_embree/embree_tree.hpp"
+#include "cpu_embree/embree_tree.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/trace/surface.hpp"
+#include "pierce/min_max.hpp"
 
 #include <limits>
 

@@ -1,9 +1,10 @@
 #pragma once
 
-#include "pierce/core/closest_search.hpp"
-#include "pierce/core/first_crossing.hpp"
-#include "pierce/core/refit_policy.hpp"
-#include "pierce/cpu_embree/embree_api.hpp"
+#include "core/trace/closest_search.hpp"
+#include "core/trace/first_crossing.hpp"
+#include "core/trace/refit_policy.hpp"
+#include "core/trace/surface.hpp"
+#include "cpu_embree/embree_api.hpp"
 
 namespace pierce::embree {
 

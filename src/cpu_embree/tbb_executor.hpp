@@ -7,8 +7,13 @@
 #include <numeric>
 #include <type_traits>
 
-#include "pierce/core/executor.hpp"
-#include "pierce/cpu_embree/team.hpp"
+#include "core/base/view.hpp"
+#include "core/execute/executor.hpp"
+#include "core/execute/host_executor.hpp"
+#include "core/execute/serial_executor.hpp"
+#include "core/execute/stage_traits.hpp"
+#include "cpu_embree/team.hpp"
+#include "pierce/min_max.hpp"
 
 namespace pierce {
 

@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "pierce/core/float_rules.hpp"
-#include "pierce/cpu_embree/tsan_order.hpp"
+#include "cpu_embree/tsan_order.hpp"
+#include "pierce/min_max.hpp"
 
 namespace pierce {
 

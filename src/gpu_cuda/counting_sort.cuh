@@ -1,6 +1,7 @@
 #pragma once
 
-#include "pierce/gpu_cuda/stage_kernels.cuh"
+#include "gpu_cuda/stage_kernels.cuh"
+#include "pierce/min_max.hpp"
 
 /// The sort of short lists, in one launch.
 namespace pierce::cuda {

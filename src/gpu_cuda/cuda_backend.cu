@@ -2,11 +2,16 @@
 
 #include <array>
 
-#include "pierce/core/bvh/bvh_tracer.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/gpu_cuda/cuda_backend.hpp"
-#include "pierce/gpu_cuda/cuda_executor.cuh"
-#include "pierce/gpu_cuda/scene_mirror.cuh"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
+#include "gpu_cuda/cuda_executor.cuh"
+#include "gpu_cuda/scene_mirror.cuh"
+#include "pierce/cuda_backend.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
 
 namespace pierce {
 namespace {

@@ -13,11 +13,13 @@
 #include <map>
 #include <string_view>
 
-#include "pierce/core/executor.hpp"
-#include "pierce/gpu_cuda/counting_sort.cuh"
-#include "pierce/gpu_cuda/device_buffer.hpp"
-#include "pierce/gpu_cuda/emit_stage.cuh"
-#include "pierce/gpu_cuda/stage_kernels.cuh"
+#include "core/base/view.hpp"
+#include "core/execute/executor.hpp"
+#include "gpu_cuda/counting_sort.cuh"
+#include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/emit_stage.cuh"
+#include "gpu_cuda/stage_kernels.cuh"
+#include "pierce/min_max.hpp"
 
 namespace pierce {
 /// Stages on the GPU, one thread an item, on one stream, and a second for what beside() is given. In exact steps totals come

@@ -6,9 +6,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "pierce/core/view.hpp"
-#include "pierce/gpu_cuda/cuda_check.hpp"
-#include "pierce/gpu_cuda/device_count.hpp"
+#include "core/base/view.hpp"
+#include "gpu_cuda/cuda_check.hpp"
+#include "gpu_cuda/device_count.hpp"
 
 namespace pierce::cuda {
 

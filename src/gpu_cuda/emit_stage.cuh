@@ -1,6 +1,7 @@
 #pragma once
 
-#include "pierce/gpu_cuda/stage_kernels.cuh"
+#include "gpu_cuda/stage_kernels.cuh"
+#include "pierce/min_max.hpp"
 
 /// Lists of what stages find, found and written in one launch.
 namespace pierce::cuda {

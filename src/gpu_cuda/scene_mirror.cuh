@@ -4,8 +4,11 @@
 #include <unordered_map>
 #include <vector>
 
-#include "pierce/core/scene.hpp"
-#include "pierce/gpu_cuda/cuda_executor.cuh"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "gpu_cuda/cuda_executor.cuh"
 
 namespace pierce::cuda {
 
@@ -113,38 +116,16 @@ private:
     struct MeshCopy {
         Arrays arrays;
         MeshView view;
-        View<const double> own_exit;
     };
 
     const MeshCopy& copy_of(const BodyView& body) {
         auto [at, is_new] = meshes_.try_emplace(body.mesh_key);
         MeshCopy& copy = at->second;
-        const auto add = [&](auto view) { return copy.arrays.add(executor_, view); };
         if (is_new) {
             MeshView m = body.mesh;
-            m.positions = add(m.positions);
-            m.normals = add(m.normals);
-            m.triangles = add(m.triangles);
-            m.corner_offsets = add(m.corner_offsets);
-            m.corners = add(m.corners);
-            m.fans = add(m.fans);
-            m.patch_vertices = add(m.patch_vertices);
-            m.blocks = add(m.blocks);
-            m.patches = add(m.patches);
-            m.edges = add(m.edges);
-            m.edge_offsets = add(m.edge_offsets);
-            m.edge_reach = add(m.edge_reach);
-            m.features = add(m.features);
-            m.group_triangles = add(m.group_triangles);
-            m.leaves = add(m.leaves);
-            m.parts = add(m.parts);
-            m.neighbors = add(m.neighbors);
-            m.rings = add(m.rings);
-            m.star_clearance = add(m.star_clearance);
-            m.clearance.steps = add(m.clearance.steps);
+            for_each_array([&](auto& array) { array = copy.arrays.add(executor_, array); }, m);
             copy.view = m;
         }
-        if (copy.own_exit.size == 0 && body.own_exit.size > 0) copy.own_exit = add(body.own_exit);
         return copy;
     }
 
@@ -204,7 +185,6 @@ private:
                 view.positions = mesh.view.positions;
                 view.blocks = mesh.view.blocks;
                 view.patches = mesh.view.patches;
-                view.own_exit = mesh.own_exit;
             }
         }
         executor_.upload(std::span<const BodyView>(views), bodies_);
@@ -212,8 +192,8 @@ private:
         executor_.upload(std::span<const View<Offsets>>(patch_views), patch_views_);
         executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
-        executor_.upload(std::span<const stages::BlockItem>(host.block_items.begin(), host.block_items.end()), block_items_);
-        executor_.upload(std::span<const stages::BlockRange>(host.ranges.begin(), host.ranges.end()), ranges_);
+        executor_.upload(std::span<const BlockItem>(host.block_items.begin(), host.block_items.end()), block_items_);
+        executor_.upload(std::span<const BlockRange>(host.ranges.begin(), host.ranges.end()), ranges_);
         sent_version_.assign(host.bodies.size, 0);
         revision_ = host.plan->revision;
         scene_ = {view_of(bodies_),
@@ -274,8 +254,8 @@ private:
     DeviceBuffer<View<Offsets>> patch_views_;
     DeviceBuffer<View<SeenPatch>> seen_views_;
     DeviceBuffer<BodyId> ids_;
-    DeviceBuffer<stages::BlockItem> block_items_;
-    DeviceBuffer<stages::BlockRange> ranges_;
+    DeviceBuffer<BlockItem> block_items_;
+    DeviceBuffer<BlockRange> ranges_;
 };
 
 }  // namespace pierce::cuda

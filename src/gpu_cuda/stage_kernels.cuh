@@ -5,10 +5,11 @@
 #include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
 
-#include "pierce/core/executor.hpp"
-#include "pierce/core/float_rules.hpp"
-#include "pierce/core/warp.hpp"
-#include "pierce/gpu_cuda/device_count.hpp"
+#include "core/device/warp.hpp"
+#include "core/execute/executor.hpp"
+#include "core/execute/stage_traits.hpp"
+#include "gpu_cuda/device_count.hpp"
+#include "pierce/min_max.hpp"
 
 /// What the executor launches: a thread an item, lists continued past their end for CUB, sums, and short lists scanned and
 /// selected from by one block. Lists that stages emit are in emit_stage.cuh, short sorts in counting_sort.cuh.

@@ -1,12 +1,12 @@
-#include "pierce/scenes/accuracy.hpp"
+#include "scenes/accuracy.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-#include "pierce/core/box.hpp"
-#include "pierce/core/constants.hpp"
+#include "pierce/box.hpp"
+#include "pierce/constants.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "pierce/scenes/method.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/truth_file.hpp"
+#include "scenes/method.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/truth_file.hpp"
 
 namespace pierce::scenes {
 

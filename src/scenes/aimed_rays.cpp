@@ -1,4 +1,4 @@
-#include "pierce/scenes/aimed_rays.hpp"
+#include "scenes/aimed_rays.hpp"
 
 namespace pierce::scenes {
 

@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/ray.hpp"
+#include "core/trace/ray.hpp"
+#include "pierce/mesh.hpp"
 
 namespace pierce::scenes {
 

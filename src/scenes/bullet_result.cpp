@@ -1,4 +1,4 @@
-#include "pierce/scenes/bullet_result.hpp"
+#include "scenes/bullet_result.hpp"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 

@@ -3,7 +3,7 @@
 #include <btBulletCollisionCommon.h>
 
 #include "pierce/bullet/baseline_shapes.hpp"
-#include "pierce/scenes/method.hpp"
+#include "scenes/method.hpp"
 
 namespace pierce::scenes {
 

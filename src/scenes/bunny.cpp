@@ -1,13 +1,13 @@
-#include "pierce/scenes/bunny.hpp"
+#include "scenes/bunny.hpp"
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/mass_properties.hpp"
-#include "pierce/scenes/mesh_io.hpp"
+#include "pierce/error.hpp"
+#include "scenes/mass_properties.hpp"
+#include "scenes/mesh_io.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -1,4 +1,4 @@
-#include "pierce/scenes/cloth_scenes.hpp"
+#include "scenes/cloth_scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

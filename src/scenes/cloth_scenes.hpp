@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pierce/scenes/scene.hpp"
+#include "scenes/scene.hpp"
 
 namespace pierce::scenes {
 

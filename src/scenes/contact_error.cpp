@@ -1,4 +1,4 @@
-#include "pierce/scenes/contact_error.hpp"
+#include "scenes/contact_error.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <tuple>
 
-#include "pierce/core/contact.hpp"
+#include "pierce/contact.hpp"
 
 namespace pierce::scenes {
 

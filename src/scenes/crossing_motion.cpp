@@ -1,14 +1,14 @@
-#include "pierce/scenes/crossing_motion.hpp"
+#include "scenes/crossing_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/layers.hpp"
-#include "pierce/scenes/scene.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "pierce/error.hpp"
+#include "scenes/layers.hpp"
+#include "scenes/scene.hpp"
+#include "scenes/simulation.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "pierce/scenes/recording.hpp"
+#include "scenes/recording.hpp"
 
 namespace pierce::scenes {
 

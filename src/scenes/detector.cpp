@@ -1,14 +1,14 @@
-#include "pierce/scenes/detector.hpp"
+#include "scenes/detector.hpp"
 
 #include <algorithm>
 #include <chrono>
 
 #include "pierce/bullet/baseline_shapes.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/bullet_result.hpp"
-#include "pierce/scenes/soft_sheet.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "scenes/bullet_result.hpp"
+#include "scenes/soft_sheet.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/method.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/scene.hpp"
+#include "pierce/world.hpp"
+#include "scenes/method.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/scene.hpp"
 
 namespace pierce::scenes {
 

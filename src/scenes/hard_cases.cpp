@@ -1,10 +1,10 @@
-#include "pierce/scenes/hard_cases.hpp"
+#include "scenes/hard_cases.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

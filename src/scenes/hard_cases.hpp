@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/mesh_defect.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/mesh_defect.hpp"
 
 namespace pierce::scenes {
 

@@ -1,10 +1,10 @@
-#include "pierce/scenes/layers.hpp"
+#include "scenes/layers.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "pierce/scenes/scene.hpp"
+#include "scenes/scene.hpp"
 
 namespace pierce::scenes {
 

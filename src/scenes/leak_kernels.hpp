@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pierce/core/triangle.hpp"
+#include "core/geometry/triangle.hpp"
 
 /// Small ray-triangle tests to compare with the library's: does the ray meet the closed triangle ahead? In float32, from the
 /// same rays; `fma` contracts products and sums as compilers do unless told not to.

@@ -1,4 +1,4 @@
-#include "pierce/scenes/leaks.hpp"
+#include "scenes/leaks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/scenes/leak_kernels.hpp"
-#include "pierce/scenes/ray_probe.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/embree_backend.hpp"
+#include "scenes/leak_kernels.hpp"
+#include "scenes/ray_probe.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

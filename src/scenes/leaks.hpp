@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pierce/scenes/aimed_rays.hpp"
+#include "scenes/aimed_rays.hpp"
 
 namespace pierce::scenes {
 

@@ -1,8 +1,8 @@
-#include "pierce/scenes/mass_properties.hpp"
+#include "scenes/mass_properties.hpp"
 
 #include <Eigen/Eigenvalues>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::scenes {
 

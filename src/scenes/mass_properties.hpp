@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/pose.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/pose.hpp"
 
 namespace pierce::scenes {
 

@@ -1,4 +1,4 @@
-#include "pierce/scenes/mesh_io.hpp"
+#include "scenes/mesh_io.hpp"
 
 #include <fmt/os.h>
 
@@ -13,7 +13,7 @@
 #include <locale>
 #include <sstream>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "pierce/core/mesh.hpp"
+#include "pierce/mesh.hpp"
 
 namespace pierce::scenes {
 

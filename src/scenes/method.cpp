@@ -1,9 +1,10 @@
-#include "pierce/scenes/method.hpp"
+#include "scenes/method.hpp"
 
-#include "pierce/core/error.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/error.hpp"
 #if PIERCE_HAS_CUDA
-#include "pierce/gpu_cuda/cuda_backend.hpp"
+#include "pierce/cuda_backend.hpp"
+#include "pierce/reference_backends.hpp"
 #endif
 
 namespace pierce::scenes {

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "pierce/core/backend.hpp"
-#include "pierce/core/ids.hpp"
-#include "pierce/core/settings.hpp"
-#include "pierce/core/step_stats.hpp"
+#include "pierce/backend.hpp"
+#include "pierce/ids.hpp"
+#include "pierce/settings.hpp"
+#include "pierce/step_stats.hpp"
 
 namespace pierce::scenes {
 

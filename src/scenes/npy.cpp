@@ -1,4 +1,4 @@
-#include "pierce/scenes/npy.hpp"
+#include "scenes/npy.hpp"
 
 #include <charconv>
 #include <fstream>
@@ -6,7 +6,7 @@
 #include <xtensor/xarray.hpp>
 #include <xtensor/xnpy.hpp>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -1,6 +1,8 @@
-#include "pierce/scenes/ray_probe.hpp"
+#include "scenes/ray_probe.hpp"
 
-#include "pierce/core/bvh/leaves.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/mesh_build/leaves.hpp"
 
 namespace pierce::scenes {
 namespace {
@@ -33,7 +35,7 @@ std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Mot
     std::vector<Met> met(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == no_triangle) continue;
-        const stages::Meeting m = stages::meet(rays[i], body.surface(), hits[i].triangle);
+        const Meeting m = meet(rays[i], body.surface(), hits[i].triangle);
         met[i] = {!m.exit ? Meets::entry : m.t > 0 ? Meets::exit : Meets::touching, m.t, hits[i].triangle};
     }
     return met;

@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "pierce/core/backend.hpp"
-#include "pierce/scenes/hard_cases.hpp"
+#include "pierce/backend.hpp"
+#include "scenes/hard_cases.hpp"
 
 namespace pierce::scenes {
 

@@ -1,13 +1,13 @@
-#include "pierce/scenes/recording.hpp"
+#include "scenes/recording.hpp"
 
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/mesh_io.hpp"
-#include "pierce/scenes/npy.hpp"
+#include "pierce/error.hpp"
+#include "scenes/mesh_io.hpp"
+#include "scenes/npy.hpp"
 
 namespace pierce::scenes {
 namespace {

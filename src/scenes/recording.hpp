@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "pierce/scenes/scene.hpp"
+#include "scenes/scene.hpp"
 
 namespace pierce::scenes {
 

@@ -1,15 +1,15 @@
-#include "pierce/scenes/scene.hpp"
+#include "scenes/scene.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/bunny.hpp"
-#include "pierce/scenes/cloth_scenes.hpp"
-#include "pierce/scenes/layers.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/error.hpp"
+#include "scenes/bunny.hpp"
+#include "scenes/cloth_scenes.hpp"
+#include "scenes/layers.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

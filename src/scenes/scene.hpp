@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/body.hpp"
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/pose.hpp"
+#include "pierce/body.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/pose.hpp"
 
 namespace pierce::scenes {
 

@@ -1,4 +1,4 @@
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/shapes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pierce/core/mesh.hpp"
+#include "pierce/mesh.hpp"
 
 namespace pierce::scenes {
 

@@ -1,12 +1,13 @@
-#include "pierce/scenes/sheet_accuracy.hpp"
+#include "scenes/sheet_accuracy.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "pierce/core/closest_place_on_triangle.hpp"
-#include "pierce/core/closest_points_of_segments.hpp"
-#include "pierce/core/constants.hpp"
+#include "core/geometry/closest_place_on_triangle.hpp"
+#include "core/geometry/closest_points_of_segments.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "pierce/constants.hpp"
 
 namespace pierce::scenes {
 namespace {

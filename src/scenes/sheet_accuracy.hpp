@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "pierce/core/contact.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/sheet_truth_file.hpp"
+#include "pierce/contact.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/sheet_truth_file.hpp"
 
 namespace pierce::scenes {
 

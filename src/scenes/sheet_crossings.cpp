@@ -1,10 +1,11 @@
-#include "pierce/scenes/sheet_crossings.hpp"
+#include "scenes/sheet_crossings.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "pierce/core/bvh/box_tree.hpp"
-#include "pierce/core/stages/sheet_features.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh_build/box_tree.hpp"
+#include "core/step/sheets/sheet_features.hpp"
 
 namespace pierce::scenes {
 namespace {

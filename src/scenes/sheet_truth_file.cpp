@@ -1,10 +1,10 @@
-#include "pierce/scenes/sheet_truth_file.hpp"
+#include "scenes/sheet_truth_file.hpp"
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::scenes {
 

@@ -1,4 +1,4 @@
-#include "pierce/scenes/simulation.hpp"
+#include "scenes/simulation.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
@@ -14,13 +14,13 @@
 #include "pierce/bullet/bullet_dispatcher.hpp"
 #include "pierce/bullet/sheet_response.hpp"
 #include "pierce/bullet/soft_solver.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/bullet_result.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/mass_properties.hpp"
-#include "pierce/scenes/sheet_crossings.hpp"
-#include "pierce/scenes/soft_damping.hpp"
-#include "pierce/scenes/soft_sheet.hpp"
+#include "pierce/error.hpp"
+#include "scenes/bullet_result.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/mass_properties.hpp"
+#include "scenes/sheet_crossings.hpp"
+#include "scenes/soft_damping.hpp"
+#include "scenes/soft_sheet.hpp"
 
 namespace pierce::scenes {
 namespace {

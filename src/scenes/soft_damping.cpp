@@ -1,4 +1,4 @@
-#include "pierce/scenes/soft_damping.hpp"
+#include "scenes/soft_damping.hpp"
 
 namespace pierce::scenes {
 

@@ -1,4 +1,4 @@
-#include "pierce/scenes/soft_sheet.hpp"
+#include "scenes/soft_sheet.hpp"
 
 #include <BulletSoftBody/btSoftBodyInternals.h>
 

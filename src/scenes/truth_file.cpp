@@ -1,9 +1,9 @@
-#include "pierce/scenes/truth_file.hpp"
+#include "scenes/truth_file.hpp"
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::scenes {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pierce/core/vec3.hpp"
+#include "pierce/vec3.hpp"
 
 namespace pierce::scenes {
 

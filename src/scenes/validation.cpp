@@ -1,4 +1,4 @@
-#include "pierce/scenes/validation.hpp"
+#include "scenes/validation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,11 @@
 #include <tuple>
 #include <utility>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/detector.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/detector.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/backend.hpp"
-#include "pierce/core/contact.hpp"
-#include "pierce/core/settings.hpp"
-#include "pierce/scenes/recording.hpp"
+#include "pierce/backend.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/settings.hpp"
+#include "scenes/recording.hpp"
 
 namespace pierce::scenes {
 

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 
 #include "app/command.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/mesh_io.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/world.hpp"
+#include "scenes/mesh_io.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::test {
 namespace {

@@ -14,11 +14,12 @@
 #include "pierce/bullet/bullet_dispatcher.hpp"
 #include "pierce/bullet/contact_frame.hpp"
 #include "pierce/bullet/contact_reduction.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/penalty_force.hpp"
-#include "pierce/scenes/shapes.hpp"
-#include "pierce/scenes/simulation.hpp"
-#include "pierce/scenes/soft_damping.hpp"
+#include "pierce/error.hpp"
+#include "pierce/penalty_force.hpp"
+#include "pierce/reference_backends.hpp"
+#include "scenes/shapes.hpp"
+#include "scenes/simulation.hpp"
+#include "scenes/soft_damping.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/scenes/shapes.hpp"
-#include "pierce/scenes/sheet_crossings.hpp"
-#include "pierce/scenes/soft_sheet.hpp"
+#include "pierce/embree_backend.hpp"
+#include "scenes/shapes.hpp"
+#include "scenes/sheet_crossings.hpp"
+#include "scenes/soft_sheet.hpp"
 #include "support/random.hpp"
 
 namespace pierce::bullet {

@@ -3,10 +3,14 @@
 
 #include <cmath>
 
-#include "pierce/core/brute_force_tracer.hpp"
-#include "pierce/core/bvh/bvh_tracer.hpp"
-#include "pierce/cpu_embree/embree_tracer.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/execute/serial_executor.hpp"
+#include "core/trace/brute_force_tracer.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
+#include "core/trace/surface.hpp"
+#include "cpu_embree/embree_tracer.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

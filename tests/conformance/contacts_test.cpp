@@ -5,9 +5,9 @@
 #include <functional>
 #include <set>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/world.hpp"
+#include "scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"

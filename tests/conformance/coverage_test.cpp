@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <array>
 
-#include "pierce/core/closest_point.hpp"
-#include "pierce/core/mesh_edges.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/scene.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/geometry/closest_point.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh_build/mesh_edges.hpp"
+#include "pierce/world.hpp"
+#include "scenes/scene.hpp"
+#include "scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"

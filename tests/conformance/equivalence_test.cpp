@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "pierce/contact_hash.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/simulation.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 

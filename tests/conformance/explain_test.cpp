@@ -5,10 +5,11 @@
 #include <cmath>
 #include <map>
 
-#include "pierce/core/closest_point.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/geometry/closest_point.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
+#include "scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"

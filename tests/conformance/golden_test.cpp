@@ -1,5 +1,5 @@
-// The contacts of the scenes are what they were: one hash per scene, coverage and memory, the same for every backend and number
-// of threads. PIERCE_WRITE_GOLDEN=1 writes the file anew; CHANGELOG.md says why it changed.
+// The contacts of the scenes are what they were: one hash per scene, coverage and memory, the same for every backend and
+// number of threads. PIERCE_WRITE_GOLDEN=1 writes the file anew; CHANGELOG.md says why it changed.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -7,9 +7,9 @@
 #include <map>
 #include <sstream>
 
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/simulation.hpp"
 #include "support/backends.hpp"
 
 namespace pierce {
@@ -24,9 +24,9 @@ struct Case {
     bool soft;
 };
 
-constexpr Case cases[] = {{"tori", false},        {"tori", true},       {"bunnies", false},    {"bunnies", true},
-                          {"cloth-capsule", true}, {"cloth-fold", true}, {"cloth-catch", true}, {"cloth-twist", true},
-                          {"ball-squash", true}};
+constexpr Case cases[] = {{"tori", false},       {"tori", true},          {"bunnies", false},
+                          {"bunnies", true},     {"cloth-capsule", true}, {"cloth-fold", true},
+                          {"cloth-catch", true}, {"cloth-twist", true},   {"ball-squash", true}};
 
 Recording record(const Case& wanted) {
     const SceneSetup scene = make_scene(wanted.scene, {8, wanted.soft, 3});
@@ -56,8 +56,8 @@ std::string result(const Recording& recording, const RaySettings& settings) {
 
 std::string name_of(const Case& c, Coverage coverage, Temporal temporal) {
     static constexpr const char* memories[] = {"off", "paper", "certified"};
-    return std::string(c.scene) + (c.soft ? " soft " : " rigid ") + (coverage == Coverage::complete ? "complete " : "vertices ") +
-           memories[static_cast<int>(temporal)];
+    return std::string(c.scene) + (c.soft ? " soft " : " rigid ") +
+           (coverage == Coverage::complete ? "complete " : "vertices ") + memories[static_cast<int>(temporal)];
 }
 
 std::map<std::string, std::string> golden() {
@@ -86,7 +86,8 @@ TEST(GoldenTest, ContactsAreWhatTheyWere) {
                 }
                 ASSERT_TRUE(expected.contains(name)) << name;
                 EXPECT_EQ(found, expected.at(name)) << name;
-                for (const int threads : {2, 3, 8}) EXPECT_EQ(result(recording, {"embree", threads, settings}), found) << name;
+                for (const int threads : {2, 3, 8})
+                    EXPECT_EQ(result(recording, {"embree", threads, settings}), found) << name;
                 EXPECT_EQ(result(recording, {"bvh", 1, settings}), found) << name;
                 if (test::has_backend("cuda")) {
                     EXPECT_EQ(result(recording, {"cuda", 1, settings}), found) << name;

@@ -6,10 +6,11 @@
 #include <functional>
 #include <optional>
 
-#include "pierce/core/mesh_check.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/hard_cases.hpp"
-#include "pierce/scenes/ray_probe.hpp"
+#include "pierce/mesh_check.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/hard_cases.hpp"
+#include "scenes/ray_probe.hpp"
 #include "support/backends.hpp"
 #include "support/metamorphic.hpp"
 

@@ -10,10 +10,11 @@
 #include <map>
 #include <set>
 
-#include "pierce/core/constants.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/scenes/mesh_io.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/mesh_io.hpp"
 #include "support/random.hpp"
 #include "truth/exact_mesh.hpp"
 

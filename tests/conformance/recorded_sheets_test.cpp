@@ -4,9 +4,9 @@
 
 #include <map>
 
-#include "pierce/scenes/crossing_motion.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/sheet_accuracy.hpp"
+#include "scenes/crossing_motion.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/sheet_accuracy.hpp"
 #include "support/backends.hpp"
 #include "truth/sheet_truth.hpp"
 

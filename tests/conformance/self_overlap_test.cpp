@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/vertex_normal.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/mesh/vertex_normal.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"

@@ -7,12 +7,14 @@
 #include <set>
 #include <tuple>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/continuous.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/mesh_edges.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/geometry/continuous.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh_build/mesh_edges.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 

@@ -2,13 +2,14 @@
 // differ.
 #include <gtest/gtest.h>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/shapes.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/shapes.hpp"
+#include "scenes/simulation.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "pierce/scenes/aimed_rays.hpp"
-#include "pierce/scenes/ray_probe.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/aimed_rays.hpp"
+#include "scenes/ray_probe.hpp"
+#include "scenes/shapes.hpp"
 #include "support/backends.hpp"
 
 namespace pierce {

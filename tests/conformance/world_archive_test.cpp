@@ -3,9 +3,10 @@
 
 #include <sstream>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 
@@ -29,7 +30,11 @@ public:
         world.set_collision(cloth_, {.self = SelfCollision::on, .sheet = true, .thickness = 0.05});
     }
     explicit SavedRun(World restored, const SavedRun& other)
-        : world(std::move(restored)), square_(other.square_), moving_(other.moving_), cloth_(other.cloth_), step_(other.step_) {}
+        : world(std::move(restored)),
+          square_(other.square_),
+          moving_(other.moving_),
+          cloth_(other.cloth_),
+          step_(other.step_) {}
 
     /// The hash of the next step.
     std::uint64_t next() {

@@ -8,12 +8,15 @@
 #include <numeric>
 #include <thread>
 
-#include "pierce/core/brute_force_tracer.hpp"
-#include "pierce/core/bvh/bvh_tracer.hpp"
-#include "pierce/core/bvh/leaves.hpp"
-#include "pierce/core/bvh/sah.hpp"
-#include "pierce/cpu_embree/tbb_executor.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/execute/serial_executor.hpp"
+#include "core/mesh_build/leaves.hpp"
+#include "core/trace/brute_force_tracer.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
+#include "core/trace/bvh/sah.hpp"
+#include "cpu_embree/tbb_executor.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 #include "support/sweep_sah.hpp"
 

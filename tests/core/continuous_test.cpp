@@ -1,11 +1,11 @@
 // Vertices that meet faces and edges that meet edges during a step: cases with known answers, and closest points.
-#include "pierce/core/continuous.hpp"
+#include "core/geometry/continuous.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "pierce/core/closest_point.hpp"
+#include "core/geometry/closest_point.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

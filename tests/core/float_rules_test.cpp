@@ -1,11 +1,11 @@
 // Bounds of float32 sums: not on the wrong side of what double says, and next to it.
-#include "pierce/core/float_rules.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/float_rules.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

@@ -1,5 +1,5 @@
 // Sixteen boxes in steps of a grid, against boxes in float32: none that overlaps may be left out.
-#include "pierce/core/stages/grid_boxes.hpp"
+#include "core/step/sheets/grid_boxes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Leaves of trees: every triangle is in one, and two in a leaf share an edge.
-#include "pierce/core/bvh/leaves.hpp"
+#include "core/mesh_build/leaves.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
-#include "pierce/core/bvh/traversal.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/trace/bvh/traversal.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce::bvh {

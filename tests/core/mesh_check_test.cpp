@@ -1,5 +1,5 @@
 // The mesh check: every defect is found, counted and placed, and sound meshes have none.
-#include "pierce/core/mesh_check.hpp"
+#include "pierce/mesh_check.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,10 +8,10 @@
 #include <limits>
 #include <set>
 
-#include "pierce/core/self_intersections.hpp"
-#include "pierce/core/triangle_pair.hpp"
-#include "pierce/core/vertex_normal.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/geometry/triangle_pair.hpp"
+#include "core/mesh/vertex_normal.hpp"
+#include "core/mesh_build/self_intersections.hpp"
+#include "scenes/shapes.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
 

@@ -1,5 +1,5 @@
 // What a mesh knows about itself: traits, normals, patches and its clearance grid.
-#include "pierce/core/mesh.hpp"
+#include "pierce/mesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,13 @@
 #include <numbers>
 #include <set>
 
-#include "pierce/core/bits.hpp"
-#include "pierce/core/patch.hpp"
-#include "pierce/core/vertex_normal.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/device/bits.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh/patch.hpp"
+#include "core/mesh/vertex_normal.hpp"
+#include "scenes/shapes.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
 
@@ -171,7 +174,7 @@ TEST(ClearanceGridTest, NeverPromisesMoreThanTheTruth) {
         for (Vec3f p : data.positions) solid.positions.push_back({p.x, p.y, p.z});
         for (int i = 0; i < 200; ++i) {
             const Vec3d p = random.in_box(1.3);
-            const double promised = mesh.view().clearance(p);
+            const double promised = mesh.view().clearance()(p);
             if (promised == 0) continue;
             ++useful;
             EXPECT_FALSE(test::is_inside({p.x, p.y, p.z}, solid));

@@ -1,12 +1,17 @@
 // Pairs of bodies: a sweep, and all pairs at once, find the same ones, and know which they were in the last step.
-#include "pierce/core/stages/pairs.hpp"
+#include "core/step/common/pairs.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "pierce/core/executor.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/execute/executor.hpp"
+#include "core/execute/host_executor.hpp"
+#include "core/execute/serial_executor.hpp"
+#include "core/step/records.hpp"
 #include "support/random.hpp"
 
 namespace pierce {
@@ -52,7 +57,7 @@ std::vector<std::uint64_t> by_sweep(View<const BodyView> bodies, std::uint32_t w
 struct Found {
     HostBuffer<std::uint64_t> keys;
     HostBuffer<Pair> pairs;
-    HostBuffer<stages::PairIdentity> identities;
+    HostBuffer<PairIdentity> identities;
     HostBuffer<std::uint32_t> links;
 };
 

@@ -1,11 +1,11 @@
 // What float32 says about the features of sheets, against double: it may only say less.
-#include "pierce/core/stages/sheet_features.hpp"
+#include "core/step/sheets/sheet_features.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pierce/core/closest_points_of_segments.hpp"
+#include "core/geometry/closest_points_of_segments.hpp"
 #include "support/random.hpp"
 
 namespace pierce::stages {

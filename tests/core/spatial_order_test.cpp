@@ -1,12 +1,12 @@
 // The order of a mesh's patches and groups.
-#include "pierce/core/spatial_order.hpp"
+#include "core/mesh_build/spatial_order.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <bit>
 
-#include "pierce/core/box.hpp"
+#include "pierce/box.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

@@ -1,5 +1,5 @@
 // What float32 leaves out before the exact triangle test: nothing that it meets.
-#include "pierce/core/bvh/triangle_sieve.hpp"
+#include "core/trace/bvh/triangle_sieve.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,14 @@
 // The triangle test and the search for the first crossing: hard cases with exact answers, and leaks.
-#include "pierce/core/triangle.hpp"
+#include "core/geometry/triangle.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "pierce/core/first_crossing.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/trace/first_crossing.hpp"
+#include "core/trace/surface.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

@@ -1,10 +1,12 @@
 // What balls near a target promise about later steps.
-#include "pierce/core/stages/vertex_cull.hpp"
+#include "core/step/solids/vertex_cull.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pierce/core/closest_search.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/body/body_view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/trace/closest_search.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

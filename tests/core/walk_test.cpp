@@ -1,12 +1,15 @@
 // Walks over surfaces, what proves that they ended at the first crossing, and how far bodies move.
-#include "pierce/core/walk.hpp"
+#include "core/trace/surface_walk.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pierce/core/closest_point.hpp"
-#include "pierce/core/first_crossing.hpp"
-#include "pierce/core/motion_bound.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/geometry/closest_point.hpp"
+#include "core/geometry/motion_bound.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/trace/first_crossing.hpp"
+#include "core/trace/surface.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

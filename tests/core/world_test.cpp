@@ -1,5 +1,5 @@
 // The public World: what it refuses, what it survives, what it remembers.
-#include "pierce/core/world.hpp"
+#include "pierce/world.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 #include <memory>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/error.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce {
 namespace {

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/refit_policy.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/cpu_embree/tbb_executor.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "core/base/view.hpp"
+#include "core/execute/serial_executor.hpp"
+#include "core/trace/refit_policy.hpp"
+#include "cpu_embree/tbb_executor.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
+#include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "pierce/cpu_embree/tbb_executor.hpp"
+#include "core/base/view.hpp"
+#include "core/execute/host_executor.hpp"
+#include "core/execute/serial_executor.hpp"
+#include "cpu_embree/tbb_executor.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

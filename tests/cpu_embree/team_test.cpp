@@ -1,4 +1,4 @@
-#include "pierce/cpu_embree/team.hpp"
+#include "cpu_embree/team.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,16 @@
-// The whole pipeline on several threads, and several worlds at once: the thread sanitizer looks on. Without Embree, which is not
-// compiled for it.
+// The whole pipeline on several threads, and several worlds at once: the thread sanitizer looks on. Without Embree, which is
+// not compiled for it.
 #include <gtest/gtest.h>
 
 #include <thread>
 
+#include "core/step/pipeline_backend.hpp"
+#include "core/trace/brute_force_tracer.hpp"
+#include "cpu_embree/tbb_executor.hpp"
 #include "fuzz/generator.hpp"
 #include "fuzz/player.hpp"
-#include "pierce/core/brute_force_tracer.hpp"
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/cpu_embree/tbb_executor.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

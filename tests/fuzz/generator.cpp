@@ -59,10 +59,17 @@ private:
         if (!choices_.one_in(100)) return;
         // To be refused.
         switch (choices_.below(4)) {
-            case 0: s.open_body_range = -1; break;
-            case 1: s.full_every = 0; break;
-            case 2: s.walk_threshold = -1; break;
-            default: s.prediction_distance = std::numeric_limits<double>::quiet_NaN();
+            case 0:
+                s.open_body_range = -1;
+                break;
+            case 1:
+                s.full_every = 0;
+                break;
+            case 2:
+                s.walk_threshold = -1;
+                break;
+            default:
+                s.prediction_distance = std::numeric_limits<double>::quiet_NaN();
         }
     }
 
@@ -83,19 +90,24 @@ private:
     std::uint32_t any_mesh_number() { return choices_.below(static_cast<std::uint32_t>(meshes_.size())); }
     std::uint32_t any_body_number() { return choices_.below(static_cast<std::uint32_t>(bodies_.size())); }
 
-    double coordinate() {
-        return on_grid_ ? 0.25 * (static_cast<double>(choices_.below(9)) - 4) : choices_.real(-1.2, 1.2);
-    }
+    double coordinate() { return on_grid_ ? 0.25 * (static_cast<double>(choices_.below(9)) - 4) : choices_.real(-1.2, 1.2); }
 
     Pose any_pose() {
         Pose pose;
         pose.position = {offset_ + scale_ * coordinate(), scale_ * coordinate(), scale_ * coordinate()};
         switch (on_grid_ ? choices_.below(4) : 4 + choices_.below(2)) {
             case 0:
-            case 5: break;
-            case 1: pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}); break;
-            case 2: pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}}); break;
-            case 3: pose.rotation = {1, 1, 1, 1}; break;
+            case 5:
+                break;
+            case 1:
+                pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}});
+                break;
+            case 2:
+                pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}});
+                break;
+            case 3:
+                pose.rotation = {1, 1, 1, 1};
+                break;
             default:
                 pose.rotation = {choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(0.1, 1)};
         }
@@ -105,11 +117,20 @@ private:
 
     void spoil(Pose& pose) {
         switch (choices_.below(5)) {
-            case 0: pose.position.x = std::numeric_limits<double>::quiet_NaN(); break;
-            case 1: pose.position.z = std::numeric_limits<double>::infinity(); break;
-            case 2: pose.rotation = {0, 0, 0, 0}; break;
-            case 3: pose.position.y = choices_.pick({1e20, 1e30, 3e38, 1e39, 1e300}); break;
-            default: pose.rotation = {1e-200, 0, 0, 1e-200};
+            case 0:
+                pose.position.x = std::numeric_limits<double>::quiet_NaN();
+                break;
+            case 1:
+                pose.position.z = std::numeric_limits<double>::infinity();
+                break;
+            case 2:
+                pose.rotation = {0, 0, 0, 0};
+                break;
+            case 3:
+                pose.position.y = choices_.pick({1e20, 1e30, 3e38, 1e39, 1e300});
+                break;
+            default:
+                pose.rotation = {1e-200, 0, 0, 1e-200};
         }
     }
 
@@ -128,9 +149,12 @@ private:
         const auto size = static_cast<std::uint32_t>(p.size());
         if (size == 0) return p;
         const double step = scale_ * (is_tame_ ? choices_.pick({0.0, 0.01, 0.05}) : choices_.pick({0.0, 0.01, 0.1, 0.5}));
-        const auto some = [&] { return step * (on_grid_ ? static_cast<double>(choices_.below(3)) - 1 : choices_.real(-1, 1)); };
+        const auto some = [&] {
+            return step * (on_grid_ ? static_cast<double>(choices_.below(3)) - 1 : choices_.real(-1, 1));
+        };
         switch (choices_.below(is_tame_ ? 4 : 8)) {
-            case 0: break;
+            case 0:
+                break;
             case 1: {
                 const Vec3d way{some(), some(), some()};
                 for (Vec3f& v : p) v = to_float(to_double(v) + way);
@@ -142,8 +166,12 @@ private:
             case 3:
                 for (Vec3f& v : p) v.z += static_cast<float>(step * std::sin(3 * static_cast<double>(v.x) / scale_));
                 break;
-            case 4: p[choices_.below(size)] = to_float({offset_ + scale_ * coordinate(), scale_ * coordinate(), 0}); break;
-            case 5: p[choices_.below(size)] = p[choices_.below(size)]; break;
+            case 4:
+                p[choices_.below(size)] = to_float({offset_ + scale_ * coordinate(), scale_ * coordinate(), 0});
+                break;
+            case 5:
+                p[choices_.below(size)] = p[choices_.below(size)];
+                break;
             case 6: {
                 const std::uint32_t axis = choices_.below(3);
                 for (Vec3f& v : p) (axis == 0 ? v.x : axis == 1 ? v.y : v.z) *= choices_.pick({-1.f, 0.5f, 0.f});
@@ -157,8 +185,8 @@ private:
         }
         if (is_tame_) return p;
         if (choices_.one_in(40))
-            p[choices_.below(size)].x =
-                choices_.pick({std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f, 3e38f});
+            p[choices_.below(size)].x = choices_.pick(
+                {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f, 3e38f});
         if (choices_.one_in(200)) p.pop_back();  // to be refused
         return p;
     }
@@ -183,9 +211,10 @@ private:
         Call& call = push(Kind::set_collision);
         call.body = body;
         call.collision.sheet = likes_sheets_ || choices_.one_in(2);
-        call.collision.self =
-            choices_.pick({SelfCollision::on, SelfCollision::on, SelfCollision::off, SelfCollision::rays, SelfCollision::published});
-        if (!call.collision.sheet && !choices_.one_in(10)) call.collision.self = choices_.pick({SelfCollision::on, SelfCollision::off});
+        call.collision.self = choices_.pick(
+            {SelfCollision::on, SelfCollision::on, SelfCollision::off, SelfCollision::rays, SelfCollision::published});
+        if (!call.collision.sheet && !choices_.one_in(10))
+            call.collision.self = choices_.pick({SelfCollision::on, SelfCollision::off});
         if (call.collision.sheet) call.collision.thickness = scale_ * choices_.pick({0.0, 0.01, 0.1, 1.0});
         if (choices_.one_in(100)) call.collision.thickness = choices_.pick({-1.0, HUGE_VAL, std::nan("")});
         bodies_[body].is_sheet = call.collision.sheet;
@@ -223,15 +252,27 @@ private:
 
     void change_something() {
         switch (choices_.below(16)) {
-            case 0: add_mesh(); break;
+            case 0:
+                add_mesh();
+                break;
             case 1:
-            case 2: add_body(); break;
+            case 2:
+                add_body();
+                break;
             case 3:
-            case 4: push(Kind::remove_body).body = any_body_number(); break;
-            case 5: push(Kind::remove_mesh).mesh = any_mesh_number(); break;
+            case 4:
+                push(Kind::remove_body).body = any_body_number();
+                break;
+            case 5:
+                push(Kind::remove_mesh).mesh = any_mesh_number();
+                break;
             case 6:
-            case 7: set_collision(any_body_number()); break;
-            case 8: push(Kind::forget_sides); break;
+            case 7:
+                set_collision(any_body_number());
+                break;
+            case 8:
+                push(Kind::forget_sides);
+                break;
             case 9:
             case 10: {
                 const std::uint32_t b = any_body_number(), mesh = any_mesh_number();
@@ -254,9 +295,14 @@ private:
                 for (int k = 0; k < 4; ++k) call.positions.push_back(to_float({coordinate(), coordinate(), coordinate()}));
                 break;
             }
-            case 13: detect(); break;
-            case 14: push(Kind::restore); break;
-            default: move(any_body_number());
+            case 13:
+                detect();
+                break;
+            case 14:
+                push(Kind::restore);
+                break;
+            default:
+                move(any_body_number());
         }
     }
 

@@ -9,22 +9,24 @@
 #include <random>
 #include <sstream>
 
+#include "core/base/archive.hpp"
 #include "fuzz/generator.hpp"
 #include "fuzz/player.hpp"
-#include "pierce/core/archive.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/mesh_io.hpp"
-#include "pierce/scenes/npy.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/sheet_truth_file.hpp"
-#include "pierce/scenes/truth_file.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "scenes/mesh_io.hpp"
+#include "scenes/npy.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/sheet_truth_file.hpp"
+#include "scenes/truth_file.hpp"
 
 namespace pierce::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* names[] = {"obj", "ply", "stl", "off", "npy", "recording", "truth", "sheet_truth", "saved_world", "program"};
+constexpr const char* names[] = {"obj",       "ply",   "stl",         "off",         "npy",
+                                 "recording", "truth", "sheet_truth", "saved_world", "program"};
 static_assert(std::size(names) == static_cast<std::size_t>(Reader::count));
 
 /// A folder of this process, gone with it.
@@ -60,8 +62,9 @@ void append(std::string& bytes, T value) {
 constexpr const char* square_obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
 std::string binary_ply() {
-    std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                      "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+    std::string ply =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
     for (float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f}) append(ply, x);
     for (const auto& t : {std::array{0, 1, 2}, {0, 2, 3}}) {
         append(ply, std::uint8_t{3});
@@ -114,16 +117,19 @@ const char* name_of(Reader reader) { return names[static_cast<std::size_t>(reade
 std::string sound_file(Reader reader, std::uint64_t seed) {
     const bool other = seed % 2 == 1;
     switch (reader) {
-        case Reader::obj: return other ? std::string(square_obj) + "vn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3\n" : square_obj;
+        case Reader::obj:
+            return other ? std::string(square_obj) + "vn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3\n" : square_obj;
         case Reader::ply:
             return other ? binary_ply()
                          : "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 "
+                           "2\n";
         case Reader::stl:
             return other ? binary_stl()
                          : "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
                            "endfacet\nendsolid a\n";
-        case Reader::off: return "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+        case Reader::off:
+            return "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
         case Reader::npy: {
             const std::vector<float> values(14, 0.5f);
             const std::size_t shape[] = {2, 7};
@@ -140,13 +146,15 @@ std::string sound_file(Reader reader, std::uint64_t seed) {
         case Reader::sheet_truth:
             return R"({"format": "pierce-sheet-truth", "version": 1, "frames": [{"frame": 1, "meetings": [[1, 0, 1, 2, 3]],
  "piercings": [[0, 1, 2, 3, 0.5]]}]})";
-        case Reader::saved_world: return saved_world(seed);
+        case Reader::saved_world:
+            return saved_world(seed);
         case Reader::program: {
             const std::vector<std::uint8_t> bytes = bytes_of(seed);
             Choices choices(bytes);
             return to_text(random_program(choices));
         }
-        case Reader::count: break;
+        case Reader::count:
+            break;
     }
     return {};
 }
@@ -154,11 +162,21 @@ std::string sound_file(Reader reader, std::uint64_t seed) {
 bool read(Reader reader, const std::string& content) {
     try {
         switch (reader) {
-            case Reader::obj: scenes::read_mesh(put("m.obj", content)); break;
-            case Reader::ply: scenes::read_mesh(put("m.ply", content)); break;
-            case Reader::stl: scenes::read_mesh(put("m.stl", content)); break;
-            case Reader::off: scenes::read_mesh(put("m.off", content)); break;
-            case Reader::npy: scenes::read_npy(put("a.npy", content)); break;
+            case Reader::obj:
+                scenes::read_mesh(put("m.obj", content));
+                break;
+            case Reader::ply:
+                scenes::read_mesh(put("m.ply", content));
+                break;
+            case Reader::stl:
+                scenes::read_mesh(put("m.stl", content));
+                break;
+            case Reader::off:
+                scenes::read_mesh(put("m.off", content));
+                break;
+            case Reader::npy:
+                scenes::read_npy(put("a.npy", content));
+                break;
             case Reader::recording: {
                 put("m.obj", square_obj);
                 const std::vector<float> values = {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1};
@@ -168,9 +186,15 @@ bool read(Reader reader, const std::string& content) {
                 scenes::read_recording(folder());
                 break;
             }
-            case Reader::truth: scenes::read_truth(put("t.json", content)); break;
-            case Reader::sheet_truth: scenes::read_sheet_truth(put("t.json", content)); break;
-            case Reader::saved_world: play_on(sealed(content)); break;
+            case Reader::truth:
+                scenes::read_truth(put("t.json", content));
+                break;
+            case Reader::sheet_truth:
+                scenes::read_sheet_truth(put("t.json", content));
+                break;
+            case Reader::saved_world:
+                play_on(sealed(content));
+                break;
             case Reader::program:
                 try {
                     program_of(content);
@@ -178,7 +202,8 @@ bool read(Reader reader, const std::string& content) {
                     throw InputError(error.what());
                 }
                 break;
-            case Reader::count: break;
+            case Reader::count:
+                break;
         }
         return true;
     } catch (const InputError&) {
@@ -188,18 +213,33 @@ bool read(Reader reader, const std::string& content) {
 
 std::string spoiled(std::string content, std::uint64_t seed) {
     std::mt19937_64 engine(seed);
-    const auto below = [&](std::size_t count) { return static_cast<std::size_t>(engine() % std::max<std::size_t>(count, 1)); };
-    static constexpr const char* words[] = {"-1", "0", "4294967295", "18446744073709551615", "1e400", "nan", "-inf",
-                                            "\n",  " ", "999999999999", "2147483648", "uint",  "char", "[", "{", "\"", "null"};
+    const auto below = [&](std::size_t count) {
+        return static_cast<std::size_t>(engine() % std::max<std::size_t>(count, 1));
+    };
+    static constexpr const char* words[] = {"-1", "0",  "4294967295",   "18446744073709551615", "1e400", "nan",  "-inf",
+                                            "\n", " ",  "999999999999", "2147483648",           "uint",  "char", "[",
+                                            "{",  "\"", "null"};
     for (std::size_t left = 1 + below(4); left > 0 && !content.empty(); --left) {
         const std::size_t at = below(content.size()), length = std::min(below(16) + 1, content.size() - at);
         switch (below(8)) {
-            case 0: content[at] = static_cast<char>(content[at] ^ (1 << below(8))); break;
-            case 1: content[at] = static_cast<char>(engine()); break;
-            case 2: content.resize(at); break;
-            case 3: content.erase(at, length); break;
-            case 4: content.insert(at, content.substr(at, length)); break;
-            case 5: content.insert(at, words[below(std::size(words))]); break;
+            case 0:
+                content[at] = static_cast<char>(content[at] ^ (1 << below(8)));
+                break;
+            case 1:
+                content[at] = static_cast<char>(engine());
+                break;
+            case 2:
+                content.resize(at);
+                break;
+            case 3:
+                content.erase(at, length);
+                break;
+            case 4:
+                content.insert(at, content.substr(at, length));
+                break;
+            case 5:
+                content.insert(at, words[below(std::size(words))]);
+                break;
             case 6: {
                 // A number in place of another.
                 const std::size_t digit = content.find_first_of("0123456789", at);

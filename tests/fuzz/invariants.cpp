@@ -1,4 +1,5 @@
 #include "fuzz/invariants.hpp"
+#include "core/mesh/mesh_view.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -103,7 +104,8 @@ private:
     }
 
     static bool is_edge(const MeshData& mesh, std::uint32_t v, std::uint32_t w) {
-        return v != w && std::ranges::any_of(mesh.triangles, [&](const Triangle& t) { return has_vertex(t, v) && has_vertex(t, w); });
+        return v != w &&
+               std::ranges::any_of(mesh.triangles, [&](const Triangle& t) { return has_vertex(t, v) && has_vertex(t, w); });
     }
 
     /// Contacts of solids come in this order; of sheets, by pair.
@@ -132,7 +134,8 @@ std::string to_text(const Contact& c) {
     std::ostringstream s;
     s.precision(17);
     const auto vector = [&](Vec3d v) { s << '(' << v.x << ' ' << v.y << ' ' << v.z << ')'; };
-    s << "bodies " << c.a.index << '-' << c.b.index << " source " << (c.source == Side::a ? 'a' : 'b') << " vertex " << c.vertex;
+    s << "bodies " << c.a.index << '-' << c.b.index << " source " << (c.source == Side::a ? 'a' : 'b') << " vertex "
+      << c.vertex;
     if (c.is_edge()) s << " to " << c.edge_end << " edge " << c.edge << " chord " << c.chord << " along " << c.along;
     s << " triangle " << c.triangle << " other edge " << c.other_edge << " found " << static_cast<int>(c.found) << " sheet "
       << c.of_sheet << " reprojected " << c.reprojected << " grazing " << c.grazing << " unknown " << c.unknown_side

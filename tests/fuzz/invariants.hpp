@@ -5,7 +5,7 @@
 
 #include "fuzz/failure.hpp"
 #include "fuzz/model.hpp"
-#include "pierce/core/contact.hpp"
+#include "pierce/contact.hpp"
 
 namespace pierce::fuzz {
 

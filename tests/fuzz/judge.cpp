@@ -7,7 +7,7 @@
 
 #include "fuzz/invariants.hpp"
 #include "fuzz/model.hpp"
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::fuzz {
 namespace {
@@ -89,8 +89,8 @@ private:
             if (asks_of_last_step && restored_.contains(i)) continue;  // it has none
             if (outcomes[i].refused != outcomes[0].refused ||
                 (outcomes[i].text != outcomes[0].text && !(call.kind == Call::Kind::explain && remembers_less(i))))
-                return fail("backends differ in what a call answers",
-                            backends_[0].name + ": " + outcomes[0].text + "\n" + backends_[i].name + ": " + outcomes[i].text);
+                return fail("backends differ in what a call answers", backends_[0].name + ": " + outcomes[0].text + "\n" +
+                                                                          backends_[i].name + ": " + outcomes[i].text);
         }
         if (call.kind == Call::Kind::detect) restored_.clear();
         if (outcomes[0].refused) {
@@ -130,12 +130,13 @@ private:
         if (const auto broken = broken_invariant(model_, contacts)) return fail(broken->kind, broken->text);
         compare_with_fresh(contacts);
         if (failure_) return;
-        if (const auto wrong = contradicted_by_truth(model_, contacts, counts_.oracle)) return fail(wrong->kind, wrong->text);
+        if (const auto wrong = contradicted_by_truth(model_, contacts, counts_.oracle))
+            return fail(wrong->kind, wrong->text);
         knows_sides_ = std::ranges::any_of(contacts, [](const Contact& c) { return c.of_sheet && c.distance < 0; });
     }
 
-    /// What a step remembers never changes its contacts: a new world in the same state, which remembers nothing, has the same.
-    /// But for the paper's mode, and for the sides of sheets that are through something.
+    /// What a step remembers never changes its contacts: a new world in the same state, which remembers nothing, has the
+    /// same. But for the paper's mode, and for the sides of sheets that are through something.
     void compare_with_fresh(std::span<const Contact> contacts) {
         if (program_.settings.temporal == Temporal::paper || knows_sides_) return;
         Player fresh = model_.fresh(backends_[0].make, Temporal::off, pool_);
@@ -159,7 +160,7 @@ private:
     Model model_;
     std::vector<Player> players_;
     std::set<std::size_t> restored_;  ///< since the last step
-    bool knows_sides_ = false;  ///< of sheets that are through something
+    bool knows_sides_ = false;        ///< of sheets that are through something
     std::size_t at_ = 0;
     std::optional<Failure> failure_;
 };

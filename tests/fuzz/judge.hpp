@@ -23,8 +23,8 @@ struct JudgeCounts {
     JudgeCounts& operator+=(const JudgeCounts& o);
 };
 
-/// Plays a program on every backend side by side and looks, call by call, for a promise that is broken: all answer alike; the
-/// contacts are those of a new world in the same state; invariants hold; truth agrees. The first that is.
+/// Plays a program on every backend side by side and looks, call by call, for a promise that is broken: all answer alike;
+/// the contacts are those of a new world in the same state; invariants hold; truth agrees. The first that is.
 std::optional<Failure> judge(const Program& program, const std::vector<test::NamedBackend>& backends, JudgeCounts& counts);
 
 }  // namespace pierce::fuzz

@@ -72,18 +72,32 @@ void Model::apply(const Call& call, const Player& player) {
         return b;
     };
     switch (call.kind) {
-        case Kind::add_mesh: meshes_.push_back(call.data); break;
-        case Kind::add_fixed_body: add(Motion::fixed); break;
-        case Kind::add_rigid_body: add(Motion::rigid); break;
+        case Kind::add_mesh:
+            meshes_.push_back(call.data);
+            break;
+        case Kind::add_fixed_body:
+            add(Motion::fixed);
+            break;
+        case Kind::add_rigid_body:
+            add(Motion::rigid);
+            break;
         case Kind::add_deforming_body: {
             ModelBody& b = add(Motion::deforming);
             b.positions = b.start = call.positions.empty() ? meshes_[call.mesh].positions : call.positions;
             break;
         }
-        case Kind::remove_body: bodies_[call.body].used = false; break;
-        case Kind::set_collision: bodies_[call.body].collision = call.collision; break;
-        case Kind::set_pose: move(bodies_[call.body], call.pose); break;
-        case Kind::set_positions: move(bodies_[call.body], call.positions); break;
+        case Kind::remove_body:
+            bodies_[call.body].used = false;
+            break;
+        case Kind::set_collision:
+            bodies_[call.body].collision = call.collision;
+            break;
+        case Kind::set_pose:
+            move(bodies_[call.body], call.pose);
+            break;
+        case Kind::set_positions:
+            move(bodies_[call.body], call.positions);
+            break;
         case Kind::set_pose_motion: {
             ModelBody& b = bodies_[call.body];
             move(b, call.pose);
@@ -117,7 +131,8 @@ void Model::apply(const Call& call, const Player& player) {
         case Kind::forget_sides:
         case Kind::explain:
         case Kind::cast_rays:
-        case Kind::restore: break;
+        case Kind::restore:
+            break;
     }
 }
 

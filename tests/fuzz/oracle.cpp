@@ -10,6 +10,8 @@
 #include <set>
 #include <tuple>
 
+#include "core/mesh/mesh_view.hpp"
+#include "core/trace/surface.hpp"
 #include "fuzz/invariants.hpp"
 #include "support/brute_force.hpp"
 #include "truth/exact_continuous.hpp"

@@ -6,7 +6,7 @@
 
 #include "fuzz/failure.hpp"
 #include "fuzz/model.hpp"
-#include "pierce/core/contact.hpp"
+#include "pierce/contact.hpp"
 
 namespace pierce::fuzz {
 
@@ -18,7 +18,8 @@ struct OracleCounts {
     std::uint64_t expected_contacts = 0;  ///< of vertices, by definition (R1 to R3)
     std::uint64_t segments = 0;           ///< of contacts, looked for inside both bodies
     std::uint64_t feature_meetings = 0;   ///< contacts of sheets that are met during the step
-    std::uint64_t feature_questions = 0;  ///< features near each other without a contact, which exact arithmetic was asked about
+    std::uint64_t feature_questions =
+        0;  ///< features near each other without a contact, which exact arithmetic was asked about
 
     OracleCounts& operator+=(const OracleCounts& o);
 };

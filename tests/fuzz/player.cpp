@@ -4,7 +4,7 @@
 #include <sstream>
 #include <utility>
 
-#include "pierce/core/error.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::fuzz {
 namespace {
@@ -59,21 +59,45 @@ void Player::restore(const std::string& saved) {
 std::string Player::answer(const Call& c) {
     using Kind = Call::Kind;
     switch (c.kind) {
-        case Kind::add_mesh: meshes_.push_back(world_.add_mesh(pool_->made_of(c.data))); break;
-        case Kind::remove_mesh: world_.remove_mesh(mesh(c.mesh)); break;
-        case Kind::add_fixed_body: bodies_.push_back(world_.add_fixed_body(mesh(c.mesh), c.pose)); break;
-        case Kind::add_rigid_body: bodies_.push_back(world_.add_rigid_body(mesh(c.mesh), c.pose)); break;
-        case Kind::add_deforming_body: bodies_.push_back(world_.add_deforming_body(mesh(c.mesh), c.positions)); break;
-        case Kind::remove_body: world_.remove_body(body(c.body)); break;
-        case Kind::set_collision: world_.set_collision(body(c.body), c.collision); break;
-        case Kind::set_pose: world_.set_pose(body(c.body), c.pose); break;
-        case Kind::set_positions: world_.set_positions(body(c.body), c.positions); break;
-        case Kind::set_pose_motion: world_.set_motion(body(c.body), c.start_pose, c.pose); break;
+        case Kind::add_mesh:
+            meshes_.push_back(world_.add_mesh(pool_->made_of(c.data)));
+            break;
+        case Kind::remove_mesh:
+            world_.remove_mesh(mesh(c.mesh));
+            break;
+        case Kind::add_fixed_body:
+            bodies_.push_back(world_.add_fixed_body(mesh(c.mesh), c.pose));
+            break;
+        case Kind::add_rigid_body:
+            bodies_.push_back(world_.add_rigid_body(mesh(c.mesh), c.pose));
+            break;
+        case Kind::add_deforming_body:
+            bodies_.push_back(world_.add_deforming_body(mesh(c.mesh), c.positions));
+            break;
+        case Kind::remove_body:
+            world_.remove_body(body(c.body));
+            break;
+        case Kind::set_collision:
+            world_.set_collision(body(c.body), c.collision);
+            break;
+        case Kind::set_pose:
+            world_.set_pose(body(c.body), c.pose);
+            break;
+        case Kind::set_positions:
+            world_.set_positions(body(c.body), c.positions);
+            break;
+        case Kind::set_pose_motion:
+            world_.set_motion(body(c.body), c.start_pose, c.pose);
+            break;
         case Kind::set_position_motion:
             world_.set_motion(body(c.body), std::span<const Vec3f>(c.start), std::span<const Vec3f>(c.positions));
             break;
-        case Kind::set_mesh: world_.set_mesh(body(c.body), mesh(c.mesh), c.positions); break;
-        case Kind::forget_sides: world_.forget_sides(); break;
+        case Kind::set_mesh:
+            world_.set_mesh(body(c.body), mesh(c.mesh), c.positions);
+            break;
+        case Kind::forget_sides:
+            world_.forget_sides();
+            break;
         case Kind::detect: {
             const StepStats& s = world_.detect();
             std::ostringstream text;
@@ -81,13 +105,15 @@ std::string Player::answer(const Call& c) {
                  << s.contacts;
             return text.str();
         }
-        case Kind::explain: return world_.explain(body(c.body), body(c.other), c.vertex).text();
+        case Kind::explain:
+            return world_.explain(body(c.body), body(c.other), c.vertex).text();
         case Kind::cast_rays: {
             std::vector<Vec3d> directions;
             for (const Vec3f& d : c.positions) directions.push_back(to_double(d));
             return to_text(world_.cast_rays(c.pose.position, directions));
         }
-        case Kind::restore: return {};  // of all backends at once: restore()
+        case Kind::restore:
+            return {};  // of all backends at once: restore()
     }
     return {};
 }

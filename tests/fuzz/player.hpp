@@ -7,7 +7,7 @@
 
 #include "fuzz/mesh_pool.hpp"
 #include "fuzz/program.hpp"
-#include "pierce/core/world.hpp"
+#include "pierce/world.hpp"
 
 namespace pierce::fuzz {
 

@@ -10,10 +10,22 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* names[] = {"add_mesh",           "remove_mesh",   "add_fixed_body",  "add_rigid_body",
-                                 "add_deforming_body", "remove_body",   "set_collision",   "set_pose",
-                                 "set_positions",      "set_pose_motion", "set_position_motion", "set_mesh",
-                                 "forget_sides",       "detect",        "explain",         "cast_rays",
+constexpr const char* names[] = {"add_mesh",
+                                 "remove_mesh",
+                                 "add_fixed_body",
+                                 "add_rigid_body",
+                                 "add_deforming_body",
+                                 "remove_body",
+                                 "set_collision",
+                                 "set_pose",
+                                 "set_positions",
+                                 "set_pose_motion",
+                                 "set_position_motion",
+                                 "set_mesh",
+                                 "forget_sides",
+                                 "detect",
+                                 "explain",
+                                 "cast_rays",
                                  "restore"};
 static_assert(std::size(names) == static_cast<std::size_t>(Call::Kind::restore) + 1);
 
@@ -32,7 +44,8 @@ double number_of(const json& j) {
 
 template <class Vec>
 json vector(const Vec& v) {
-    return json::array({number(static_cast<double>(v.x)), number(static_cast<double>(v.y)), number(static_cast<double>(v.z))});
+    return json::array(
+        {number(static_cast<double>(v.x)), number(static_cast<double>(v.y)), number(static_cast<double>(v.z))});
 }
 template <class Vec>
 Vec vector_of(const json& j) {

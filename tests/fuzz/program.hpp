@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/body.hpp"
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/pose.hpp"
-#include "pierce/core/settings.hpp"
+#include "pierce/body.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/pose.hpp"
+#include "pierce/settings.hpp"
 
 namespace pierce::fuzz {
 

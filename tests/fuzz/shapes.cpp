@@ -116,17 +116,28 @@ MeshData soup(Choices& choices) {
 MeshData base_shape(Choices& choices) {
     switch (choices.below(12)) {
         case 0:
-        case 1: return box();
-        case 2: return tetrahedron();
-        case 3: return octahedron();
-        case 4: return plate(1, 1);
-        case 5: return plate(1 + choices.below(4), 1 + choices.below(4));
-        case 6: return torus(4 + choices.below(4), 3 + choices.below(3));
-        case 7: return channel();
-        case 8: return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}};
-        case 9: return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 1}}}};  // a pillow without a filling
-        case 10: return soup(choices);
-        default: return torus(8, 6);
+        case 1:
+            return box();
+        case 2:
+            return tetrahedron();
+        case 3:
+            return octahedron();
+        case 4:
+            return plate(1, 1);
+        case 5:
+            return plate(1 + choices.below(4), 1 + choices.below(4));
+        case 6:
+            return torus(4 + choices.below(4), 3 + choices.below(3));
+        case 7:
+            return channel();
+        case 8:
+            return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}};
+        case 9:
+            return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 1}}}};  // a pillow without a filling
+        case 10:
+            return soup(choices);
+        default:
+            return torus(8, 6);
     }
 }
 
@@ -134,15 +145,23 @@ void spoil(MeshData& m, Choices& choices) {
     const auto vertex = [&] { return choices.below(static_cast<std::uint32_t>(m.positions.size())); };
     const auto triangle = [&] { return choices.below(static_cast<std::uint32_t>(m.triangles.size())); };
     switch (choices.below(15)) {
-        case 0: flip(m); break;
-        case 1: m.triangles.erase(m.triangles.begin() + triangle()); break;
+        case 0:
+            flip(m);
+            break;
+        case 1:
+            m.triangles.erase(m.triangles.begin() + triangle());
+            break;
         case 2: {
             Triangle& t = m.triangles[triangle()];
             std::swap(t.vertex[0], t.vertex[1]);
             break;
         }
-        case 3: m = torn(m); break;
-        case 4: m.triangles.push_back(m.triangles[triangle()]); break;
+        case 3:
+            m = torn(m);
+            break;
+        case 4:
+            m.triangles.push_back(m.triangles[triangle()]);
+            break;
         case 5: {
             const std::uint32_t v = vertex();
             m.triangles.push_back({{v, v, vertex()}});
@@ -153,8 +172,12 @@ void spoil(MeshData& m, Choices& choices) {
             m.triangles.push_back({{v, v, v}});
             break;
         }
-        case 7: m.positions.push_back({3, 3, 3}); break;  // no triangle's
-        case 8: m.positions[vertex()] = m.positions[vertex()]; break;
+        case 7:
+            m.positions.push_back({3, 3, 3});
+            break;  // no triangle's
+        case 8:
+            m.positions[vertex()] = m.positions[vertex()];
+            break;
         case 9: {
             MeshData other = base_shape(choices);
             transform(other, {0.5, 0.5, 0.5}, {choices.pick({0.25, 0.5, 1.0, 2.0}), 0.25, 0.25});
@@ -162,17 +185,32 @@ void spoil(MeshData& m, Choices& choices) {
             append(m, other);
             break;
         }
-        case 10: transform(m, {1, 1, choices.pick({1e-2, 1e-4, 1e-6, 0.0})}, {}); break;
-        case 11: transform(m, {1, choices.pick({1e-3, 1e-6}), 1e-3}, {}); break;
-        case 12: transform(m, {1, 1, 1}, {choices.pick({10.0, 1e4, 1e7}), 0, 0}); break;
-        case 13: m.triangles.push_back({{vertex(), vertex(), vertex()}}); break;
+        case 10:
+            transform(m, {1, 1, choices.pick({1e-2, 1e-4, 1e-6, 0.0})}, {});
+            break;
+        case 11:
+            transform(m, {1, choices.pick({1e-3, 1e-6}), 1e-3}, {});
+            break;
+        case 12:
+            transform(m, {1, 1, 1}, {choices.pick({10.0, 1e4, 1e7}), 0, 0});
+            break;
+        case 13:
+            m.triangles.push_back({{vertex(), vertex(), vertex()}});
+            break;
         default:
             // To be refused.
             switch (choices.below(4)) {
-                case 0: m.triangles.push_back({{0, 1, static_cast<std::uint32_t>(m.positions.size())}}); break;
-                case 1: m.positions[vertex()].y = std::numeric_limits<float>::quiet_NaN(); break;
-                case 2: m.positions[vertex()].x = std::numeric_limits<float>::infinity(); break;
-                default: m.triangles.clear();
+                case 0:
+                    m.triangles.push_back({{0, 1, static_cast<std::uint32_t>(m.positions.size())}});
+                    break;
+                case 1:
+                    m.positions[vertex()].y = std::numeric_limits<float>::quiet_NaN();
+                    break;
+                case 2:
+                    m.positions[vertex()].x = std::numeric_limits<float>::infinity();
+                    break;
+                default:
+                    m.triangles.clear();
             }
     }
 }
@@ -182,12 +220,24 @@ void spoil(MeshData& m, Choices& choices) {
 MeshData proper_mesh(Choices& choices) {
     MeshData mesh;
     switch (choices.below(6)) {
-        case 0: mesh = box(); break;
-        case 1: mesh = tetrahedron(); break;
-        case 2: mesh = octahedron(); break;
-        case 3: mesh = channel(); break;
-        case 4: mesh = torus(5 + choices.below(6), 3 + choices.below(6)); break;
-        default: mesh = box(); transform(mesh, {1, 1, choices.pick({0.5, 0.1, 0.02})}, {});
+        case 0:
+            mesh = box();
+            break;
+        case 1:
+            mesh = tetrahedron();
+            break;
+        case 2:
+            mesh = octahedron();
+            break;
+        case 3:
+            mesh = channel();
+            break;
+        case 4:
+            mesh = torus(5 + choices.below(6), 3 + choices.below(6));
+            break;
+        default:
+            mesh = box();
+            transform(mesh, {1, 1, choices.pick({0.5, 0.1, 0.02})}, {});
     }
     return mesh;
 }

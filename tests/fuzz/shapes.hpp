@@ -1,7 +1,7 @@
 #pragma once
 
 #include "fuzz/choices.hpp"
-#include "pierce/core/mesh.hpp"
+#include "pierce/mesh.hpp"
 
 namespace pierce::fuzz {
 

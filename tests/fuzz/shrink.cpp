@@ -24,8 +24,10 @@ bool names_body(const Call& c) {
         case Kind::set_pose_motion:
         case Kind::set_position_motion:
         case Kind::set_mesh:
-        case Kind::explain: return true;
-        default: return false;
+        case Kind::explain:
+            return true;
+        default:
+            return false;
     }
 }
 
@@ -55,8 +57,7 @@ Program without(const Program& program, std::size_t begin, std::size_t end) {
 
 class Shrinker {
 public:
-    Shrinker(Program program, const std::function<bool(const Program&)>& fails)
-        : best_(std::move(program)), fails_(fails) {}
+    Shrinker(Program program, const std::function<bool(const Program&)>& fails) : best_(std::move(program)), fails_(fails) {}
 
     Program run() {
         do {
@@ -132,7 +133,8 @@ private:
             for (double step : {1.0, 0.25, 0.01})
                 for (const auto member : {&Call::positions, &Call::start})
                     try_with([&](Program& p) { return round(p.calls[i].*member, step); });
-            for (double step : {1.0, 0.25, 0.01}) try_with([&](Program& p) { return round(p.calls[i].data.positions, step); });
+            for (double step : {1.0, 0.25, 0.01})
+                try_with([&](Program& p) { return round(p.calls[i].data.positions, step); });
         }
     }
 

@@ -1,5 +1,5 @@
-// One world of many bodies for a long time: bodies come, go, deform, are cut, jump, turn to NaN and come back, and the world goes
-// on with other numbers of threads. Memory must stay flat, and sampled steps are compared with brute force.
+// One world of many bodies for a long time: bodies come, go, deform, are cut, jump, turn to NaN and come back, and the world
+// goes on with other numbers of threads. Memory must stay flat, and sampled steps are compared with brute force.
 #include <fmt/format.h>
 #include <malloc.h>
 
@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "fuzz/shapes.hpp"
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/world.hpp"
 
 namespace pierce::fuzz {
 namespace {
@@ -62,10 +62,12 @@ public:
         // What is left when a world is gone must not grow; what a world needs goes up and down with its bodies.
         const double growth = late_.mean() / early_.mean() - 1;
         const double leak = (left_late_.mean() - left_early_.mean()) / early_.mean();
-        fmt::print("{} steps of {} bodies from seed {}, {:.0f} s: {} contacts, {} bodies left out, {} changes, {} steps compared, {} "
-                   "of them differ; memory {:.2f} MiB, then {:.2f} MiB: {:+.2f} %; without the world {:+.3f} %\n",
-                   step_, options_.bodies, options_.seed, options_.seconds, contacts_, excluded_, changes_, compared_, differ_,
-                   early_.mean() / (1 << 20), late_.mean() / (1 << 20), 100 * growth, 100 * leak);
+        fmt::print(
+            "{} steps of {} bodies from seed {}, {:.0f} s: {} contacts, {} bodies left out, {} changes, {} steps compared, "
+            "{} "
+            "of them differ; memory {:.2f} MiB, then {:.2f} MiB: {:+.2f} %; without the world {:+.3f} %\n",
+            step_, options_.bodies, options_.seed, options_.seconds, contacts_, excluded_, changes_, compared_, differ_,
+            early_.mean() / (1 << 20), late_.mean() / (1 << 20), 100 * growth, 100 * leak);
         constexpr double flat = 0.01;
         return differ_ == 0 && compared_ > 0 && contacts_ > 0 && leak < flat && growth < 10 * flat ? 0 : 1;
     }
@@ -96,15 +98,14 @@ private:
     std::uint64_t below(std::uint64_t count) { return engine_() % count; }
     double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
     Vec3d anywhere() { return {uniform(0, side_), uniform(0, side_), uniform(0, side_)}; }
-    Pose pose_at(Vec3d place) {
-        return {place, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)}};
-    }
+    Pose pose_at(Vec3d place) { return {place, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)}}; }
 
     std::vector<Vec3f> bent(const Body& body) {
         std::vector<Vec3f> positions;
         for (const Vec3f& p : data_[body.mesh].positions)
-            positions.push_back(to_float(to_double(p) + body.place +
-                                         Vec3d{uniform(-0.02, 0.02), uniform(-0.02, 0.02), 0.1 * std::sin(static_cast<double>(p.x))}));
+            positions.push_back(
+                to_float(to_double(p) + body.place +
+                         Vec3d{uniform(-0.02, 0.02), uniform(-0.02, 0.02), 0.1 * std::sin(static_cast<double>(p.x))}));
         return positions;
     }
 

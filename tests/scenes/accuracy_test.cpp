@@ -1,5 +1,5 @@
 // Truth files, and how contacts differ from the truth.
-#include "pierce/scenes/accuracy.hpp"
+#include "scenes/accuracy.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -7,8 +7,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/error.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

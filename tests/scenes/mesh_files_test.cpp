@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <map>
 
-#include "pierce/core/error.hpp"
-#include "pierce/core/mesh_check.hpp"
-#include "pierce/scenes/mesh_io.hpp"
+#include "pierce/error.hpp"
+#include "pierce/mesh_check.hpp"
+#include "scenes/mesh_io.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -1,5 +1,5 @@
 // Recordings and mesh files: what is written is read back, and damage is named.
-#include "pierce/scenes/recording.hpp"
+#include "scenes/recording.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -10,11 +10,11 @@
 #include <limits>
 #include <sstream>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/mass_properties.hpp"
-#include "pierce/scenes/mesh_io.hpp"
-#include "pierce/scenes/npy.hpp"
-#include "pierce/scenes/shapes.hpp"
+#include "pierce/error.hpp"
+#include "scenes/mass_properties.hpp"
+#include "scenes/mesh_io.hpp"
+#include "scenes/npy.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::scenes {
 namespace {

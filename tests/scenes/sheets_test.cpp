@@ -1,12 +1,12 @@
 // Simulated sheets: from one recorded frame to the next they go neither through themselves nor through anything else.
 #include <gtest/gtest.h>
 
-#include "pierce/core/world.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/scenes/layers.hpp"
-#include "pierce/scenes/recording.hpp"
-#include "pierce/scenes/sheet_crossings.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/world.hpp"
+#include "scenes/layers.hpp"
+#include "scenes/recording.hpp"
+#include "scenes/sheet_crossings.hpp"
+#include "scenes/simulation.hpp"
 
 namespace pierce::scenes {
 namespace {

@@ -1,15 +1,18 @@
 // Backends held against each other: agreement is found, and so is every kind of disagreement, with who is wrong.
-#include "pierce/scenes/validation.hpp"
+#include "scenes/validation.hpp"
 
 #include <gmock/gmock.h>
 
-#include "pierce/core/contact_hash.hpp"
-#include "pierce/core/error.hpp"
-#include "pierce/core/world.hpp"
-#include "pierce/cpu_embree/embree_backend.hpp"
-#include "pierce/scenes/detector.hpp"
-#include "pierce/scenes/shapes.hpp"
-#include "pierce/scenes/simulation.hpp"
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/embree_backend.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/detector.hpp"
+#include "scenes/shapes.hpp"
+#include "scenes/simulation.hpp"
 
 namespace pierce::scenes {
 namespace {

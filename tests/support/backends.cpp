@@ -1,8 +1,9 @@
 #include "support/backends.hpp"
 
-#include "pierce/cpu_embree/embree_backend.hpp"
+#include "pierce/embree_backend.hpp"
 #if PIERCE_HAS_CUDA
-#include "pierce/gpu_cuda/cuda_backend.hpp"
+#include "pierce/cuda_backend.hpp"
+#include "pierce/reference_backends.hpp"
 #endif
 
 namespace pierce::test {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/backend.hpp"
+#include "pierce/backend.hpp"
 
 namespace pierce::test {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/pose.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/pose.hpp"
 
 /// Detection by definition, in long double and with none of the library's code: Moeller-Trumbore crossings of all
 /// triangles, sorted. For meshes and poses in general position; it says so when they are not.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pierce/core/mesh.hpp"
+#include "pierce/mesh.hpp"
 
 namespace pierce::test {
 

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::test {
 

@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "pierce/core/mesh.hpp"
-#include "pierce/core/pose.hpp"
+#include "pierce/mesh.hpp"
+#include "pierce/pose.hpp"
 
 namespace pierce::test {
 

@@ -4,7 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "pierce/core/bvh/forest.hpp"
+#include "core/body/body_view.hpp"
+#include "core/trace/bvh/forest.hpp"
 
 namespace pierce::test {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "pierce/core/body.hpp"
+#include "core/body/body_view.hpp"
+#include "pierce/body.hpp"
 
 namespace pierce::test {
 

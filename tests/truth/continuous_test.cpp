@@ -1,5 +1,5 @@
 // Meetings of moving features against rational arithmetic, and against the published queries with known answers.
-#include "pierce/core/continuous.hpp"
+#include "core/geometry/continuous.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "pierce/scenes/shapes.hpp"
+#include "scenes/shapes.hpp"
 
 namespace pierce::truth {
 

@@ -11,9 +11,10 @@
 #include <fstream>
 #include <limits>
 
-#include "pierce/core/error.hpp"
-#include "pierce/scenes/shapes.hpp"
-#include "pierce/scenes/sheet_truth_file.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "pierce/error.hpp"
+#include "scenes/shapes.hpp"
+#include "scenes/sheet_truth_file.hpp"
 #include "support/random.hpp"
 #include "truth/exact_continuous.hpp"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pierce/core/closest_point.hpp"
-#include "pierce/core/error.hpp"
+#include "core/geometry/closest_point.hpp"
+#include "pierce/error.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
 #include "truth/cubes.hpp"

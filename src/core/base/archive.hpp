@@ -1,0 +1,128 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "pierce/error.hpp"
+#include "pierce/vec3.hpp"
+
+/// Bytes that things are saved as: numbers as they are in memory, least significant byte first, lists behind their length.
+/// For every type one function, `transfer(archive, thing)`, says what it consists of; it writes or reads, as the archive
+/// does.
+namespace pierce {
+
+static_assert(std::endian::native == std::endian::little, "archives are written as numbers are in memory");
+
+/// Archives what it is given.
+class ArchiveWriter {
+public:
+    static constexpr bool reads = false;
+
+    void number(const void* value, std::size_t size) { bytes_.append(static_cast<const char*>(value), size); }
+    const std::string& bytes() const { return bytes_; }
+
+private:
+    std::string bytes_;
+};
+
+/// Fills what it is given from an archive that anybody may have written: throws InputError where it ends too soon or holds
+/// what there cannot be. Makes nothing larger than the archive.
+class ArchiveReader {
+public:
+    static constexpr bool reads = true;
+
+    explicit ArchiveReader(std::string bytes) : bytes_(std::move(bytes)) {}
+
+    void number(void* value, std::size_t size) {
+        if (size > left()) throw InputError("a saved world ends too soon");
+        std::memcpy(value, bytes_.data() + at_, size);
+        at_ += size;
+    }
+    std::size_t left() const { return bytes_.size() - at_; }
+
+private:
+    std::string bytes_;
+    std::size_t at_ = 0;
+};
+
+template <class Archive, class T>
+requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) void transfer(Archive& archive, T& value) {
+    archive.number(&value, sizeof value);
+}
+
+template <class Archive>
+void transfer(Archive& archive, bool& value) {
+    std::uint8_t byte = value;
+    archive.number(&byte, 1);
+    if (byte > 1) throw InputError("a saved world holds neither yes nor no where there must be one");
+    if constexpr (Archive::reads) value = byte != 0;
+}
+
+/// A choice, of which `last` is the last.
+template <class Archive, class Enum>
+requires std::is_enum_v<Enum>
+void transfer(Archive& archive, Enum& value, Enum last) {
+    auto number = static_cast<std::underlying_type_t<Enum>>(value);
+    transfer(archive, number);
+    if (number > static_cast<std::underlying_type_t<Enum>>(last)) throw InputError("a saved world holds an unknown choice");
+    if constexpr (Archive::reads) value = static_cast<Enum>(number);
+}
+
+template <class Archive, class T>
+void transfer(Archive& archive, Vec3<T>& v) {
+    transfer(archive, v.x);
+    transfer(archive, v.y);
+    transfer(archive, v.z);
+}
+
+template <class Archive, class T, std::size_t size>
+void transfer(Archive& archive, T (&values)[size]) {
+    for (T& value : values) transfer(archive, value);
+}
+
+/// A list's length, from a reader no more than there may be: every element takes a byte at least.
+template <class Archive>
+std::uint64_t transfer_length(Archive& archive, std::uint64_t length) {
+    transfer(archive, length);
+    if constexpr (Archive::reads) {
+        if (length > archive.left()) throw InputError("a saved world promises more than it holds");
+    }
+    return length;
+}
+
+template <class Archive>
+void transfer(Archive& archive, std::string& text) {
+    text.resize(transfer_length(archive, text.size()));
+    archive.number(text.data(), text.size());
+}
+
+template <class Archive, class T>
+void transfer(Archive& archive, std::vector<T>& list) {
+    const std::uint64_t length = transfer_length(archive, list.size());
+    if constexpr (Archive::reads) {
+        list.clear();
+        for (std::uint64_t i = 0; i < length; ++i) transfer(archive, list.emplace_back());
+    } else {
+        for (T& element : list) transfer(archive, element);
+    }
+}
+
+/// Several things, one after the other.
+template <class Archive, class... T>
+void transfer_all(Archive& archive, T&... things) {
+    (transfer(archive, things), ...);
+}
+
+/// 64-bit FNV-1a.
+inline std::uint64_t checksum(const std::string& bytes) {
+    std::uint64_t hash = 0xcbf29ce484222325ull;
+    for (const char byte : bytes) hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3ull;
+    return hash;
+}
+
+}  // namespace pierce

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+
+/// Numbers that are joined to sets step by step (union-find with path halving).
+class DisjointSets {
+public:
+    explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
+
+    /// The same for all numbers of a set.
+    std::uint32_t root(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+
+    void join(std::uint32_t i, std::uint32_t j) { parent_[root(i)] = root(j); }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+/// The vertices in sets that triangles connect.
+inline DisjointSets connected_vertices(std::span<const Triangle> triangles, std::size_t vertex_count) {
+    DisjointSets sets(vertex_count);
+    for (const Triangle& t : triangles)
+        for (int k = 1; k < 3; ++k) sets.join(t.vertex[k], t.vertex[0]);
+    return sets;
+}
+
+}  // namespace pierce

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "pierce/error.hpp"
+#include "pierce/ids.hpp"
+
+namespace pierce {
+
+/// Things by handle: slots are reused, generations tell a new thing from the one that was there before.
+template <class Tag, class Thing>
+class SlotMap {
+public:
+    struct Slot {
+        Thing thing{};
+        std::uint32_t generation = 1;
+        bool used = false;
+    };
+
+    Id<Tag> add(Thing thing) {
+        std::uint32_t index = 0;
+        while (index < slots_.size() && slots_[index].used) ++index;
+        if (index == slots_.size()) slots_.emplace_back();
+        slots_[index].thing = std::move(thing);
+        slots_[index].used = true;
+        return {index, slots_[index].generation};
+    }
+
+    void remove(Id<Tag> id, const char* what) {
+        get(id, what);
+        Slot& slot = slots_[id.index];
+        slot.thing = {};
+        slot.used = false;
+        ++slot.generation;
+    }
+
+    /// Throws InputError, naming `what`, for a handle of nothing.
+    Thing& get(Id<Tag> id, const char* what) {
+        if (!id) throw InputError(std::string(what) + " handle is null");
+        if (id.index >= slots_.size() || !slots_[id.index].used || slots_[id.index].generation != id.generation)
+            throw InputError(std::string(what) + " " + std::to_string(id.index) + " was removed or is not of this world");
+        return slots_[id.index].thing;
+    }
+    const Thing& get(Id<Tag> id, const char* what) const { return const_cast<SlotMap*>(this)->get(id, what); }
+
+    std::vector<Slot>& slots() { return slots_; }
+    const std::vector<Slot>& slots() const { return slots_; }
+
+private:
+    std::vector<Slot> slots_;
+};
+
+}  // namespace pierce

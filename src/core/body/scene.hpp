@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh/patch.hpp"
+#include "pierce/body.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/min_max.hpp"
+#include "pierce/plan.hpp"
+
+namespace pierce {
+
+/// A block of a deforming body's patches.
+struct BlockItem {
+    std::uint32_t body = 0;
+    std::uint32_t block = 0;
+
+    PIERCE_HD std::uint32_t first_patch() const { return block * constants::block_size; }
+    PIERCE_HD std::uint32_t last_patch(const MeshView& mesh) const {
+        return min_of((block + 1) * constants::block_size, patch_count(mesh));
+    }
+};
+
+/// The blocks of one deforming body.
+struct BlockRange {
+    std::uint32_t body = 0;
+    std::uint32_t first = 0;
+    std::uint32_t last = 0;
+};
+
+/// All that a step reads of a world, and what it keeps up to date there: bounds and fitted frames of its bodies.
+struct Scene {
+    View<BodyView> bodies;
+    View<const BodyId> ids;
+    View<const BlockItem> block_items;    ///< of deforming bodies
+    View<const BlockRange> ranges;        ///< per deforming body, its blocks
+    View<const View<PatchBlock>> blocks;  ///< per body, where a deforming body's spheres go
+    View<const View<Offsets>> patches;    ///< per body, where its vertices' offsets go
+    View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept; empty: nowhere
+    Settings settings;
+    const Plan* plan = nullptr;
+    View<const std::uint32_t> forgets_sides;  ///< one number; not 0: nothing of the last step is known to sheets
+};
+
+}  // namespace pierce

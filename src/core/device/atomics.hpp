@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+
+#include "pierce/host_device.hpp"
+
+/// The few atomic operations that items of a stage need, on host and device; on integers only, so that the order of items
+/// reaches no result. What a thread wrote before one of 32 bits is seen by whoever reads its result.
+namespace pierce {
+
+/// Adds, and returns what was there before.
+PIERCE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    __threadfence();
+    const std::uint32_t before = atomicAdd(&target, value);
+    __threadfence();
+    return before;
+#else
+    return __atomic_fetch_add(&target, value, __ATOMIC_ACQ_REL);
+#endif
+}
+
+PIERCE_HD inline std::uint64_t atomic_add(std::uint64_t& target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+    static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+    return atomicAdd(reinterpret_cast<unsigned long long*>(&target), value);
+#else
+    return __atomic_fetch_add(&target, value, __ATOMIC_ACQ_REL);
+#endif
+}
+
+/// Adds to a counter that neighbouring items share, in no order with anything else: threads of a warp add up first.
+PIERCE_HD inline void atomic_count(std::uint32_t& counter, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+#if __CUDA_ARCH__ >= 800
+    const unsigned here = __match_any_sync(__activemask(), reinterpret_cast<unsigned long long>(&counter));
+    const unsigned sum = __reduce_add_sync(here, value);
+    if (threadIdx.x % warpSize == static_cast<unsigned>(__ffs(static_cast<int>(here)) - 1)) atomicAdd(&counter, sum);
+#else
+    atomicAdd(&counter, value);
+#endif
+#else
+    __atomic_fetch_add(&counter, value, __ATOMIC_RELAXED);
+#endif
+}
+
+/// Writes, and returns what was there before.
+PIERCE_HD inline std::uint32_t atomic_exchange(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    __threadfence();
+    const std::uint32_t before = atomicExch(&target, value);
+    __threadfence();
+    return before;
+#else
+    return __atomic_exchange_n(&target, value, __ATOMIC_ACQ_REL);
+#endif
+}
+
+/// Writes the larger of the two.
+PIERCE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    atomicMax(&target, value);
+#else
+    std::uint32_t before = __atomic_load_n(&target, __ATOMIC_RELAXED);
+    while (before < value &&
+           !__atomic_compare_exchange_n(&target, &before, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    }
+#endif
+}
+
+/// Writes 1; any number of items may do so.
+PIERCE_HD inline void atomic_mark(std::uint32_t& target) {
+#if defined(__CUDA_ARCH__)
+    *static_cast<volatile std::uint32_t*>(&target) = 1;
+#else
+    __atomic_store_n(&target, 1u, __ATOMIC_RELAXED);
+#endif
+}
+
+}  // namespace pierce

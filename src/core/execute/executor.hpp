@@ -1,0 +1,68 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+
+#include "core/base/view.hpp"
+
+namespace pierce {
+
+namespace detail {
+struct AnyStage {
+    PIERCE_HD void operator()(std::uint32_t) const {}
+};
+struct AnyWork {
+    void operator()() const {}
+};
+struct AnyTest {
+    PIERCE_HD bool operator()(std::uint32_t) const { return true; }
+};
+struct AnyFinder {
+    PIERCE_HD bool find(std::uint32_t) const { return true; }
+    PIERCE_HD static std::uint32_t count(bool found) { return found; }
+    PIERCE_HD void write(std::uint32_t, bool, std::uint32_t, float*) const {}
+};
+struct AnySum {
+    PIERCE_HD friend AnySum operator+(AnySum, AnySum) { return {}; }
+};
+struct AnyTerm {
+    PIERCE_HD AnySum operator()(std::uint32_t) const { return {}; }
+};
+}  // namespace detail
+
+/// Runs stages over independent items and provides the few collective operations the step needs. Results never depend
+/// on how work is spread. The name of an operation is for profilers.
+template <class E>
+concept Executor = requires(E executor, typename E::Count n, View<const std::uint32_t> in, View<std::uint32_t> out,
+                            View<std::uint64_t> keys, typename E::template Buffer<float> list,
+                            typename E::template Sum<detail::AnySum> sum) {
+    // How many items there are: a number, or something that stands for one known elsewhere. Buffers are resized to a count,
+    // and count_of(buffer) is that.
+    typename E::Count;
+    typename E::template Buffer<float>;
+    { E::runs_on_host } -> std::convertible_to<bool>;
+    executor.for_each("stage", n, detail::AnyStage{});
+    // Stages of the same items, one after the other: what they read of the others' they read of their own item.
+    executor.in_turn("stage", n, detail::AnyStage{}, detail::AnyStage{});
+    { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
+    { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
+    // A list of what a stage finds, or several lists side by side: of each item `count(find(item))` things, which
+    // `write(item, found, place, lists...)` puts at places from `place` on. What comes first in the list nobody knows,
+    // unless the stage says that things are to be in the order of their items: `static constexpr bool in_order = true`. It
+    // may then say, too, what is to be in the lists past the last thing, where they have more room: `pad(place, lists...)`.
+    // An item may be asked twice what it finds: what it writes meanwhile is the same then.
+    executor.emit("stage", n, detail::AnyFinder{}, list);
+    executor.sort("stage", n, 64, keys, in, keys, out);
+    // A sum of what a stage says of its items; the stage is asked once about each.
+    executor.reduce("stage", n, detail::AnyTerm{}, sum);
+    { executor.read(sum) } -> std::same_as<detail::AnySum>;
+    { executor.number(n) } -> std::same_as<std::uint32_t>;
+    // True for so few groups of sixteen that threads are left for a thread each of the sixteen.
+    { executor.are_few_sixteens(n) } -> std::same_as<bool>;
+    { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
+    executor.settle();
+    executor.beside(detail::AnyWork{});
+    executor.join();
+};
+
+}  // namespace pierce

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace pierce {
+
+/// A vector whose new elements are left as they are: every stage writes all it reads.
+template <class T>
+struct UninitializedAllocator : std::allocator<T> {
+    template <class U>
+    struct rebind {
+        using other = UninitializedAllocator<U>;
+    };
+    template <class U>
+    void construct(U* p) noexcept {
+        ::new (static_cast<void*>(p)) U;
+    }
+    template <class U, class... Args>
+    void construct(U* p, Args&&... args) {
+        ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+    }
+};
+
+template <class T>
+using HostBuffer = std::vector<T, UninitializedAllocator<T>>;
+
+template <class T>
+std::uint32_t count_of(const HostBuffer<T>& buffer) {
+    return static_cast<std::uint32_t>(buffer.size());
+}
+
+/// What executors on the host have in common: counts are numbers, buffers are vectors, sums are values.
+class HostExecutor {
+public:
+    using Count = std::uint32_t;
+    template <class T>
+    using Buffer = HostBuffer<T>;
+    template <class T>
+    using Sum = T;
+    static constexpr bool runs_on_host = true;
+
+    /// What a reduction came to.
+    template <class T>
+    T read(const T& sum) const {
+        return sum;
+    }
+
+    /// How many items has a stage that sees to so many groups (Sixteen).
+    std::uint32_t in_sixteens(std::uint32_t groups) const { return groups; }
+
+    /// An item of the host sees to all of a group.
+    bool are_few_sixteens(std::uint32_t) const { return false; }
+
+    /// A count as a number.
+    std::uint32_t number(std::uint32_t count) const { return count; }
+
+    template <class T>
+    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        buffer.assign(count, value);
+    }
+
+    /// Work that consists of stages, as a whole.
+    template <class Work>
+    void run(const Work& work) {
+        work();
+    }
+
+    /// Stages are over when their call is.
+    void settle() const {}
+
+    /// Work that needs nothing of what comes until join(), nor is needed by it.
+    template <class Work>
+    void beside(const Work& work) {
+        work();
+    }
+    void join() {}
+
+    template <class T>
+    T first(const HostBuffer<T>& buffer) const {
+        return buffer[0];
+    }
+
+    template <class T>
+    std::vector<T> download(const HostBuffer<T>& buffer) const {
+        return {buffer.begin(), buffer.end()};
+    }
+
+    template <class T>
+    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
+        buffer.assign(items.begin(), items.end());
+    }
+};
+
+}  // namespace pierce

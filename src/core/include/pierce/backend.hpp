@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pierce/ids.hpp"
+
+namespace pierce {
+
+// What steps read and write: core/body, core/trace and core/step, which are not installed.
+struct BodyView;
+struct Certificate;
+struct Contact;
+struct Hit;
+struct Pair;
+struct Ray;
+struct Scene;
+struct SeenPatch;
+struct StepMemory;
+struct StepStats;
+template <class T>
+struct View;
+
+/// Where steps run: an executor and a tracer behind one door. Made by a factory (reference_backends.hpp, and one per
+/// backend library) and handed to a World. docs/new_backend.md says how to write one.
+class Backend {
+public:
+    virtual ~Backend() = default;
+
+    /// What it is and how it was made, for people: "embree 3.13.5, 2 threads".
+    virtual std::string description() const = 0;
+    /// True if steps run where set_device_positions() keeps positions.
+    virtual bool runs_on_device() const { return false; }
+    /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is Temporal::off then.
+    virtual bool certificates_pay() const { return true; }
+    virtual void step(const Scene& scene, StepStats& stats) = 0;
+    /// Results of the last step; valid until the next one.
+    virtual View<const Contact> contacts() const = 0;
+    virtual View<const Pair> pairs() const = 0;
+    /// What spared a vertex its ray in the last step. `side`: the pair's body it belongs to.
+    virtual Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                                    std::uint32_t vertex) const = 0;
+    /// Brings the world's views of its bodies up to date with what the last step found out about where they are. Does
+    /// nothing, unless overridden.
+    virtual void fetch_bodies(View<BodyView> bodies) const;
+    /// Brings deforming bodies' shapes of the last step (Scene::seen) up to date with what the last step has seen. Does
+    /// nothing, unless overridden.
+    virtual void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const;
+    /// What the last step has left for the next one.
+    virtual StepMemory memory() const = 0;
+    /// Makes that the last step's, whoever has taken it. It must have been checked.
+    virtual void remember(const StepMemory& memory) = 0;
+    /// Traces rays outside a step, bringing the targets' trees up to date first.
+    virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
+};
+
+}  // namespace pierce

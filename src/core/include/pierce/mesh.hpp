@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pierce/vec3.hpp"
+
+namespace pierce {
+
+/// Three vertex ids, counter-clockwise seen from outside.
+struct Triangle {
+    std::uint32_t vertex[3];
+
+    friend bool operator==(const Triangle&, const Triangle&) = default;
+};
+
+/// What a mesh is made from: vertex positions and triangles, in the caller's numbering and unit.
+struct MeshData {
+    std::vector<Vec3f> positions;
+    std::vector<Triangle> triangles;
+};
+
+/// What was found out about a mesh's topology; decides which contact rules apply to it.
+struct MeshTraits {
+    std::uint32_t boundary_edges = 0;        ///< edges with one triangle
+    std::uint32_t non_manifold_edges = 0;    ///< edges with more than two triangles
+    std::uint32_t inconsistent_edges = 0;    ///< edges whose triangles do not run through it equally often both ways
+    std::uint32_t degenerate_triangles = 0;  ///< triangles without area; they are never hit
+    double volume = 0;                       ///< signed; negative: the mesh is inside out
+    double mean_edge_length = 0;
+
+    /// True if the surface has no border and one orientation, so that it has an inside.
+    bool closed() const { return inconsistent_edges == 0; }
+};
+
+struct MeshView;
+
+/// Topology and rest shape, checked once and then constant; any number of bodies share it.
+class Mesh {
+public:
+    /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out of range or a position
+    /// that is not finite or beyond constants::largest_coordinate. Anything else is accepted and described by traits().
+    Mesh(std::string name, MeshData data);
+    Mesh(Mesh&&) noexcept;
+    Mesh& operator=(Mesh&&) noexcept;
+    ~Mesh();
+
+    const std::string& name() const;
+    std::span<const Vec3f> positions() const;
+    /// Per vertex, unit and outward; zero where undefined.
+    std::span<const Vec3f> normals() const;
+    std::span<const Triangle> triangles() const;
+    /// A copy of what it was made from.
+    MeshData data() const;
+    const MeshTraits& traits() const;
+    /// Everything that steps read of it (core/mesh/mesh_view.hpp, which is not installed).
+    const MeshView& view() const;
+
+private:
+    struct Parts;
+    std::unique_ptr<const Parts> parts_;
+};
+
+}  // namespace pierce

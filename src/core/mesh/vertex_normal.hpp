@@ -1,0 +1,39 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+
+/// The unit outward normal of vertex `v`: its triangles' normals weighted by their angle at `v`, which makes its sign
+/// right for inside tests (Baerentzen and Aanaes 2005). Zero if the triangles cancel or have no area.
+PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t v) {
+    const Vec3d apex = to_double(positions[v]);
+    Vec3d sum;
+    for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
+        const Vec3d a = to_double(positions[mesh.corners[i].next]) - apex;
+        const Vec3d b = to_double(positions[mesh.corners[i].previous]) - apex;
+        const Vec3d n = cross(a, b);
+        const double sine = length(n);
+        if (sine > 0) sum += (angle_of(dot(a, b), sine) / sine) * n;
+    }
+    return length(sum) > constants::vanishing_normal ? normalized(sum) : Vec3d{};
+}
+
+/// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then it leads into the inside of a
+/// closed surface: seen from `v` the inside is a spherical polygon, and were the direction outside of it, the polygon's
+/// point nearest to it would lie on an edge, or a corner, whose triangle has the direction in front.
+PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t v, Vec3d direction) {
+    const Vec3d apex = to_double(positions[v]);
+    for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
+        const Vec3d a = to_double(positions[mesh.corners[i].next]) - apex;
+        const Vec3d b = to_double(positions[mesh.corners[i].previous]) - apex;
+        if (!(dot(cross(a, b), direction) < 0)) return false;
+    }
+    return true;
+}
+
+}  // namespace pierce

@@ -1,0 +1,267 @@
+#include "pierce/mesh_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/base/disjoint_sets.hpp"
+#include "core/base/view.hpp"
+#include "core/geometry/closest_point.hpp"
+#include "core/geometry/triangle_pair.hpp"
+#include "core/mesh/coincident_vertices.hpp"
+#include "core/mesh/half_edges.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh/vertex_normal.hpp"
+#include "core/mesh_build/mesh_topology.hpp"
+#include "core/mesh_build/self_intersections.hpp"
+
+namespace pierce {
+namespace {
+
+/// Counts findings by kind and keeps the places of the first.
+class Findings {
+public:
+    Findings() {
+        for (std::uint32_t i = 0; i < mesh_defect_count; ++i) all_[i].kind = static_cast<MeshDefect>(i);
+    }
+
+    void add(MeshDefect kind, std::initializer_list<std::uint32_t> place) {
+        MeshFinding& finding = all_[static_cast<std::size_t>(kind)];
+        if (finding.count++ < constants::finding_places)
+            finding.places.insert(finding.places.end(), place.begin(), place.end());
+    }
+
+    std::vector<MeshFinding> present() const {
+        std::vector<MeshFinding> findings;
+        std::ranges::copy_if(all_, std::back_inserter(findings), [](const MeshFinding& f) { return f.count > 0; });
+        return findings;
+    }
+
+private:
+    std::array<MeshFinding, mesh_defect_count> all_;
+};
+
+/// The triangles that can be looked at, and their ids in the mesh given.
+struct Part {
+    MeshData mesh;
+    std::vector<std::uint32_t> ids;
+};
+
+/// Sorts out what cannot be looked at: numbers that are none, and vertices that are not there or not used.
+Part usable_part(const MeshData& mesh, Findings& findings) {
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+        if (!is_finite(mesh.positions[v])) findings.add(MeshDefect::not_finite, {v});
+    Part part{{mesh.positions, {}}, {}};
+    std::vector<bool> used(mesh.positions.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        bool known = true, finite = true;
+        for (std::uint32_t v : mesh.triangles[t].vertex) {
+            if (v < used.size())
+                used[v] = true, finite &= is_finite(mesh.positions[v]);
+            else
+                known = false;
+        }
+        if (!known) findings.add(MeshDefect::bad_index, {t});
+        if (!known || !finite) continue;
+        part.mesh.triangles.push_back(mesh.triangles[t]);
+        part.ids.push_back(t);
+    }
+    if (mesh.triangles.empty()) findings.add(MeshDefect::no_triangles, {});
+    for (std::uint32_t v = 0; v < used.size(); ++v)
+        if (!used[v]) findings.add(MeshDefect::unused_vertex, {v});
+    return part;
+}
+
+void check_duplicate_vertices(const MeshData& mesh, Findings& findings) {
+    const std::vector<std::uint32_t> first = first_at_position(mesh.positions);
+    for (std::uint32_t v = 0; v < first.size(); ++v)
+        if (first[v] != v) findings.add(MeshDefect::duplicate_vertex, {v});
+}
+
+/// The same triangle with its smallest vertex first, facing the same way.
+Triangle turned(const Triangle& t) {
+    const auto smallest = std::ranges::min_element(t.vertex) - t.vertex;
+    return {{t.vertex[smallest], t.vertex[(smallest + 1) % 3], t.vertex[(smallest + 2) % 3]}};
+}
+
+void check_triangles(const Part& part, Findings& findings) {
+    std::map<std::array<std::uint32_t, 3>, std::uint32_t> first;
+    for (std::uint32_t t = 0; t < part.ids.size(); ++t) {
+        const Triangle& triangle = part.mesh.triangles[t];
+        const Corners c = corners_of(view_of(part.mesh.positions), triangle);
+        if (is_degenerate(c[0], c[1], c[2])) findings.add(MeshDefect::degenerate_triangle, {part.ids[t]});
+        std::array<std::uint32_t, 3> key = {triangle.vertex[0], triangle.vertex[1], triangle.vertex[2]};
+        std::ranges::sort(key);
+        const auto [earlier, is_new] = first.try_emplace(key, t);
+        if (is_new) continue;
+        const bool same_way = turned(triangle) == turned(part.mesh.triangles[earlier->second]);
+        findings.add(same_way ? MeshDefect::duplicate_triangle : MeshDefect::opposite_triangle, {part.ids[t]});
+    }
+}
+
+/// What edges say about the surface around vertices and triangles.
+struct Connections {
+    std::vector<bool> on_open_edge;       ///< per triangle: an edge of it is not balanced
+    std::vector<bool> on_irregular_edge;  ///< per vertex: an edge of it has not two triangles that run opposite ways
+    DisjointSets fans;                    ///< triangles' corners, 3 t + k, in sets that lie side by side around a vertex
+};
+
+Connections check_edges(const MeshData& mesh, Findings& findings) {
+    Connections connections{std::vector<bool>(mesh.triangles.size()), std::vector<bool>(mesh.positions.size()),
+                            DisjointSets(3 * mesh.triangles.size())};
+    for_each_edge(mesh.triangles, [&](std::span<const HalfEdge> sides) {
+        const std::uint32_t low = sides[0].low, high = sides[0].high;
+        const bool balanced = is_balanced(sides);
+        if (sides.size() == 1) findings.add(MeshDefect::border_edge, {low, high});
+        if (sides.size() == 2 && !balanced) findings.add(MeshDefect::flipped_edge, {low, high});
+        if (sides.size() > 2) findings.add(MeshDefect::non_manifold_edge, {low, high});
+        const auto corner = [](const HalfEdge& s, bool of_low) {
+            return 3 * s.triangle + (s.opposite + (of_low == s.forward ? 1u : 2u)) % 3;
+        };
+        for (const HalfEdge& s : sides) {
+            if (!balanced) connections.on_open_edge[s.triangle] = true;
+            for (const bool of_low : {true, false}) connections.fans.join(corner(s, of_low), corner(sides[0], of_low));
+        }
+        if (!balanced || sides.size() != 2) connections.on_irregular_edge[low] = connections.on_irregular_edge[high] = true;
+    });
+    return connections;
+}
+
+/// True if the opposite of a vertex's normal leads out of the surface, of which the vertex's triangles are a closed fan: the
+/// nearest feature of the fan, continued to infinity, has the direction in front (Baerentzen and Aanaes 2005).
+bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
+    if (leads_inside(mesh, mesh.positions, v, direction)) return false;
+    struct Wedge {
+        Vec3d away;  ///< from its nearest point to the direction
+        Vec3d normal;
+    };
+    const Vec3d apex = to_double(mesh.positions[v]);
+    std::vector<Wedge> fan;
+    for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
+        const Vec3d a = constants::wedge_length * normalized(to_double(mesh.positions[mesh.corners[i].next]) - apex);
+        const Vec3d b = constants::wedge_length * normalized(to_double(mesh.positions[mesh.corners[i].previous]) - apex);
+        fan.push_back({direction - closest_on_triangle(direction, {}, a, b), normalized(cross(a, b))});
+    }
+    const auto distance = [](const Wedge& w) { return length(w.away); };
+    const Wedge nearest = *std::ranges::min_element(fan, {}, distance);
+    // Where the vertex itself is nearest, its normal decides, and that points the other way.
+    if (distance(nearest) > 1 - constants::touch_tolerance) return false;
+    Vec3d normal;
+    for (const Wedge& w : fan)
+        if (distance(w) <= distance(nearest) + constants::touch_tolerance) normal += w.normal;
+    return dot(nearest.away, normal) > constants::touch_tolerance;
+}
+
+void check_vertices(const MeshData& mesh, bool closed, Connections& connections, Findings& findings) {
+    const auto [offsets, corners] = corners_of(mesh.triangles, mesh.positions.size());
+    MeshView view;
+    view.positions = view_of(mesh.positions);
+    view.corner_offsets = view_of(offsets);
+    view.corners = view_of(corners);
+    constexpr std::uint32_t none = 0xffffffffu;
+    std::vector<std::uint32_t> fan(mesh.positions.size(), none);
+    std::vector<bool> bowtie(mesh.positions.size());
+    for (std::uint32_t i = 0; i < 3 * mesh.triangles.size(); ++i) {
+        const std::uint32_t v = mesh.triangles[i / 3].vertex[i % 3], root = connections.fans.root(i);
+        if (fan[v] != none && fan[v] != root) bowtie[v] = true;
+        fan[v] = root;
+    }
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+        if (fan[v] == none) continue;
+        if (bowtie[v]) findings.add(MeshDefect::bowtie_vertex, {v});
+        const Vec3d normal = vertex_normal(view, view.positions, v);
+        const bool regular = closed && !bowtie[v] && !connections.on_irregular_edge[v];
+        if (length_squared(normal) == 0 || (regular && leads_outside(view, v, -normal)))
+            findings.add(MeshDefect::no_inward_direction, {v});
+    }
+}
+
+/// Triangles connected by vertices.
+struct Component {
+    std::vector<std::uint32_t> triangles;
+    Box box;
+    double volume = 0;  ///< signed
+    bool closed = true;
+};
+
+std::vector<Component> components_of(const MeshData& mesh, const Connections& connections, Vec3d origin) {
+    DisjointSets vertices = connected_vertices(mesh.triangles, mesh.positions.size());
+    std::map<std::uint32_t, std::size_t> index;
+    std::vector<Component> components;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto [at, is_new] = index.try_emplace(vertices.root(mesh.triangles[t].vertex[0]), components.size());
+        if (is_new) components.emplace_back();
+        Component& component = components[at->second];
+        const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
+        component.triangles.push_back(t);
+        for (Vec3d p : c) component.box.extend(p);
+        component.volume += dot(c[0] - origin, cross(c[1] - origin, c[2] - origin)) / 6;
+        component.closed = component.closed && !connections.on_open_edge[t];
+    }
+    return components;
+}
+
+/// How often a component winds around `p`, by the solid angles of its triangles (van Oosterom and Strackee 1983).
+double winding_number(const MeshData& mesh, const Component& component, Vec3d p) {
+    double sum = 0;
+    for (std::uint32_t t : component.triangles) {
+        Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
+        for (Vec3d& corner : c) corner = normalized(corner - p);
+        sum += std::atan2(dot(c[0], cross(c[1], c[2])), 1 + dot(c[0], c[1]) + dot(c[1], c[2]) + dot(c[2], c[0]));
+    }
+    return sum / (2 * std::numbers::pi);
+}
+
+/// True if the component lies inside others, as the wall of a cavity does.
+bool is_inside_others(const MeshData& mesh, const std::vector<Component>& components, const Component& component) {
+    const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[component.triangles[0]]);
+    const Vec3d p = (1.0 / 3) * (c[0] + c[1] + c[2]);
+    double winding = 0;
+    for (const Component& other : components)
+        if (&other != &component && other.closed && other.box.distance(p) == 0) winding += winding_number(mesh, other, p);
+    return std::lround(winding) > 0;
+}
+
+}  // namespace
+
+const MeshFinding* MeshReport::find(MeshDefect kind) const {
+    const auto found = std::ranges::find(findings, kind, &MeshFinding::kind);
+    return found == findings.end() ? nullptr : &*found;
+}
+
+bool MeshReport::sound() const {
+    return std::ranges::none_of(findings, [](const MeshFinding& f) { return changes_detection(f.kind); });
+}
+
+MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
+    MeshReport report;
+    report.vertices = static_cast<std::uint32_t>(mesh.positions.size());
+    report.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+    for (Vec3f p : mesh.positions)
+        if (is_finite(p)) report.box.extend(to_double(p));
+
+    Findings findings;
+    const Part part = usable_part(mesh, findings);
+    check_duplicate_vertices(mesh, findings);
+    check_triangles(part, findings);
+    Connections connections = check_edges(part.mesh, findings);
+    if (!part.ids.empty()) {
+        report.traits = traits_of(part.mesh, report.box.center());
+        report.closed = report.traits.closed();
+    }
+    check_vertices(part.mesh, report.closed, connections, findings);
+    const std::vector<Component> components = components_of(part.mesh, connections, report.box.center());
+    report.components = static_cast<std::uint32_t>(components.size());
+    for (const Component& c : components)
+        if (c.closed && c.volume < 0 && !is_inside_others(part.mesh, components, c))
+            findings.add(MeshDefect::inside_out, {part.ids[c.triangles[0]]});
+    if (options.self_intersections)
+        for (const auto& [t, other] : self_intersections(part.mesh))
+            findings.add(MeshDefect::self_intersection, {part.ids[t], part.ids[other]});
+    report.findings = findings.present();
+    return report;
+}
+
+}  // namespace pierce

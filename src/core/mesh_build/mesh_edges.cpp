@@ -1,0 +1,89 @@
+#include "core/mesh_build/mesh_edges.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/base/disjoint_sets.hpp"
+#include "core/device/bits.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/mesh/half_edges.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh/patch.hpp"
+
+namespace pierce {
+
+MeshEdges edges_of(const MeshView& mesh) {
+    std::vector<std::uint32_t> place(mesh.positions.size);
+    for (std::uint32_t i = 0; i < mesh.patch_vertices.size; ++i) place[mesh.patch_vertices[i]] = i;
+
+    MeshEdges made;
+    for_each_edge({mesh.triangles.begin(), mesh.triangles.end()}, [&](std::span<const HalfEdge> sides) {
+        std::uint32_t first = sides[0].low, second = sides[0].high;
+        if (first == second) return;
+        if (place[second] < place[first]) std::swap(first, second);
+        if (sides.size() == 2 && sides[0].forward != sides[1].forward)
+            made.edges.push_back({{first, second}, {sides[0].triangle, sides[1].triangle}});
+        else
+            for (const HalfEdge& side : sides) made.edges.push_back({{first, second}, {side.triangle, no_triangle}});
+    });
+    std::ranges::stable_sort(made.edges, {}, [&](const Edge& e) { return place[e.vertex[0]]; });
+
+    made.offsets.assign(patch_count(mesh) + 1, 0);
+    made.reach.assign(patch_count(mesh), 0.0f);
+    for (const Edge& e : made.edges) {
+        const std::uint32_t p = place[e.vertex[0]] / constants::patch_size;
+        ++made.offsets[p + 1];
+        const double size = length(to_double(mesh.positions[e.vertex[1]]) - to_double(mesh.positions[e.vertex[0]]));
+        made.reach[p] = std::max(made.reach[p], round_up(size));
+    }
+    std::partial_sum(made.offsets.begin(), made.offsets.end(), made.offsets.begin());
+    return made;
+}
+
+std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
+    std::vector<TriangleFeatures> features(mesh.triangles.size, {{no_vertex, no_vertex, no_vertex}, 0});
+    // Evenly: what a GPU's threads do side by side takes as long as the one with the most to do. Vertices are half as many
+    // as triangles: one for each, if it has one that is free, and then what is left.
+    std::vector<bool> owned(mesh.positions.size, false);
+    for (const bool one_each : {true, false})
+        for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t v = mesh.triangles[t].vertex[k];
+                if (owned[v] || (one_each && features[t].own != 0)) continue;
+                features[t].own |= 1u << k;
+                owned[v] = true;
+            }
+    for (std::uint32_t e = 0; e < mesh.edges.size; ++e) {
+        const Edge& edge = mesh.edges[e];
+        std::uint32_t own[2] = {}, fewest = 4, owner = 0;
+        for (std::uint32_t side = 0; side < 2; ++side) {
+            if (edge.triangle[side] == no_triangle) continue;
+            const Triangle& t = mesh.triangles[edge.triangle[side]];
+            TriangleFeatures& of = features[edge.triangle[side]];
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
+                if (std::minmax(v, w) != std::minmax(edge.vertex[0], edge.vertex[1])) continue;
+                of.edge[k] = e;
+                own[side] = 8u << k;
+            }
+            const std::uint32_t count = bit_count(of.own >> 3);
+            if (count < fewest) {
+                fewest = count;
+                owner = side;
+            }
+        }
+        features[edge.triangle[owner]].own |= own[owner];
+    }
+    return features;
+}
+
+std::vector<std::uint32_t> parts_of(const MeshView& mesh) {
+    DisjointSets vertices = connected_vertices({mesh.triangles.begin(), mesh.triangles.end()}, mesh.positions.size);
+    std::vector<std::uint32_t> parts;
+    for (const Triangle& t : mesh.triangles) parts.push_back(vertices.root(t.vertex[0]));
+    std::ranges::sort(parts);
+    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+    return parts;
+}
+
+}  // namespace pierce

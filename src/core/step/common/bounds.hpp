@@ -1,0 +1,394 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/device/loops.hpp"
+#include "core/device/warp.hpp"
+#include "core/geometry/motion_bound.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/mesh/patch.hpp"
+#include "core/step/records.hpp"
+#include "pierce/ids.hpp"
+#include "pierce/min_max.hpp"
+#include "pierce/settings.hpp"
+
+/// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
+/// Deforming bodies are measured patch by patch and added up block by block, so sums are the
+/// same on any machine.
+namespace pierce::stages {
+
+/// Sums from which the best-fitting rotation follows.
+struct Moments {
+    Vec3d sum;                          ///< of patch centres, relative to the body's first vertex
+    Vec3d rest_sum;                     ///< of the rest shape's patch centres, relative to the rest centroid
+    Matrix3 correlation{{{}, {}, {}}};  ///< sum of the products of the two
+
+    PIERCE_HD void add(const Moments& more) {
+        sum += more.sum;
+        rest_sum += more.rest_sum;
+        for (int r = 0; r < 3; ++r) correlation.row[r] += more.correlation.row[r];
+    }
+};
+
+static_assert(constants::block_size == Sixteen<Moments>::count);
+
+/// The sum of sixteen.
+PIERCE_HD inline Moments sum_of(const Sixteen<Moments>& parts) {
+    return parts.joined<Moments>([](std::uint32_t, const Moments& part) { return part; },
+                                 [](Moments& sum, const Moments& part) { sum.add(part); });
+}
+
+/// Per block: measures its patches, and adds up the moments of their centres, the patches standing for their vertices. Reads
+/// positions; writes blocks and patches.
+struct MeasurePatches {
+    View<const BodyView> bodies;
+    View<const BlockItem> items;
+    View<const View<PatchBlock>> blocks;  ///< per body
+    View<const View<Offsets>> patches;    ///< per body
+    View<Moments> moments;                ///< per block
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t at = Sixteen<Moments>::group_of(i);
+        const BlockItem item = items[at];
+        const BodyView& body = bodies[item.body];
+        PatchBlock& block = blocks[item.body][item.block];
+        const std::uint32_t first = item.first_patch(), last = item.last_patch(body.mesh);
+        const bool active = body.active;
+        Sixteen<Moments> of_patches;
+        of_patches.each([&](std::uint32_t k, Moments& m) {
+            m = {};
+            if (!active || first + k >= last) return;
+            measure_patch(body.mesh, body.positions, first + k, block, patches[item.body][first + k]);
+            const Vec3d center = measured_center(body.mesh, body.positions, block, first, k);
+            m.sum = center - to_double(body.positions[0]);
+            m.rest_sum = patch_center(body.mesh.blocks, first + k) - body.mesh.centroid;
+            for (int r = 0; r < 3; ++r) m.correlation.row[r] = m.sum[r] * m.rest_sum;
+        });
+        Sixteen<Moments>::settle();
+        const Moments all = sum_of(of_patches);
+        if (!Sixteen<Moments>::is_first()) return;
+        if (active) finish_block(body.mesh, body.positions, item.block, block);
+        moments[at] = all;
+    }
+};
+
+/// A rotation near the one closest to `a`: its quaternion is the eigenvector of the largest eigenvalue of a symmetric matrix
+/// (Horn 1987), found by squaring that matrix, shifted to have no negative eigenvalue. The identity for a zero matrix.
+PIERCE_HD inline Quaternion rough_rotation(const Matrix3& a) {
+    const double xx = a.row[0].x, xy = a.row[1].x, xz = a.row[2].x, yx = a.row[0].y, yy = a.row[1].y, yz = a.row[2].y,
+                 zx = a.row[0].z, zy = a.row[1].z, zz = a.row[2].z;
+    double m[4][4] = {{xx - yy - zz, xy + yx, zx + xz, yz - zy},
+                      {xy + yx, yy - xx - zz, yz + zy, zx - xz},
+                      {zx + xz, yz + zy, zz - xx - yy, xy - yx},
+                      {yz - zy, zx - xz, xy - yx, xx + yy + zz}};
+    // No eigenvalue is below minus the sum of the singular values of `a`.
+    const double norm = std::sqrt(3 * (length_squared(a.row[0]) + length_squared(a.row[1]) + length_squared(a.row[2])));
+    if (!(norm > 0)) return {};
+    for (int i = 0; i < 4; ++i) m[i][i] += norm;
+    for (std::uint32_t k = 0; k < constants::frame_fit_squarings; ++k) {
+        const double scale = 1 / (m[0][0] + m[1][1] + m[2][2] + m[3][3]);
+        double squared[4][4];
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j <= i; ++j) {
+                double sum = 0;
+                for (int l = 0; l < 4; ++l) sum += (scale * m[i][l]) * (scale * m[l][j]);
+                squared[i][j] = squared[j][i] = sum;
+            }
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) m[i][j] = squared[i][j];
+    }
+    // Every column is the eigenvector by now; the longest one is least rounded.
+    Quaternion q{m[0][0], m[1][0], m[2][0], m[3][0]};
+    double largest = m[0][0];
+    for (int k = 1; k < 4; ++k) {
+        if (!(m[k][k] > largest)) continue;
+        largest = m[k][k];
+        q = {m[0][k], m[1][k], m[2][k], m[3][k]};
+    }
+    return q;
+}
+
+/// The rotation closest to `a` (in the sense of largest trace of R^T a): a rough one, made better by the iteration of
+/// Mueller, Bender, Chentanez and Macklin (MIG 2016). It depends on nothing but `a`, so that contacts do not depend on
+/// earlier steps.
+PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a) {
+    Quaternion q = rough_rotation(a);
+    const Matrix3 columns = a.transposed();
+    for (std::uint32_t i = 0; i < constants::frame_fit_iterations; ++i) {
+        const Matrix3 axes = rotation_matrix(q).transposed();
+        Vec3d torque;
+        double trace = 0;
+        for (int k = 0; k < 3; ++k) {
+            torque += cross(axes.row[k], columns.row[k]);
+            trace += dot(axes.row[k], columns.row[k]);
+        }
+        const double size = std::fabs(trace);
+        if (!(size > 0)) break;
+        const Vec3d h = torque * (0.5 / size);
+        // One step of rotation by the vector 2h, as the quaternion (h, 1), then back to unit length.
+        const Quaternion r{q.x + h.x * q.w + h.y * q.z - h.z * q.y, q.y + h.y * q.w + h.z * q.x - h.x * q.z,
+                           q.z + h.z * q.w + h.x * q.y - h.y * q.x, q.w - h.x * q.x - h.y * q.y - h.z * q.z};
+        const double l = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
+        q = {r.x / l, r.y / l, r.z / l, r.w / l};
+    }
+    return q;
+}
+
+/// Per deforming body: fits a frame. Reads moments; writes the body's fit.
+struct FitFrame {
+    View<BodyView> bodies;
+    View<const BlockRange> ranges;
+    View<const Moments> moments;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BlockRange range = ranges[Sixteen<Moments>::group_of(i)];
+        BodyView& body = bodies[range.body];
+        if (!body.active) return;
+        Sixteen<Moments> parts;
+        parts.each([&](std::uint32_t k, Moments& sum) {
+            sum = {};
+            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count) sum.add(moments[b]);
+        });
+        Moments m = sum_of(parts);
+        if (!Sixteen<Moments>::is_first()) return;
+        const double per_patch = 1.0 / patch_count(body.mesh);
+        const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
+        for (int r = 0; r < 3; ++r) m.correlation.row[r] -= m.sum[r] * rest_mean;
+        body.fit.rotation = rotation_matrix(closest_rotation(m.correlation));
+        body.fit.origin = to_double(body.positions[0]) + mean - body.fit.rotation * (body.mesh.centroid + rest_mean);
+    }
+};
+
+/// What a patch, or a block of them, adds to its body's bounds.
+struct PartBounds {
+    Box fit_box, world_box;
+    double deviation = 0;
+    double shape_motion = 0;
+    double travel = 0;
+
+    PIERCE_HD void extend(const PartBounds& part) {
+        world_box.extend(part.world_box);
+        fit_box.extend(part.fit_box);
+        deviation = max_of(part.deviation, deviation);
+        shape_motion = max_of(part.shape_motion, shape_motion);
+        travel = max_of(part.travel, travel);
+    }
+};
+
+/// How far a vertex of patch `p` has moved since the step began, at most.
+PIERCE_HD inline double longest_way(const BodyView& body, std::uint32_t p) {
+    double squared = 0;
+    PIERCE_OVERLAPPED_LOOP
+    for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
+        const std::uint32_t v = body.mesh.patch_vertices[patch_begin(p) + k];
+        squared = max_of(length_squared(to_double(body.positions[v]) - to_double(body.start[v])), squared);
+    }
+    return std::sqrt(squared);
+}
+
+/// The bounds of sixteen parts.
+PIERCE_HD inline PartBounds bounds_of(const Sixteen<PartBounds>& parts) {
+    return parts.joined<PartBounds>([](std::uint32_t, const PartBounds& part) { return part; },
+                                    [](PartBounds& all, const PartBounds& part) { all.extend(part); });
+}
+
+/// Per block: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32 relative to the patch's centre:
+/// JoinBounds adds what that may lose.
+struct MeasureBounds {
+    View<const BodyView> bodies;
+    View<const BlockItem> items;
+    View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step; empty: not asked for
+    View<PartBounds> bounds;           ///< per block
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t at = Sixteen<PartBounds>::group_of(i);
+        const BlockItem item = items[at];
+        const BodyView& body = bodies[item.body];
+        Sixteen<PartBounds> parts;
+        parts.each([&](std::uint32_t k, PartBounds& part) {
+            const std::uint32_t p = item.first_patch() + k;
+            part = body.active && p < item.last_patch(body.mesh) ? of_patch(body, p, seen[item.body]) : PartBounds{};
+        });
+        const PartBounds all = bounds_of(parts);
+        if (Sixteen<PartBounds>::is_first()) bounds[at] = all;
+    }
+
+private:
+    PIERCE_HD static PartBounds of_patch(const BodyView& body, std::uint32_t p, View<SeenPatch> last) {
+        const Offsets now = body.patches[p], rest = body.mesh.patches[p];
+        const Vec3d in_world = patch_center(body.blocks, p);
+        const Vec3d center = body.fit.to_local(in_world);
+        const Vec3f moved = to_float(center - patch_center(body.mesh.blocks, p));
+        const TurnedOffsets<> turned(now, body.fit.rotation.transposed());
+        float away[constants::patch_size];
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+            const float x = moved.x + (turned.at[0][k] - rest.x[k]);
+            const float y = moved.y + (turned.at[1][k] - rest.y[k]);
+            const float z = moved.z + (turned.at[2][k] - rest.z[k]);
+            away[k] = x * x + y * y + z * z;
+        }
+        float furthest = 0;
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
+        PartBounds b;
+        const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
+        extend(b.fit_box, center, fit_axis);
+        const float* world_axis[3] = {now.x, now.y, now.z};
+        extend(b.world_box, in_world, world_axis);
+        b.deviation = std::sqrt(static_cast<double>(furthest));
+        if (last.size > 0) b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
+        if (body.start.size > 0) b.travel = longest_way(body, p);
+        return b;
+    }
+
+    /// Takes over where a patch is now; returns the square of the longest way from where it was.
+    PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets<>& now) {
+        const Vec3f moved = to_float(center - patch.center);
+        float way[constants::patch_size];
+        PIERCE_VECTOR_LOOP
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) {
+            const float x = moved.x + (now.at[0][k] - patch.offsets.x[k]);
+            const float y = moved.y + (now.at[1][k] - patch.offsets.y[k]);
+            const float z = moved.z + (now.at[2][k] - patch.offsets.z[k]);
+            way[k] = x * x + y * y + z * z;
+            patch.offsets.x[k] = now.at[0][k];
+            patch.offsets.y[k] = now.at[1][k];
+            patch.offsets.z[k] = now.at[2][k];
+        }
+        patch.center = center;
+        float longest_way = 0;
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k) longest_way = max_of(way[k], longest_way);
+        return longest_way;
+    }
+
+    PIERCE_HD static void extend(Box& box, Vec3d center, const float* const axis[3]) {
+        for (int r = 0; r < 3; ++r) {
+            float low = axis[r][0], high = low;
+            for (std::uint32_t k = 1; k < constants::patch_size; ++k) {
+                low = min_of(axis[r][k], low);
+                high = max_of(axis[r][k], high);
+            }
+            box.lower[r] = min_of(center[r] + low, box.lower[r]);
+            box.upper[r] = max_of(center[r] + high, box.upper[r]);
+        }
+    }
+};
+
+/// Per block, where no ray is cast: its box, and how far it has moved. Its body's frame is that of the world.
+struct MeasureBoxes {
+    View<const BodyView> bodies;
+    View<const BlockItem> items;
+    View<PartBounds> bounds;  ///< per block
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t at = Sixteen<PartBounds>::group_of(i);
+        const BlockItem item = items[at];
+        const BodyView& body = bodies[item.body];
+        Sixteen<PartBounds> parts;
+        parts.each([&](std::uint32_t k, PartBounds& part) {
+            part = {};
+            const std::uint32_t p = item.first_patch() + k;
+            if (!body.active || p >= item.last_patch(body.mesh)) return;
+            PIERCE_OVERLAPPED_LOOP
+            for (std::uint32_t v = 0; v < patch_length(body.mesh, p); ++v)
+                part.world_box.extend(to_double(body.positions[body.mesh.patch_vertices[patch_begin(p) + v]]));
+            part.fit_box = part.world_box;
+            if (body.start.size > 0) part.travel = longest_way(body, p);
+        });
+        const PartBounds all = bounds_of(parts);
+        if (Sixteen<PartBounds>::is_first()) bounds[at] = all;
+    }
+};
+
+/// Per deforming body: joins its blocks' bounds. Writes the body's boxes, deviation and touch tolerance.
+struct JoinBounds {
+    View<BodyView> bodies;
+    View<const BlockRange> ranges;
+    View<const PartBounds> bounds;
+    bool has_fit = true;  ///< a frame of its own
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const BlockRange range = ranges[Sixteen<PartBounds>::group_of(i)];
+        BodyView& body = bodies[range.body];
+        if (!body.active) return;
+        Sixteen<PartBounds> parts;
+        parts.each([&](std::uint32_t k, PartBounds& part) {
+            part = {};
+            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count) part.extend(bounds[b]);
+        });
+        const PartBounds all = bounds_of(parts);
+        if (!Sixteen<PartBounds>::is_first()) return;
+        if (!has_fit) body.fit = {};
+        body.touch = constants::touch_tolerance * all.fit_box.extent();
+        body.world_box = all.world_box.inflated(body.touch);
+        body.fit_box = all.fit_box.inflated(body.touch);
+        body.deviation = all.deviation + body.touch;
+        body.shape_motion = all.shape_motion + body.touch;
+        body.travel = all.travel + (body.start.size > 0 ? body.touch : 0.0);
+    }
+};
+
+/// Per body: whether the last step saw it, and where. Reads bodies; writes what this step saw.
+struct CompareWithLast {
+    View<BodyView> bodies;
+    View<const BodyId> ids;
+    View<const SeenBody> last;  ///< as many as there were
+    View<SeenBody> seen;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        BodyView& body = bodies[i];
+        seen[i] = {ids[i], body.fit, body.active};
+        body.seen = body.active && i < last.size && last[i].active && last[i].id == ids[i];
+        body.still = body.seen && body.motion != Motion::deforming && are_identical(last[i].fit, body.fit);
+        if (body.seen) body.last_fit = last[i].fit;
+    }
+};
+
+/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
+/// A body that is seen for the first time may do anything. Reads bodies, their last fits and settings; writes reach.
+struct MeasureReach {
+    View<BodyView> bodies;
+    Settings settings;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        BodyView& body = bodies[i];
+        body.reach = 0;
+        if (!body.active) return;
+        if (settings.prediction_distance >= 0) {
+            body.reach = 0.5 * settings.prediction_distance;
+            return;
+        }
+        body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
+        if (body.seen)
+            body.reach = min_of(settings.full_every * largest_motion(body.last_fit, body.fit, body.fit_box), body.reach);
+    }
+};
+
+/// Per body: the world box of a fixed or rigid body that moved. Reads its pose and rest box.
+struct PlaceBox {
+    View<BodyView> bodies;
+    bool meets_sheets = false;  ///< where sheets look, its vertices are rounded to float32
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        BodyView& body = bodies[i];
+        if (body.motion == Motion::deforming || !body.active) return;
+        const Vec3d half = body.fit_box.half_size();
+        const Vec3d center = body.space.to_parent(body.fit_box.center());
+        Vec3d reach;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d r = body.space.rotation.row[k];
+            reach[k] = std::fabs(r.x) * half.x + std::fabs(r.y) * half.y + std::fabs(r.z) * half.z;
+        }
+        body.world_box = {center - reach, center + reach};
+        // Where nobody asks, the step began where it ends.
+        body.travel = largest_motion(body.start_space, body.space, body.fit_box);
+        if (meets_sheets) body.travel += constants::float_ulp * (body.world_box.max_coordinate() + body.travel);
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,115 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/step/records.hpp"
+#include "core/step/solids/walk.hpp"
+#include "core/trace/ray.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/min_max.hpp"
+
+/// Stage 12, stats: what the step did, added up. One term per item of a reduction.
+namespace pierce::stages {
+
+/// 1 for a ray that is traced.
+struct CountTraced {
+    View<const Ray> rays;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return rays[i].t_max >= 0; }
+};
+
+/// 1 for a ray that meets the other body.
+struct CountHit {
+    View<const Hit> hits;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return hits[i].triangle != no_triangle && !hits[i].predicted;
+    }
+};
+
+/// What contacts add up to.
+struct ContactSums {
+    std::uint32_t touching_pairs = 0, edges = 0, reprojected = 0, predictions_true = 0;
+    std::uint32_t self = 0, crossings = 0, remembered = 0, tangled = 0;
+    double depth = 0, depth_max = 0;  ///< [length]
+
+    PIERCE_HD friend ContactSums operator+(const ContactSums& a, const ContactSums& b) {
+        return {a.touching_pairs + b.touching_pairs,
+                a.edges + b.edges,
+                a.reprojected + b.reprojected,
+                a.predictions_true + b.predictions_true,
+                a.self + b.self,
+                a.crossings + b.crossings,
+                a.remembered + b.remembered,
+                a.tangled + b.tangled,
+                a.depth + b.depth,
+                max_of(a.depth_max, b.depth_max)};
+    }
+};
+
+/// What a contact adds to the sums; `first`: it is the first one of its pair.
+PIERCE_HD inline ContactSums sums_of(const Contact& c, bool first) {
+    return {first,
+            c.is_edge(),
+            c.reprojected,
+            c.found == Found::prediction,
+            c.a == c.b,
+            c.found == Found::crossing,
+            c.found == Found::remembered,
+            c.found == Found::tangled,
+            c.penetration_depth(),
+            c.penetration_depth()};
+}
+
+/// What walks add up to.
+struct WalkSums {
+    std::uint32_t steps = 0, lost = 0;
+
+    PIERCE_HD friend WalkSums operator+(const WalkSums& a, const WalkSums& b) {
+        return {a.steps + b.steps, a.lost + b.lost};
+    }
+};
+
+struct CountWalk {
+    View<const WalkCount> walks;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD WalkSums operator()(std::uint32_t i) const { return {walks[i].steps, walks[i].lost}; }
+};
+
+/// 1 for a vertex that needed no ray.
+struct CountSkipped {
+    View<const Route> routes;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return routes[i] == Route::skip || routes[i] == Route::kept;
+    }
+};
+
+/// 1 for a vertex that is expected to enter the other body.
+struct CountPredicted {
+    View<const VertexRecord> records;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return records[i].predicted; }
+};
+
+/// 1 for a pair of which all vertices of one body, or of both, were looked at.
+struct CountFullPass {
+    View<const PairMemory> memory;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return memory[2 * i].pass == Pass::full || memory[2 * i + 1].pass == Pass::full;
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,207 @@
+#pragma once
+
+#include <bit>
+#include "core/step/records.hpp"
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/geometry/oriented_box.hpp"
+#include "pierce/body.hpp"
+#include "pierce/ids.hpp"
+#include "pierce/min_max.hpp"
+
+/// Stage 2, pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted by (a, b). Sort and
+/// sweep along x, then the oriented boxes; on a device all pairs at once, if bodies are few.
+namespace pierce::stages {
+
+/// A key that orders like the number it is made from.
+PIERCE_HD inline std::uint32_t ordered_bits(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+/// Bits of a sweep key.
+inline constexpr int sweep_key_bits = 32;
+
+/// What the sweep looks at of a body: its box in the world, grown by touch tolerance and reach and rounded outwards. A body
+/// left out of the step has an empty one, and comes last.
+struct alignas(16) SweepItem {
+    Vec3f lower, upper;
+    std::uint32_t body = 0;
+    bool moves = false;
+    bool meets_itself = false;
+    std::uint8_t padding[2] = {};
+
+    PIERCE_HD SweepItem() = default;
+    PIERCE_HD SweepItem(const BodyView& b, std::uint32_t index)
+        : body(index), moves(b.motion != Motion::fixed), meets_itself(b.active && b.collision.self != SelfCollision::off) {
+        const Box box = b.active ? b.world_box.inflated(b.touch + b.outreach()) : Box{};
+        lower = {round_down(box.lower.x), round_down(box.lower.y), round_down(box.lower.z)};
+        upper = {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)};
+    }
+
+    /// True unless their boxes are apart along y or z, or neither moves. Not a branch each: which of them is apart cannot be
+    /// foreseen.
+    PIERCE_HD bool may_meet(const SweepItem& other) const {
+        const bool apart =
+            (other.upper.y < lower.y) | (other.lower.y > upper.y) | (other.upper.z < lower.z) | (other.lower.z > upper.z);
+        return !(apart | !(moves | other.moves));
+    }
+};
+
+PIERCE_HD inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
+
+/// Per body: the key to sweep by.
+struct SweepKey {
+    View<const BodyView> bodies;
+    View<std::uint64_t> keys;
+    View<std::uint32_t> order;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        order[i] = i;
+        keys[i] = bodies[i].active ? ordered_bits(SweepItem(bodies[i], i).lower.x) : ~std::uint64_t{0};
+    }
+};
+
+/// Per place in the sweep order: what the sweep needs, side by side.
+struct GatherSweep {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> order;
+    View<SweepItem> items;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { items[i] = SweepItem(bodies[order[i]], order[i]); }
+};
+
+/// Per place in the sweep order, `walks` items: the partners that come later, whom they visit taking turns. Pairs are keys
+/// a << 32 | b.
+struct SweepPairs {
+    View<const SweepItem> items;
+    std::uint32_t walks = 1;
+
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        std::uint32_t found = 0;
+        each(i, [&](std::uint32_t, std::uint32_t) { ++found; });
+        return found;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* keys) const {
+        if (found == 0) return;
+        each(i, [&](std::uint32_t body, std::uint32_t other) {
+            keys[place++] = pair_key(min_of(body, other), max_of(body, other));
+        });
+    }
+
+private:
+    template <class See>
+    PIERCE_HD void each(std::uint32_t i, const See& see) const {
+        const std::uint32_t place = i / walks;
+        const SweepItem& first = items[place];
+        if (first.meets_itself && i % walks == 0) see(first.body, first.body);
+        for (std::uint32_t k = place + 1 + i % walks; k < items.size; k += walks) {
+            const SweepItem& second = items[k];
+            if (!(second.lower.x <= first.upper.x)) break;
+            if (first.may_meet(second)) see(first.body, second.body);
+        }
+    }
+};
+
+/// True if the oriented boxes of two bodies come as close as the touch tolerance.
+PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
+    return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
+                                  max_of(a.touch, b.touch) + a.outreach() + b.outreach());
+}
+
+/// Per pair of overlapping world boxes: itself, if the oriented boxes overlap, too.
+struct TestPair {
+    View<const BodyView> bodies;
+    View<const std::uint64_t> keys;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        return fits_overlap(bodies[static_cast<std::uint32_t>(keys[i] >> 32)], bodies[static_cast<std::uint32_t>(keys[i])]);
+    }
+    PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
+    PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place, std::uint64_t* kept) const {
+        if (overlap) kept[place] = keys[i];
+    }
+};
+
+/// Who a pair is.
+PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<const BodyId> ids, Pair pair) {
+    const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
+    return {.a = ids[pair.a],
+            .b = ids[pair.b],
+            .mesh_a = a.mesh_key,
+            .mesh_b = b.mesh_key,
+            .self_a = a.collision.self,
+            .self_b = b.collision.self,
+            .sheet_a = a.collision.sheet,
+            .sheet_b = b.collision.sheet};
+}
+
+inline constexpr std::uint32_t no_pair = 0xffffffffu;
+
+/// Which of last step's pairs a pair was.
+struct LinkPair {
+    View<const BodyView> bodies;
+    View<const BodyId> ids;
+    View<const std::uint64_t> last_keys;
+    View<const PairIdentity> last;
+
+    /// Writes the pair of a key, who it is, and which of last step's pairs it was, if any.
+    PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity, std::uint32_t& link) const {
+        pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+        identity = identity_of(bodies, ids, pair);
+        std::uint32_t low = 0, high = last_keys.size;
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
+        }
+        link = low < last_keys.size && last_keys[low] == key && last[low].is(identity) ? low : no_pair;
+    }
+};
+
+/// Per sorted key: the pair, and which it was.
+struct LinkSorted {
+    LinkPair link;
+    View<const std::uint64_t> keys;
+    View<Pair> pairs;
+    View<PairIdentity> identities;
+    View<std::uint32_t> links;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { link(keys[i], pairs[i], identities[i], links[i]); }
+};
+
+/// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair, and which it was.
+struct FindPairs {
+    LinkPair link;
+
+    static constexpr bool in_order = true;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        const View<const BodyView> bodies = link.bodies;
+        const std::uint32_t a = i / bodies.size, b = i % bodies.size;
+        if (b < a) return false;
+        const SweepItem first(bodies[a], a), second(bodies[b], b);
+        if (a == b) return first.meets_itself;
+        if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
+        return first.may_meet(second) && fits_overlap(bodies[a], bodies[b]);
+    }
+    PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
+    PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys, Pair* pairs,
+                         PairIdentity* identities, std::uint32_t* links) const {
+        if (!is_pair) return;
+        keys[place] = pair_key(i / link.bodies.size, i % link.bodies.size);
+        link(keys[place], pairs[place], identities[place], links[place]);
+    }
+    /// The next step searches in all there is room for.
+    PIERCE_HD void pad(std::uint32_t place, std::uint64_t* keys, Pair*, PairIdentity*, std::uint32_t*) const {
+        keys[place] = ~std::uint64_t{0};
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/step/pipeline.hpp"
+#include "pierce/backend.hpp"
+
+namespace pierce {
+
+/// Any executor and tracer as a Backend.
+template <class E, class T>
+class PipelineBackend : public Backend {
+public:
+    PipelineBackend(std::string description, std::unique_ptr<E> executor, std::unique_ptr<T> tracer)
+        : description_(std::move(description)),
+          executor_(std::move(executor)),
+          tracer_(std::move(tracer)),
+          pipeline_(*executor_, *tracer_) {}
+
+    std::string description() const override { return description_; }
+    void step(const Scene& scene, StepStats& stats) override {
+        executor_->run([&] { pipeline_.step(scene, stats); });
+        pipeline_.report(*scene.plan, stats);
+        has_sheets_ = scene.plan->sheets;
+        if (!has_sheets_) return;
+        const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
+        contacts_.assign(others.begin(), others.end());
+        contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());
+    }
+    View<const Contact> contacts() const override {
+        return has_sheets_ ? view_of(contacts_) : view_of(pipeline_.contacts());
+    }
+    View<const Pair> pairs() const override { return view_of(pipeline_.pairs()); }
+
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const override {
+        return pipeline_.certificate(bodies, pair, side, vertex);
+    }
+
+    StepMemory memory() const override { return pipeline_.memory(); }
+    void remember(const StepMemory& memory) override { pipeline_.remember(memory); }
+
+    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
+        std::vector<std::uint32_t> wanted(bodies.size, 0);
+        for (const Ray& ray : rays) wanted[ray.target] = 1;
+        executor_->run([&] {
+            tracer_->update(*executor_, bodies, view_of(std::as_const(wanted)));
+            tracer_->closest_hits(*executor_, "trace", bodies, rays.size, rays, hits);
+        });
+    }
+
+private:
+    std::string description_;
+    std::unique_ptr<E> executor_;
+    std::unique_ptr<T> tracer_;
+    Pipeline<E, T> pipeline_;
+    bool has_sheets_ = false;
+    std::vector<Contact> contacts_;  ///< all of them, if some are sheets'
+};
+
+}  // namespace pierce

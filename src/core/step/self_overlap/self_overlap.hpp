@@ -1,0 +1,69 @@
+#pragma once
+
+#include <utility>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/step/self_overlap/self_overlap_stages.hpp"
+#include "core/step/step_tools.hpp"
+
+namespace pierce {
+
+/// Decides which rays of solids into themselves are contacts.
+template <Executor E, Tracer<E> T>
+class SelfOverlap {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    explicit SelfOverlap(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
+
+    /// Clears `batch.keep` of candidates that are not inside another part of their own body.
+    void test(const Scene& scene, View<const Pair> pairs, RayBatch<E>& batch) {
+        const std::uint32_t count = tools_.list(
+            "self_candidates", count_of(batch.candidates),
+            stages::IsSelfCandidate{scene.bodies, pairs, view_of(batch.sources), view_of(batch.candidates)}, listed_);
+        outward_.resize(count);
+        winding_.resize(count);
+        active_.resize(count);
+        executor_.for_each(
+            "generate_outward_rays", count,
+            stages::GenerateOutwardRays{scene.bodies, view_of(batch.rays), view_of(batch.candidates), view_of(listed_),
+                                        view_of(outward_), view_of(winding_), view_of(active_)});
+        tools_.update(scene.bodies, outward_);
+        while (!active_.empty()) follow(scene);
+        executor_.for_each("keep_self", count,
+                           stages::KeepSelf{scene.bodies, view_of(batch.rays), view_of(batch.sources), view_of(batch.hits),
+                                            view_of(batch.meetings), view_of(batch.candidates), view_of(listed_),
+                                            view_of(winding_), view_of(batch.keep)});
+    }
+
+private:
+    /// One crossing further along every ray that still goes on.
+    void follow(const Scene& scene) {
+        const auto count = static_cast<std::uint32_t>(active_.size());
+        now_rays_.resize(count);
+        goes_on_.resize(count);
+        executor_.for_each("gather_outward", count,
+                           stages::Gather<Ray>{view_of(outward_), view_of(active_), view_of(now_rays_)});
+        tools_.trace("trace_outward", scene.bodies, now_rays_, now_hits_);
+        executor_.for_each("advance_outward", count,
+                           stages::AdvanceOutward{scene.bodies, view_of(now_hits_), view_of(active_), view_of(outward_),
+                                                  view_of(winding_), view_of(goes_on_)});
+        const std::uint32_t left = tools_.list("outward_list", count, stages::IsUnderWay{view_of(goes_on_)}, places_);
+        next_active_.resize(left);
+        executor_.for_each("gather_active", left,
+                           stages::Gather<std::uint32_t>{view_of(active_), view_of(places_), view_of(next_active_)});
+        std::swap(active_, next_active_);
+    }
+
+    StepTools<E, T>& tools_;
+    E& executor_;
+    Buffer<std::uint32_t> listed_, active_, next_active_, places_, goes_on_;
+    Buffer<Ray> outward_, now_rays_;
+    Buffer<Hit> now_hits_;
+    Buffer<std::int32_t> winding_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/solids/classify.hpp"
+#include "core/trace/closest_search.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/trace/surface.hpp"
+#include "pierce/min_max.hpp"
+
+/// After stage 9, for solids that are looked for in themselves: which vertices are inside another part of their own body.
+///
+/// An inward ray from a vertex of a solid always leaves that solid, so R1 says nothing. What does is the winding number just
+/// outside the vertex: the signed crossings of its outward ray, the triangles around it left aside, add up to it. If some of
+/// the solid is there, the inward ray ends where that part ends (Hermann, Faure and Raffin 2008, section 5: outward to
+/// detect, inward to respond). The sum, as the first crossing of three overlapping parts may lead in.
+namespace pierce::stages {
+
+/// True for candidates whose ray goes into their own body.
+struct IsSelfCandidate {
+    View<const BodyView> bodies;
+    View<const Pair> pairs;
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        const Pair pair = pairs[sources[candidates[i]].pair];
+        return pair.is_self() && bodies[pair.a].is_solid();
+    }
+};
+
+/// Per such candidate: its outward ray.
+struct GenerateOutwardRays {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const std::uint32_t> candidates, listed;
+    View<Ray> outward;
+    View<std::int32_t> winding;
+    View<std::uint32_t> active;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        Ray ray = rays[candidates[listed[i]]];
+        ray.direction = -ray.direction;
+        ray.outward = 0;
+        ray.t_max = bodies[ray.target].fit_box.extent() + bodies[ray.target].touch;
+        outward[i] = ray;
+        winding[i] = 0;
+        active[i] = i;
+    }
+};
+
+/// Per ray under way: counts a crossing and goes on behind it, or has come to its end.
+struct AdvanceOutward {
+    View<const BodyView> bodies;
+    View<const Hit> hits;
+    View<const std::uint32_t> active;
+    View<Ray> outward;
+    View<std::int32_t> winding;
+    View<std::uint32_t> goes_on;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        goes_on[i] = 0;
+        if (hits[i].triangle == no_triangle) return;
+        Ray& ray = outward[active[i]];
+        const Surface surface = bodies[ray.target].surface();
+        const Meeting m = meet(ray, surface, hits[i].triangle);
+        winding[active[i]] += m.exit ? 1 : -1;
+        ray.t_min = max_of(m.t, ray.t_min) + surface.touch;
+        goes_on[i] = ray.t_min < ray.t_max;
+    }
+};
+
+/// True for rays that go on.
+struct IsUnderWay {
+    View<const std::uint32_t> goes_on;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return goes_on[i] != 0; }
+};
+
+/// Per candidate of a body itself: 1 if its vertex is inside another part, which at rest is not near it.
+struct KeepSelf {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const RaySource> sources;
+    View<const Hit> hits;
+    View<const Meeting> meetings;
+    View<const std::uint32_t> candidates, listed;
+    View<const std::int32_t> winding;
+    View<std::uint32_t> keep;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t r = candidates[listed[i]];
+        const MeshView& mesh = bodies[rays[r].target].mesh;
+        const Triangle& t = mesh.triangles[hits[r].triangle];
+        Vec3d at_rest;
+        for (int k = 0; k < 3; ++k) at_rest += meetings[r].barycentric[k] * to_double(mesh.positions[t.vertex[k]]);
+        const double away = length(at_rest - to_double(mesh.positions[sources[r].item]));
+        keep[listed[i]] = winding[i] >= 1 && away >= constants::self_distance * mesh.mean_edge_length;
+    }
+};
+
+}  // namespace pierce::stages

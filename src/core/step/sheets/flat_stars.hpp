@@ -1,0 +1,98 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/geometry/separating_direction.hpp"
+#include "core/step/sheets/sheet_bounds.hpp"
+#include "pierce/min_max.hpp"
+
+/// Where a sheet cannot fold onto itself.
+namespace pierce::stages {
+
+/// The corners of a placed triangle around which nothing folds; no_vertex for the others.
+struct alignas(16) FlatCorners {
+    std::uint32_t vertex[3] = {no_vertex, no_vertex, no_vertex};
+    std::uint32_t padding = 0;
+
+    /// True if another triangle of the same body hangs together with it around such a vertex.
+    PIERCE_HD bool shares_one(const FlatCorners& other) const {
+        bool shares = false;
+        for (std::uint32_t v : vertex)
+            shares |= v != no_vertex && (v == other.vertex[0] || v == other.vertex[1] || v == other.vertex[2]);
+        return shares;
+    }
+};
+
+/// Per vertex of a sheet: 1 if the triangles around it are proved not to meet during the step, except where they hang
+/// together: they go around the vertex once, and seen along one direction each of them keeps facing it. Then their
+/// shadows are sectors that share no more than their sides, at any time: a sector has less than half a turn while its
+/// triangle faces that way, and the number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
+struct FindFlatStars {
+    SheetBodies bodies;
+    View<std::uint32_t> flat;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const OwnedItem item = owned_item(bodies.vertex_offsets, i);
+        const SheetBody body = bodies[item.owner];
+        flat[i] = body.view.collision.sheet && is_flat(body, item.index);
+    }
+
+private:
+    /// How a triangle at the vertex, given by the ways to its two other corners, faces `n` over the step: the least of the
+    /// Bernstein coefficients of a quadratic, which is not above its least value.
+    PIERCE_HD static double facing(const MovingPoint& u, const MovingPoint& w, Vec3d n) {
+        const double start = dot(n, cross(u.start, w.start)), end = dot(n, cross(u.end, w.end));
+        const double middle = 0.5 * (dot(n, cross(u.start, w.end)) + dot(n, cross(u.end, w.start)));
+        return min_of(start, min_of(middle, end));
+    }
+
+    PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
+        const std::uint32_t begin = body.mesh.corner_offsets[v], end = body.mesh.corner_offsets[v + 1];
+        if (begin == end || body.mesh.fans[begin] == no_vertex) return false;
+        const MovingPoint at = body.vertex(v);
+        const auto way_to = [&](std::uint32_t place) {
+            const MovingPoint p = body.vertex(body.mesh.fans[place]);
+            return MovingPoint{p.start - at.start, p.end - at.end};
+        };
+        const MovingPoint last = way_to(end - 1);
+        Vec3d n;
+        double size = 0;
+        MovingPoint u = last;
+        for (std::uint32_t c = begin; c < end; ++c) {
+            const MovingPoint w = way_to(c);
+            n += cross(u.start, w.start) + cross(u.end, w.end);
+            size = max_of(size, max_of(length_squared(u.start), length_squared(u.end)));
+            u = w;
+        }
+        const double least = constants::motion_rounding * length(n) * size;
+        std::uint32_t turns = 0;
+        u = last;
+        for (std::uint32_t c = begin; c < end; ++c) {
+            const MovingPoint w = way_to(c);
+            if (!(facing(u, w, n) > least)) return false;
+            turns += dot(n, cross(u.start, last.start)) >= 0 && dot(n, cross(last.start, w.start)) > 0;
+            u = w;
+        }
+        return turns == 1;
+    }
+};
+
+/// Per place of a group: its triangle's flat corners.
+struct PlaceFlatCorners {
+    SheetBodies bodies;
+    View<const std::uint32_t> flat;  ///< per vertex
+    View<FlatCorners> corners;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        FlatCorners c;
+        const std::uint32_t owner = owned_item(bodies.block_offsets, i / triangles_per_block).owner;
+        const SheetBody body = bodies[owner];
+        if (body.has_triangle_at(i)) {
+            const Triangle t = body.mesh.triangles[body.triangle_at(i)];
+            for (int k = 0; k < 3; ++k)
+                if (flat[bodies.vertex_offsets[owner] + t.vertex[k]]) c.vertex[k] = t.vertex[k];
+        }
+        write_whole(corners[i], c);
+    }
+};
+
+}  // namespace pierce::stages

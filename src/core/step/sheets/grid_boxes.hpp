@@ -1,0 +1,143 @@
+#pragma once
+
+#include <bit>
+#include <limits>
+
+#include "core/device/quick_math.hpp"
+#include "core/device/whole.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/geometry/quick_vec3.hpp"
+#include "pierce/constants.hpp"
+
+/// Many boxes against many: sixteen in as little memory as five of float32, compared four at a time.
+namespace pierce::stages {
+
+/// A box in float32, not smaller than what it holds; empty by default.
+struct alignas(16) QuickBox {
+    static constexpr float nowhere = std::numeric_limits<float>::infinity();
+
+    Vec3f lower{nowhere, nowhere, nowhere};
+    float lower_padding = 0;
+    Vec3f upper{-nowhere, -nowhere, -nowhere};
+    float upper_padding = 0;
+
+    PIERCE_HD bool empty() const { return !(lower.x <= upper.x); }
+    PIERCE_HD void extend(Vec3f p) {
+        for (int axis = 0; axis < 3; ++axis) {
+            lower[axis] = quick_min(p[axis], lower[axis]);
+            upper[axis] = quick_max(p[axis], upper[axis]);
+        }
+    }
+    PIERCE_HD void extend(const QuickBox& box) {
+        for (int axis = 0; axis < 3; ++axis) {
+            lower[axis] = quick_min(box.lower[axis], lower[axis]);
+            upper[axis] = quick_max(box.upper[axis], upper[axis]);
+        }
+    }
+    /// Grown by `margin` on every side, and a little more.
+    PIERCE_HD QuickBox inflated(float margin) const {
+        QuickBox box;
+        for (int axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = not_above(lower[axis] - margin);
+            box.upper[axis] = not_below(upper[axis] + margin);
+        }
+        return box;
+    }
+};
+
+/// A step is 1/124 of a side of a box. What is inside lies on steps 1 to 125, what is below or above it on 0 and 126. A
+/// coordinate that is not above another one has a step that is not above its step, whatever is rounded: a difference, a
+/// product and a sum in float32 keep that order, each by itself. So boxes that overlap do so in steps.
+struct alignas(16) BoxSteps {
+    Vec3f origin;
+    float padding = 0;
+    Vec3f per_length;  ///< of the way to the last step
+    float padding_2 = 0;
+
+    static constexpr std::uint32_t last = 126;  ///< and one more are seven bits: the eighth is for borrowing from
+
+    BoxSteps() = default;
+    PIERCE_HD explicit BoxSteps(const QuickBox& whole) {
+        constexpr float step = 1 / static_cast<float>(last - 2), share = 1 - 2 / static_cast<float>(last);
+        for (int axis = 0; axis < 3; ++axis) {
+            // Of something flat, a step is still a difference of coordinates.
+            const float lower = whole.lower[axis], upper = whole.upper[axis];
+            const float least = quick_max(constants::grid_thinness * quick_max(std::fabs(lower), std::fabs(upper)),
+                                          std::numeric_limits<float>::min());
+            const float side = quick_max(upper - lower, least);
+            per_length[axis] = share / side;
+            origin[axis] = lower - step * side;
+        }
+    }
+
+    /// The step of a coordinate, and `more`.
+    PIERCE_HD std::uint32_t at(float coordinate, int axis, std::uint32_t more) const {
+        const float share = (coordinate - origin[axis]) * per_length[axis];
+        // The sum has the whole numbers in its lowest bits.
+        const float sum = quick_fma(static_cast<float>(last), quick_clamp(share), whole_numbers + static_cast<float>(more));
+        return std::bit_cast<std::uint32_t>(sum) - std::bit_cast<std::uint32_t>(whole_numbers);
+    }
+
+private:
+    static constexpr float whole_numbers = 0x1p23f;
+};
+
+/// Sixteen boxes, in steps of the box around them, a byte a coordinate.
+struct alignas(16) GridBoxes {
+    /// A coordinate of all of them, a byte each: of lower ends the step, of upper ones one more and the top bit. In words:
+    /// bytes one by one a GPU would take apart and put together again.
+    struct alignas(16) Row {
+        std::uint32_t word[constants::group_size / 4];
+
+        PIERCE_HD void set(std::uint32_t k, std::uint32_t byte) {
+            reinterpret_cast<unsigned char*>(word)[k] = static_cast<unsigned char>(byte);
+        }
+    };
+
+    Row lower[3], upper[3];
+    BoxSteps steps;
+
+    /// An empty one ends before the first step, where no box begins.
+    PIERCE_HD void set(std::uint32_t k, const BoxSteps& grid, const QuickBox& box) {
+        for (int axis = 0; axis < 3; ++axis) {
+            lower[axis].set(k, grid.at(box.lower[axis], axis, 0));
+            upper[axis].set(k, (box.empty() ? 0 : grid.at(box.upper[axis], axis, 1)) | top_bit);
+        }
+    }
+
+    /// A bit for each that may overlap a box, for none that is empty.
+    PIERCE_HD std::uint32_t near(const QuickBox& box) const { return near<1>({box}); }
+
+    /// Likewise for two boxes, sixteen bits each; read once for both.
+    PIERCE_HD std::uint32_t near(const QuickBox& box, const QuickBox& other) const { return near<2>({box, other}); }
+
+private:
+    static constexpr std::uint32_t top_bit = 0x80, every_byte = 0x01010101, top_bits = top_bit * every_byte;
+
+    template <std::uint32_t count>
+    PIERCE_HD std::uint32_t near(const QuickBox (&box)[count]) const {
+        const BoxSteps grid = read_whole(steps);
+        Row hits[count];
+        for (Row& row : hits) row = {top_bits, top_bits, top_bits, top_bits};
+        for (int axis = 0; axis < 3; ++axis) {
+            const Row begin = read_whole(lower[axis]), end = read_whole(upper[axis]);
+            for (std::uint32_t b = 0; b < count; ++b) {
+                // Bytes of seven bits: with the top bit before a difference, it stays if and only if that is not negative,
+                // and no byte borrows from the next one.
+                const std::uint32_t low = every_byte * grid.at(box[b].lower[axis], axis, 1);
+                const std::uint32_t high = every_byte * grid.at(box[b].upper[axis], axis, 0) | top_bits;
+                for (int w = 0; w < 4; ++w) hits[b].word[w] &= (high - begin.word[w]) & (end.word[w] - low);
+            }
+        }
+        std::uint32_t mask = 0;
+        for (std::uint32_t b = 0; b < count; ++b)
+            for (int w = 0; w < 4; ++w) mask |= top_bits_together(hits[b].word[w]) << (constants::group_size * b + 4 * w);
+        return mask;
+    }
+
+    /// The top bits of four bytes, side by side: the product adds up shifted copies, in which no bit meets another.
+    PIERCE_HD static std::uint32_t top_bits_together(std::uint32_t bits) { return (bits >> 7) * 0x10204080u >> 28; }
+};
+static_assert(sizeof(GridBoxes) == 128);
+
+}  // namespace pierce::stages

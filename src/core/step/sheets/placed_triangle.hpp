@@ -1,0 +1,65 @@
+#pragma once
+
+#include "core/device/quick_math.hpp"
+#include "core/geometry/quick_vec3.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/sheets/grid_boxes.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/ids.hpp"
+
+namespace pierce::stages {
+
+/// A triangle during the step, in world space.
+struct PlacedTriangle {
+    Vec3f start[3], end[3];
+    std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no part
+    std::uint32_t own = 0;                 ///< TriangleFeatures::own
+
+    PIERCE_HD QuickBox box() const {
+        QuickBox all;
+        for (int c = 0; c < 3 && triangle != no_triangle; ++c) {
+            all.extend(start[c]);
+            all.extend(end[c]);
+        }
+        return all;
+    }
+    PIERCE_HD Vec3d end_normal() const {
+        const Vec3d a = to_double(end[0]);
+        return cross(to_double(end[1]) - a, to_double(end[2]) - a);
+    }
+};
+
+/// A placed triangle as most of culling sees it: its corners at the end of the step, and how it has come there as a whole.
+/// Less to read, and hardly less to know: over a step a triangle turns and stretches little.
+struct alignas(16) DriftingTriangle {
+    struct Corner {
+        Vec3f end;
+        float more = 0;
+    };
+
+    Corner corner[3];
+    Vec3f drift;            ///< the mean of its corners' motions
+    std::uint32_t own = 0;  ///< TriangleFeatures::own
+
+    DriftingTriangle() = default;
+    PIERCE_HD explicit DriftingTriangle(const PlacedTriangle& t) : corner{{t.end[0]}, {t.end[1]}, {t.end[2]}}, own(t.own) {
+        float furthest = 0, largest = 0;
+        Vec3f motion[3];
+        for (int k = 0; k < 3; ++k) {
+            motion[k] = t.end[k] - t.start[k];
+            drift += (1.0f / 3) * motion[k];
+            largest = quick_max(largest_of(t.end[k] - t.end[0]), quick_max(largest_of(t.start[k] - t.end[0]), largest));
+        }
+        for (int k = 0; k < 3; ++k) furthest = quick_max(largest_of(motion[k] - drift), furthest);
+        corner[0].more = furthest;
+        corner[1].more = largest;
+    }
+
+    /// No coordinate of a corner's motion is further away from that of the mean.
+    PIERCE_HD float stray() const { return corner[0].more; }
+    /// No coordinate of a corner is larger, at the begin or the end, relative to the first one's place at the end.
+    PIERCE_HD float size() const { return corner[1].more; }
+    PIERCE_HD Vec3f end_normal() const { return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <bit>
+
+#include "core/base/view.hpp"
+#include "core/device/atomics.hpp"
+#include "core/execute/stage_traits.hpp"
+#include "core/geometry/float_rules.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/common/count.hpp"
+#include "core/step/records.hpp"
+#include "core/step/sheets/sheet_meetings.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/min_max.hpp"
+
+/// Sheets, last part: the list of their contacts, in order, what is remembered of each, and what they add up to.
+namespace pierce::stages {
+
+/// Per two features in their order: those with the same key are brought into the order of the other ones, by the first of
+/// them. They are few.
+struct OrderTies {
+    View<const FeaturePair> features;
+    View<const std::uint64_t> keys;
+    View<std::uint32_t> order;
+
+    PIERCE_HD void operator()(std::uint32_t first) const {
+        if (first > 0 && keys[first - 1] == keys[first]) return;
+        for (std::uint32_t i = first + 1; i < keys.size && keys[i] == keys[first]; ++i) {
+            const std::uint32_t feature = order[i], other = features[feature].other;
+            std::uint32_t place = i;
+            for (; place > first && features[order[place - 1]].other > other; --place) order[place] = order[place - 1];
+            order[place] = feature;
+        }
+    }
+};
+
+/// Per two features: for how many steps they have been a contact. Reads the memory of the last step.
+struct FindAge {
+    View<const FeaturePair> features;
+    SheetMemory memory;
+    View<std::uint32_t> ages;
+
+    static constexpr int threads_at_once = 1536;  // it waits for memory
+
+    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[i])); }
+};
+
+/// True for features that are a contact; lists those in their order.
+struct IsContact {
+    View<const Judgement> judgements;
+    View<const std::uint32_t> order;
+
+    PIERCE_HD bool operator()(std::uint32_t place) const { return judgements[order[place]].verdict == Verdict::contact; }
+    PIERCE_HD std::uint32_t listed(std::uint32_t place) const { return order[place]; }
+};
+
+/// What a contact adds to the sums, by its record.
+struct CountSheetContact {
+    View<const std::uint64_t> keys;
+    View<const SheetRecord> records;
+    std::uint32_t bits = 0;  ///< of the keys
+
+    PIERCE_HD ContactSums operator()(std::uint32_t i) const {
+        const SheetRecord r = records[i];
+        const bool first = i == 0 || pair_of(keys[i - 1], bits) != pair_of(keys[i], bits);
+        const double depth = max_of(-r.distance, 0.0);
+        return {first,
+                r.is_edge,
+                0,
+                0,
+                r.is_self,
+                r.found == Found::crossing,
+                r.found == Found::remembered,
+                r.found == Found::tangled,
+                depth,
+                depth};
+    }
+};
+
+/// Per contact of a sheet: everything in it, and what the next step will know of it.
+struct FillSheetContact {
+    SheetBodies bodies;
+    View<const SheetPair> pairs;
+    View<const FeaturePair> features;
+    View<const SheetMeeting> meetings;
+    View<const Judgement> judgements;
+    View<const std::uint32_t> ages;
+    View<const std::uint32_t> kept;  ///< features, in their order
+    std::uint32_t bits = 0;          ///< of the keys
+    View<std::uint64_t> keys;
+    View<SheetRecord> records;
+    View<std::uint32_t> deepest;  ///< per pair
+    View<Contact> contacts;
+
+    static constexpr int threads_at_once = 768;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t feature = kept[i];
+        const FeaturePair f = read_whole(features[feature]);
+        const SheetMeeting m = read_whole(meetings[feature]);
+        const Judgement judgement = judgements[feature];
+        const SheetPair pair = read_whole(pairs[f.pair]);
+        const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
+        const SheetBody source = bodies[from_b ? pair.second : pair.first],
+                        target = bodies[from_b ? pair.first : pair.second];
+        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
+        Contact c;
+        c.a = pair.ids[0];
+        c.b = pair.ids[1];
+        c.source = from_b ? Side::b : Side::a;
+        c.of_sheet = true;
+        c.found = judgement.found;
+        c.unknown_side = judgement.unknown;
+        c.time = m.time;
+        c.age = ages[feature];
+        c.distance = m.distance;
+        const bool is_vertex = f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b;
+        Vec3d p, corner[3];
+        if (is_vertex) {
+            c.vertex = f.item;
+            p = bodies.vertex(f.vertex[0]).end;
+            for (int k = 0; k < 3; ++k) corner[k] = bodies.vertex(f.vertex[k + 1]).end;
+        } else {
+            const Edge& edge = source.mesh.edges[f.item];
+            c.edge = f.item;
+            c.vertex = edge.vertex[0];
+            c.edge_end = edge.vertex[1];
+            c.along = m.along;
+            p = (1 - m.along) * source.vertex(edge.vertex[0]).end + m.along * source.vertex(edge.vertex[1]).end;
+        }
+        if (f.kind == FeatureKind::edges) {
+            const Edge& edge = target.mesh.edges[f.other];
+            c.other_edge = f.other;
+            c.triangle = edge.triangle[0];
+            // A triangle may name a vertex twice: each end of the edge is one of its corners.
+            const Triangle& t = target.mesh.triangles[c.triangle];
+            const int first = corner_of(t, edge.vertex[0]), second = corner_of(t, edge.vertex[1]);
+            for (int k = 0; k < 3; ++k) c.barycentric[k] = k == first ? 1 - m.weight[0] : k == second ? m.weight[0] : 0.0;
+        } else {
+            c.triangle = f.other;
+            for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight_of(k);
+        }
+        if (!is_vertex)
+            for (int k = 0; k < 3; ++k) corner[k] = target.vertex(target.mesh.triangles[c.triangle].vertex[k]).end;
+        Vec3d q;
+        for (int k = 0; k < 3; ++k) q += c.barycentric[k] * corner[k];
+        c.point_a = from_b ? q : p;
+        c.point_b = from_b ? p : q;
+        c.normal = from_b ? m.out : -m.out;
+        c.face_normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+        write_side_by_side(contacts.data, i, c);
+        SheetRecord record;
+        record.other = f.other;
+        record.age = c.age;
+        record.side = m.distance < 0 ? judgement.side : std::int8_t{0};
+        record.found = judgement.found;
+        record.is_self = pair.is_self();
+        record.is_edge = !is_vertex;
+        record.distance = m.distance;
+        records[i] = record;
+        if (is_vertex && m.distance < 0)
+            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.view.range))));
+    }
+};
+
+}  // namespace pierce::stages

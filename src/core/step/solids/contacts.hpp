@@ -1,0 +1,163 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/device/whole.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/common/count.hpp"
+#include "core/step/common/pairs.hpp"
+#include "core/step/records.hpp"
+#include "core/step/solids/classify.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/trace/surface.hpp"
+#include "pierce/contact.hpp"
+
+/// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries ages over.
+namespace pierce::stages {
+
+/// The key that orders contacts; chords of one edge share it.
+PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t pair, View<const Chord> chords) {
+    if (from.start == RayStart::vertex) return vertex_contact_key(pair, from.side, from.item);
+    return vertex_contact_key(pair, from.side, chords[from.item].edge) | std::uint64_t{1} << 30;
+}
+static_assert(constants::max_elements <= std::uint32_t{1} << 30);
+
+/// Per candidate: if it is kept, its key and itself.
+struct KeyContacts {
+    View<const Chord> chords;
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates, keep;
+
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return keep[i]; }
+    PIERCE_HD static std::uint32_t count(std::uint32_t kept) { return kept; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t kept, std::uint32_t place, std::uint64_t* keys,
+                         std::uint32_t* order) const {
+        if (!kept) return;
+        const RaySource s = sources[candidates[i]];
+        keys[place] = contact_key(s, s.pair, chords);
+        order[place] = i;
+    }
+};
+
+/// Rays and what became of them.
+struct RayResults {
+    View<const Ray> rays;
+    View<const Hit> hits;
+    View<const Meeting> meetings;
+};
+
+/// Per contact: everything in it, and what it adds to the sums. Reads rays, hits and last step's contacts and ages; writes
+/// the contact, its age and where its vertex finds it.
+struct FillContact {
+    View<const BodyView> bodies;
+    View<const BodyId> ids;
+    View<const Pair> pairs;
+    View<const Chord> chords;
+    View<const RaySource> sources;
+    RayResults found_rays;
+    RayResults aimed;                    ///< per candidate, re-projected; empty if that is not asked for
+    View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts
+    View<const std::uint32_t> candidates, order;
+    View<const std::uint64_t> keys;
+    View<const Route> routes;  ///< empty if steps do not remember
+    View<const Found> found;   ///< per ray, where it was walked
+    View<const std::uint32_t> links;
+    View<const std::uint64_t> last_keys;
+    View<const std::uint32_t> last_ages;
+    View<const Contact> last_contacts;  ///< where some are kept
+    View<VertexRecord> records;         ///< empty if steps do not remember
+    View<std::uint32_t> ages;
+    View<Contact> contacts;
+
+    PIERCE_HD ContactSums operator()(std::uint32_t i) const {
+        const std::uint32_t r = candidates[order[i]];
+        const bool first = i == 0 || keys[i - 1] >> 32 != keys[i] >> 32;
+        if (routes.size > 0 && routes[r] == Route::kept) {
+            Contact kept = last_contacts[records[r].contact];
+            ages[i] = ++kept.age;
+            records[r].contact = i;
+            write_whole(contacts[i], kept);
+            return sums_of(kept, first);
+        }
+        const bool moved = accepted.size > 0 && accepted[order[i]];
+        const RayResults& results = moved ? aimed : found_rays;
+        const std::uint32_t place = moved ? order[i] : r;
+        const Ray& ray = results.rays[place];
+        const RaySource& from = sources[r];
+        const Pair pair = pairs[from.pair];
+        const BodyView& source = bodies[pair.source(from.side)];
+        const BodyView& target = bodies[ray.target];
+        const Surface surface = target.surface();
+        const Meeting& m = results.meetings[place];
+        const std::uint32_t triangle = results.hits[place].triangle;
+        const Triangle& t = surface.triangles[triangle];
+        const Vec3d corner[3] = {to_double(surface.positions[t.vertex[0]]), to_double(surface.positions[t.vertex[1]]),
+                                 to_double(surface.positions[t.vertex[2]])};
+        Vec3d q;
+        for (int k = 0; k < 3; ++k) q += m.barycentric[k] * corner[k];
+        const Vec3d face = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+        const Vec3d p_world = source.space.to_parent(start_of(source, from, chords));
+        const Vec3d q_world = target.space.to_parent(q);
+        const Vec3d direction = target.space.rotation * ray.direction;
+
+        Contact c;
+        c.a = ids[pair.a];
+        c.b = ids[pair.b];
+        c.source = static_cast<Side>(from.side);
+        c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
+        if (routes.size > 0 && routes[r] == Route::walked) c.found = found[r];
+        if (pair.is_self()) c.found = Found::self;
+        if (from.separates) c.found = Found::separation;
+        c.reprojected = moved;
+        c.vertex = from.item;
+        if (from.start == RayStart::chord) {
+            const Chord& chord = chords[from.item];
+            const Edge& edge = source.mesh.edges[chord.edge];
+            c.edge = chord.edge;
+            c.chord = chord.ordinal;
+            c.along = chord.middle;
+            c.vertex = edge.vertex[0];
+            c.edge_end = edge.vertex[1];
+        }
+        c.triangle = triangle;
+        for (int k = 0; k < 3; ++k) c.barycentric[k] = m.barycentric[k];
+        c.point_a = from.side == 0 ? p_world : q_world;
+        c.point_b = from.side == 0 ? q_world : p_world;
+        c.normal = from.side == 0 ? -direction : direction;
+        c.face_normal = target.space.rotation * face;
+        c.distance = -m.t;
+        if (target.collision.sheet) of_velocity_ray(c, from, p_world, q_world, direction, m.t);
+        c.age = ages[i] = age(from, r);
+        if (r < records.size) records[r].contact = i;
+        write_whole(contacts[i], c);
+        return sums_of(c, first);
+    }
+
+private:
+    /// A sheet's vertex belongs where it has come from: ahead is what it would meet, behind what it has passed.
+    PIERCE_HD static void of_velocity_ray(Contact& c, const RaySource& from, Vec3d p, Vec3d q, Vec3d direction, double t) {
+        const bool passed = from.side == 1;
+        c.source = Side::a;
+        c.of_sheet = true;
+        c.found = passed ? Found::crossing : Found::near;
+        c.point_a = p;
+        c.point_b = q;
+        c.normal = passed ? -direction : direction;
+        c.distance = passed ? -t : t;
+    }
+
+    PIERCE_HD std::uint32_t age(const RaySource& from, std::uint32_t ray) const {
+        if (links[from.pair] == no_pair) return 0;
+        const std::uint64_t key = contact_key(from, links[from.pair], chords);
+        if (ray < records.size && is_contact(last_keys, records[ray].contact, key))
+            return last_ages[records[ray].contact] + 1;
+        std::uint32_t low = 0, high = last_keys.size;
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
+        }
+        return low < last_keys.size && last_keys[low] == key ? last_ages[low] + 1 : 0;
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,122 @@
+#include "core/step/step_memory.hpp"
+
+#include <algorithm>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/records.hpp"
+#include "core/step/solids/vertex_cull.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+namespace {
+
+using stages::no_pair;
+
+void require(bool holds) {
+    if (!holds) throw InputError("a saved world's memory of its last step does not fit its bodies");
+}
+
+/// Places from `first` on, `count` of them, in a list.
+void require_range(std::uint32_t first, std::uint32_t count, std::size_t size) {
+    require(first <= size && count <= size - first);
+}
+
+class Checker {
+public:
+    Checker(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids)
+        : memory_(memory), bodies_(bodies), ids_(ids) {}
+
+    void run() {
+        const std::size_t pairs = memory_.pair_keys.size();
+        require(pairs <= stages::no_pair / 2 && memory_.identities.size() == pairs);
+        require(std::ranges::is_sorted(memory_.pair_keys));
+        require(memory_.directed.empty() || memory_.directed.size() == 2 * pairs);
+        require(memory_.ages.size() == memory_.contact_keys.size());
+        require(memory_.contacts.empty() || memory_.contacts.size() == memory_.contact_keys.size());
+        require(memory_.sheet_records.size() == memory_.sheet_keys.size());
+        require(memory_.deepest.empty() || memory_.deepest.size() == pairs);
+        require(memory_.sheet_bits <= 32);
+        if (!memory_.directed.empty())
+            for (std::uint32_t i = 0; i < 2 * pairs; ++i) check_directed(i);
+        for (std::size_t i = 0; i < memory_.contacts.size(); ++i) check_contact(i);
+        for (std::size_t i = 0; i < memory_.sheet_records.size(); ++i) check_sheet_record(i);
+    }
+
+private:
+    /// The next step's pair that will be this one; nothing if it will be nobody's.
+    struct Known {
+        Pair pair;
+        bool is_known = false;
+    };
+    Known known(std::uint64_t pair) const {
+        require(pair < memory_.pair_keys.size());
+        const std::uint64_t key = memory_.pair_keys[pair];
+        const Pair p{static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+        if (p.a >= bodies_.size || p.b >= bodies_.size) return {};
+        return {p, memory_.identities[pair].is(stages::identity_of(bodies_, ids_, p))};
+    }
+
+    void check_directed(std::uint32_t i) const {
+        const Known k = known(i / 2);
+        if (!k.is_known) return;
+        const BodyView &source = bodies_[k.pair.source(i % 2)], &target = bodies_[k.pair.target(i % 2)];
+        if (!stages::is_asked(source, target, k.pair.is_self(), i % 2)) return;
+        const std::uint32_t first = memory_.directed[i].first_block, count = block_count(source.mesh);
+        require_range(first, count, memory_.blocks.size());
+        for (std::uint32_t b = 0; b < count; ++b) {
+            const BlockRecord& block = memory_.blocks[first + b];
+            require((block.kept & ~stages::first_bits(block_length(source.mesh, b))) == 0);
+            require_range(block.first_patch, bit_count(block.kept), memory_.patches.size());
+            std::uint32_t place = block.first_patch;
+            for (std::uint32_t left = block.kept; left != 0; left &= left - 1, ++place)
+                check_patch(memory_.patches[place], patch_length(source.mesh, b * constants::block_size + lowest_bit(left)),
+                            target.mesh);
+        }
+    }
+
+    void check_patch(const PatchRecord& patch, std::uint32_t length, const MeshView& target) const {
+        require((patch.mask & ~stages::first_bits(length)) == 0);
+        require_range(patch.first_vertex, bit_count(patch.mask), memory_.vertices.size());
+        for (std::uint32_t k = 0; k < bit_count(patch.mask); ++k) {
+            const VertexRecord& record = memory_.vertices[patch.first_vertex + k];
+            require(record.triangle == no_triangle ||
+                    (record.triangle < target.triangles.size && record.seen_triangle < target.triangles.size));
+        }
+    }
+
+    void check_contact(std::size_t i) const {
+        const Contact& c = memory_.contacts[i];
+        const Known k = known(memory_.contact_keys[i] >> 32);
+        if (!k.is_known) return;
+        require(c.a == ids_[k.pair.a] && c.b == ids_[k.pair.b]);
+        const auto side = static_cast<std::uint32_t>(c.source);
+        const MeshView &source = bodies_[k.pair.source(side)].mesh, &target = bodies_[k.pair.target(side)].mesh;
+        require(c.vertex < source.positions.size && c.triangle < target.triangles.size);
+        require(!c.is_edge() || (c.edge_end < source.positions.size && c.edge < source.edges.size));
+    }
+
+    void check_sheet_record(std::size_t i) const {
+        const std::uint64_t key = memory_.sheet_keys[i];
+        const Known k = known(stages::pair_of(key, memory_.sheet_bits));
+        if (!k.is_known) return;
+        const auto kind = static_cast<stages::FeatureKind>(key >> memory_.sheet_bits & 7);
+        const SheetRecord& record = memory_.sheet_records[i];
+        require(record.side >= -1 && record.side <= 1);
+        if (kind == stages::FeatureKind::vertex_of_a) require(record.other < bodies_[k.pair.b].mesh.triangles.size);
+        if (kind == stages::FeatureKind::vertex_of_b) require(record.other < bodies_[k.pair.a].mesh.triangles.size);
+    }
+
+    const StepMemory& memory_;
+    View<const BodyView> bodies_;
+    View<const BodyId> ids_;
+};
+
+}  // namespace
+
+void check(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids) {
+    Checker(memory, bodies, ids).run();
+}
+
+}  // namespace pierce

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/step/common/bounds.hpp"
+#include "core/step/common/pairs.hpp"
+#include "core/step/records.hpp"
+#include "core/step/sheets/sheet_memory.hpp"
+#include "pierce/body.hpp"
+#include "pierce/contact.hpp"
+
+namespace pierce {
+
+/// All that a step leaves for the next one, in host memory: for saving a world.
+struct StepMemory {
+    std::vector<std::uint64_t> pair_keys;  ///< sorted
+    std::vector<PairIdentity> identities;
+    std::vector<SeenBody> bodies;
+
+    // Of rays (temporal.hpp).
+    std::vector<PairMemory> directed;  ///< two per pair, or none
+    std::vector<BlockRecord> blocks;
+    std::vector<PatchRecord> patches;
+    std::vector<VertexRecord> vertices;
+    std::vector<std::uint64_t> contact_keys;
+    std::vector<std::uint32_t> ages;
+    std::vector<Contact> contacts;  ///< as many, or none
+
+    // Of sheets (sheet_memory.hpp).
+    std::uint32_t sheet_bits = 0;
+    std::vector<std::uint64_t> sheet_keys;
+    std::vector<SheetRecord> sheet_records;
+    std::vector<std::uint32_t> deepest;  ///< per pair, or none
+};
+
+/// Throws InputError unless a step of these bodies may use the memory: whatever it says, nothing outside of any list is
+/// read, and contacts name what there is.
+void check(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids);
+
+}  // namespace pierce

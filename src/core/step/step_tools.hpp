@@ -1,0 +1,117 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/step/common/gather.hpp"
+#include "core/step/solids/classify.hpp"
+#include "core/step/solids/contacts.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/trace/tracer.hpp"
+#include "pierce/body.hpp"
+
+namespace pierce {
+
+/// Rays on their way through a step, side by side: what they are, what they met, and which of them are contacts.
+template <Executor E>
+struct RayBatch {
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+
+    Buffer<Ray> rays;
+    Buffer<RaySource> sources;
+    Buffer<Hit> hits;
+    Buffer<Meeting> meetings;
+    Buffer<std::uint32_t> candidates;  ///< rays that started inside their target
+    Buffer<std::uint32_t> keep;        ///< per candidate: 1 for a contact
+
+    void resize(std::size_t count) {
+        rays.resize(count);
+        sources.resize(count);
+        hits.resize(count);
+        meetings.resize(count);
+    }
+
+    void clear() {
+        resize(0);
+        candidates.clear();
+        keep.clear();
+    }
+
+    stages::RayResults results() const { return {view_of(rays), view_of(hits), view_of(meetings)}; }
+};
+
+/// What the parts of a step share: its executor and tracer, and their usual ways with lists.
+template <Executor E, Tracer<E> T>
+class StepTools {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+    using Count = typename E::Count;
+
+    StepTools(E& its_executor, T& its_tracer) : executor(its_executor), tracer(its_tracer) {}
+
+    /// Turns per-item counts into places to write to; returns how many there are in all.
+    Count place(const char* name, const Buffer<std::uint32_t>& counts, Buffer<std::uint32_t>& offsets) {
+        offsets.resize(count_of(counts));
+        return executor.exclusive_scan(name, count_of(counts), view_of(counts), view_of(offsets));
+    }
+
+    /// Lists the items that are wanted; returns how many there are.
+    template <class F>
+    Count list(const char* name, Count count, const F& wanted, Buffer<std::uint32_t>& items) {
+        items.resize(count);
+        const Count found = executor.select(name, count, wanted, view_of(items));
+        items.resize(found);
+        return found;
+    }
+
+    /// Keys and their values, sorted by the lowest `bits` bits of the keys.
+    void sort(const char* name, int bits, Buffer<std::uint64_t>& unsorted_keys, const Buffer<std::uint32_t>& unsorted,
+              Buffer<std::uint64_t>& keys, Buffer<std::uint32_t>& values) {
+        const Count count = count_of(unsorted_keys);
+        keys.resize(count);
+        values.resize(count);
+        executor.sort(name, count, bits, view_of(unsorted_keys), view_of(unsorted), view_of(keys), view_of(values));
+    }
+
+    /// Stage 7 on a device, as soon as it is known where bodies are: trees of all, beside what comes until update(). A refit
+    /// of all is over before it is known which are wanted.
+    void update_all(View<const BodyView> bodies) {
+        if constexpr (!E::runs_on_host)
+            executor.beside([&] {
+                wanted_.resize(bodies.size);
+                executor.for_each("mark_targets", bodies.size, stages::MarkTargets{bodies, view_of(wanted_)});
+                tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
+            });
+    }
+
+    /// Stage 7. Trees of the bodies these rays are aimed at, and of no others.
+    void update(View<const BodyView> bodies, const Buffer<Ray>& rays) { update(bodies, count_of(rays), view_of(rays)); }
+
+    void update(View<const BodyView> bodies, Count count, View<const Ray> rays) {
+        if constexpr (!E::runs_on_host) return executor.join();
+        executor.assign(wanted_, bodies.size, 0u);
+        executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
+        tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
+    }
+
+    /// The triangle each ray crosses first.
+    void trace(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<Hit>& hits) {
+        hits.resize(count_of(rays));
+        tracer.closest_hits(executor, name, bodies, count_of(rays), view_of(rays), view_of(hits));
+    }
+
+    /// The triangle closest to each ray's origin, t_max away at most.
+    void closest(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<std::uint32_t>& triangles) {
+        triangles.resize(count_of(rays));
+        tracer.closest_triangles(executor, name, bodies, count_of(rays), view_of(rays), view_of(triangles));
+    }
+
+    E& executor;
+    T& tracer;
+
+private:
+    Buffer<std::uint32_t> wanted_;
+};
+
+}  // namespace pierce

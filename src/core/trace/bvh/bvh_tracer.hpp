@@ -1,0 +1,181 @@
+#pragma once
+
+#include <utility>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/trace/bvh/candidates.hpp"
+#include "core/trace/bvh/forest_builder.hpp"
+#include "core/trace/bvh/forest_plan.hpp"
+#include "core/trace/bvh/refit.hpp"
+#include "core/trace/bvh/traversal.hpp"
+#include "core/trace/bvh/tree_work.hpp"
+#include "core/trace/tracer.hpp"
+
+namespace pierce {
+namespace bvh {
+
+/// Per ray: its hit, among its candidates; none if they are too many.
+struct Trace {
+    View<const BodyView> bodies;
+    View<const Ray> rays;
+    View<const Candidates> candidates;
+    View<Hit> hits;
+
+    static constexpr bool is_uneven = true;
+    static constexpr int threads_at_once = 512;  // measured: 384 and 768 are a tenth and a quarter slower
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Ray ray = rays[i];
+        hits[i] = {};
+        if (!(ray.t_max >= 0)) return;
+        const Candidates& known = candidates[i];
+        const std::uint32_t count = known.count;
+        if (count == 0 || count == Candidates::too_many) return;
+        hits[i] = first_crossing(ray, bodies[ray.target].surface(), [&](CrossingSearch& search) {
+            for (std::uint32_t k = 0; k < count; ++k) search.test(known.triangle[k]);
+        });
+    }
+};
+
+/// Per ray with too many candidates: its hit, through the tree. A launch of its own: the few such rays would cost all others
+/// registers.
+struct TraceTree {
+    View<const BodyView> bodies;
+    Forest forest;
+    View<const Ray> rays;
+    View<const Candidates> candidates;
+    View<Hit> hits;
+
+    static constexpr int threads_at_once = 1024;  // nearly all threads only look
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (candidates[i].count != Candidates::too_many || !(rays[i].t_max >= 0)) return;
+        const Ray ray = rays[i];
+        const BodyView& body = bodies[ray.target];
+        hits[i] = first_crossing(ray, body.surface(), [&](CrossingSearch& search) {
+            show_near(forest, forest.trees[forest.tree_of_body[ray.target]], body,
+                      BoxRay(ray, positions_box(body), body.touch), search);
+        });
+    }
+};
+
+/// Per ray: the triangle closest to its origin.
+struct Closest {
+    View<const BodyView> bodies;
+    Forest forest;
+    View<const Ray> rays;
+    View<std::uint32_t> triangles;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const std::uint32_t target = rays[i].target;
+        const BodyView& body = bodies[target];
+        triangles[i] = closest_triangle(rays[i], body.surface(), [&](ClosestSearch& search) {
+            show_near(forest, forest.trees[forest.tree_of_body[target]], body, search);
+        });
+    }
+};
+
+}  // namespace bvh
+
+/// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming body, all built in one set
+/// of launches. Deforming bodies' trees are refitted when their positions have changed and somebody asks; all are rebuilt
+/// when bodies come or go and when RefitPolicy finds one that has decayed.
+template <Executor E>
+class BvhTracer {
+public:
+    using Count = typename E::Count;
+
+    explicit BvhTracer(TreeBuilder builder = TreeBuilder::lbvh) : builder_(builder) {}
+
+    /// Which trees there must be. `bodies` as the host sees them.
+    void arrange(E& executor, View<const BodyView> bodies) {
+        if (!plan_.arrange(bodies)) return;
+        executor.upload(plan_.trees(), trees_);
+        executor.upload(plan_.tree_of_body(), tree_of_body_);
+        executor.upload(plan_.tree_of_leaf(), tree_of_leaf_);
+        nodes_.resize(plan_.leaf_count());
+        leaf_places_.resize(plan_.leaf_count());
+        visits_.resize(plan_.leaf_count());
+        stale_ = true;
+    }
+
+    /// Trees of bodies with wanted[body] != 0 fit their positions.
+    void update(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+        if constexpr (E::runs_on_host) {
+            arrange(executor, bodies);
+        }
+        if (stale_) return build(executor, bodies);
+        executor.for_each("judge_trees", tree_count(),
+                          bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
+        executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
+        executor.for_each("mark_fitted", tree_count(), bvh::MarkFitted{bodies, wanted, forest(), view_of(total_)});
+    }
+
+    /// All trees anew.
+    void build(E& executor, View<const BodyView> bodies) {
+        builder_.build(executor, bodies, forest());
+        executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
+        executor.assign(work_, tree_count(), bvh::TreeWork{});
+        if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
+        counts_.builds += tree_count();
+        stale_ = false;
+    }
+
+    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
+                      View<Hit> hits) {
+        candidates_.resize(count);
+        executor.in_turn(name, count, bvh::FindCandidates{bodies, forest(), rays, view_of(candidates_), view_of(work_)},
+                         bvh::Trace{bodies, rays, view_of(std::as_const(candidates_)), hits},
+                         bvh::TraceTree{bodies, forest(), rays, view_of(std::as_const(candidates_)), hits});
+    }
+
+    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
+                           View<std::uint32_t> triangles) {
+        executor.for_each(name, count, bvh::Closest{bodies, forest(), rays, triangles});
+    }
+
+    /// True if the next update builds trees.
+    bool is_stale() const { return stale_; }
+
+    /// If a tree has decayed since the last call, the next update builds all of them.
+    TracerCounts counts(const E& executor) {
+        if (total_.empty()) return counts_;
+        const bvh::ForestWork total = executor.first(total_);
+        stale_ = stale_ || total.decayed != counts_.rebuilds;
+        counts_.rebuilds = total.decayed;
+        counts_.refits = total.refits;
+        counts_.triangle_tests = total.tests;
+        return counts_;
+    }
+
+private:
+    template <class T>
+    using Buffer = typename E::template Buffer<T>;
+
+    std::uint32_t tree_count() const { return static_cast<std::uint32_t>(plan_.trees().size()); }
+
+    bvh::Forest forest() {
+        return {view_of(trees_),
+                view_of(std::as_const(tree_of_body_)),
+                view_of(std::as_const(tree_of_leaf_)),
+                view_of(nodes_),
+                view_of(leaf_places_),
+                view_of(visits_)};
+    }
+
+    bvh::ForestPlan plan_;
+    bvh::ForestBuilder<E> builder_;
+    bool stale_ = false;
+    TracerCounts counts_;
+    Buffer<bvh::Tree> trees_;
+    Buffer<std::uint32_t> tree_of_body_, tree_of_leaf_;
+    Buffer<bvh::Node> nodes_;
+    Buffer<bvh::Place> leaf_places_;
+    Buffer<std::uint32_t> visits_;
+    Buffer<bvh::Candidates> candidates_;
+    Buffer<bvh::TreeWork> work_;
+    Buffer<bvh::ForestWork> total_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/execute/executor.hpp"
+#include "core/trace/bvh/hlbvh.hpp"
+#include "core/trace/bvh/lbvh.hpp"
+#include "core/trace/bvh/ploc.hpp"
+#include "core/trace/bvh/treelet.hpp"
+
+namespace pierce {
+
+/// How trees are built.
+enum class TreeBuilder : std::uint8_t {
+    lbvh,   ///< split along a Morton curve: the fastest to build
+    hlbvh,  ///< so at the bottom, by the surface area heuristic at the top
+    trbvh,  ///< an LBVH, restructured: the fastest to trace
+    ploc,   ///< neighbours on the curve join, the nearest first
+};
+
+}  // namespace pierce
+
+namespace pierce::bvh {
+
+/// Builds all trees of a forest, hierarchy and boxes, in one set of launches.
+template <Executor E>
+class ForestBuilder {
+public:
+    explicit ForestBuilder(TreeBuilder how) : how_(how) {}
+
+    /// Fills nodes, leaf_places and the trees' roots. `forest.visits` is scratch; all zero afterwards.
+    void build(E& executor, View<const BodyView> bodies, const Forest& forest) {
+        const std::uint32_t leaves = forest.tree_of_leaf.size;
+        const std::uint32_t bits = tree_bits(forest.trees.size);
+        keys_.resize(leaves);
+        leaves_.resize(leaves);
+        sorted_keys_.resize(leaves);
+        sorted_leaves_.resize(leaves);
+        executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
+        executor.for_each("leaf_keys", leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
+        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
+                      view_of(sorted_leaves_));
+        const auto sorted = view_of(std::as_const(sorted_leaves_));
+        const Lbvh lbvh{bodies, forest, view_of(std::as_const(sorted_keys_)), sorted, bits};
+        switch (how_) {
+            case TreeBuilder::hlbvh:
+                hlbvh_.build(executor, forest, lbvh);
+                break;
+            case TreeBuilder::ploc:
+                ploc_.build(executor, bodies, forest, sorted);
+                break;
+            case TreeBuilder::lbvh:
+            case TreeBuilder::trbvh:
+                executor.for_each("build_lbvh", leaves, BuildLbvh{lbvh});
+        }
+        if (how_ == TreeBuilder::trbvh) restructuring_.run(executor, forest, sorted);
+        executor.for_each("clear_visits", leaves, Fill{forest.visits, 0});
+    }
+
+private:
+    template <class T>
+    using Buffer = typename E::template Buffer<T>;
+
+    TreeBuilder how_;
+    Buffer<std::uint64_t> keys_, sorted_keys_;
+    Buffer<std::uint32_t> leaves_, sorted_leaves_;
+    Hlbvh<E> hlbvh_;
+    Ploc<E> ploc_;
+    TreeletRestructuring<E> restructuring_;
+};
+
+}  // namespace pierce::bvh

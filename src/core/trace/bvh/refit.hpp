@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/device/atomics.hpp"
+#include "core/trace/bvh/forest.hpp"
+#include "core/trace/bvh/tree_work.hpp"
+
+namespace pierce::bvh {
+
+/// True if a tree's boxes no longer fit and somebody asks.
+PIERCE_HD inline bool needs_refit(const Tree& tree, const BodyView& body, View<const std::uint32_t> wanted) {
+    return tree.moves && wanted[tree.body] && body.active && tree.fitted != body.positions_version;
+}
+
+/// Per leaf: writes its box, and climbs as long as it comes second to every node.
+struct Refit {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> wanted;  ///< per body
+    Forest forest;
+
+    static constexpr bool is_uneven = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const Tree& tree = forest.trees[forest.tree_of_leaf[i]];
+        const BodyView& body = bodies[tree.body];
+        if (!needs_refit(tree, body, wanted)) return;
+        BoxF box = leaf_box(body, i - tree.first);
+        for (Place place = forest.leaf_places[i]; !place.is_root(); place = forest.nodes[place.node()].parent) {
+            Node& node = forest.nodes[place.node()];
+            node.box[place.side()] = box;
+            // Two visits a refit: whoever comes first goes home.
+            if (atomic_add(forest.visits[place.node()], 1) % 2 == 0) return;
+            box = join(box, node.box[1 - place.side()]);
+        }
+    }
+};
+
+/// Per tree, after Refit: notes what it fits now. Counts those that changed.
+struct MarkFitted {
+    View<const BodyView> bodies;
+    View<const std::uint32_t> wanted;
+    Forest forest;
+    View<ForestWork> total;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t t) const {
+        Tree& tree = forest.trees[t];
+        if (!needs_refit(tree, bodies[tree.body], wanted)) return;
+        tree.fitted = bodies[tree.body].positions_version;
+        atomic_add(total[0].refits, 1);
+    }
+};
+
+/// Per tree, after all were built: notes what it fits.
+struct NoteFitted {
+    View<const BodyView> bodies;
+    View<Tree> trees;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t t) const {
+        if (trees[t].moves) trees[t].fitted = bodies[trees[t].body].positions_version;
+    }
+};
+
+}  // namespace pierce::bvh

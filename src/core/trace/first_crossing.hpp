@@ -1,0 +1,189 @@
+#pragma once
+
+#include <limits>
+
+#include "core/geometry/triangle.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/trace/ray.hpp"
+#include "core/trace/surface.hpp"
+#include "pierce/min_max.hpp"
+
+namespace pierce {
+
+/// True if a ray with these `excluded` vertices does not hit the triangle.
+PIERCE_HD inline bool is_excluded(const Triangle& t, const std::uint32_t (&excluded)[2]) {
+    return has_vertex(t, excluded[0]) && has_vertex(t, excluded[1]);
+}
+
+/// A ray under way through a surface. Any tracer shows it candidate triangles in any order through test(); which
+/// triangle it settles on does not depend on that order, nor on candidates it was shown in vain.
+///
+/// Meaning of the result (first_crossing below): crossings within `touch` of the ray's origin are a start. If they lead
+/// out of the surface, the origin touches it from inside and that triangle is the hit; if they lead in, they do not count.
+/// Then comes the first window [t, t + touch] whose signed crossings do not cancel: its net sign decides, and the
+/// triangle of that sign with the smallest id is the hit. Cancelling windows are grazed edges and coincident sheets.
+/// A ray with a `t_min` has no start: what it crosses up to there is left out.
+/// If the ray has an `outward` and the answer does not lead out, the last crossing behind the start, that far at most, is
+/// looked at, too. If it leads out along the ray, it is the hit, predicted.
+class CrossingSearch {
+public:
+    PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
+        : surface_(surface), ray_(ray.origin, ray.direction), t_max_(ray.t_max) {
+        excluded_[0] = ray.excluded[0];
+        excluded_[1] = ray.excluded[1];
+        outward_ = ray.outward;
+        first_pass_ = !(ray.t_min > 0);
+        after_ = first_pass_ ? surface.touch : ray.t_min;
+    }
+
+    /// Triangles beyond this need not be shown any more. It only shrinks.
+    PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + surface_.touch; }
+    /// Triangles before this need not be shown.
+    PIERCE_HD double begin() const { return first_pass_ ? -max_of(outward_, surface_.touch) : after_; }
+
+    PIERCE_HD void test(std::uint32_t triangle) {
+        const Triangle& t = surface_.triangles[triangle];
+        if (is_excluded(t, excluded_)) return;
+        const Vec3d a = to_double(surface_.positions[t.vertex[0]]);
+        const Vec3d b = to_double(surface_.positions[t.vertex[1]]);
+        const Vec3d c = to_double(surface_.positions[t.vertex[2]]);
+        const Crossing crossing = cross_triangle(ray_, a, b, c);
+        if (crossing.kind == Crossing::none) return;
+        if (crossing.kind == Crossing::coplanar) {
+            if (first_pass_ && touches_triangle(ray_.origin, a, b, c, surface_.touch))
+                coplanar_ = min_of(triangle, coplanar_);
+            return;
+        }
+        if (crossing.t <= after_) {
+            if (!first_pass_) return;
+            if (crossing.t >= -surface_.touch)
+                start_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
+            else if (crossing.t >= -outward_)
+                look_behind(triangle, crossing);
+            return;
+        }
+        if (crossing.t > t_max_ + surface_.touch) return;
+        if (summing_) {
+            if (crossing.t <= nearest_ + surface_.touch)
+                window_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
+            return;
+        }
+        const bool clean = crossing.weight[0] > 0 && crossing.weight[1] > 0 && crossing.weight[2] > 0;
+        if (crossing.t < nearest_) {
+            second_ = nearest_;
+            nearest_ = crossing.t;
+            nearest_triangle_ = triangle;
+            nearest_clean_ = clean;
+            nearest_exit_ = crossing.sign > 0;
+        } else {
+            second_ = min_of(crossing.t, second_);
+        }
+    }
+
+    /// What to do after all triangles between begin() and limit() were shown: true to show them all again, false if
+    /// hit() is the answer. Rays that meet one clean crossing, nearly all, need no second look.
+    PIERCE_HD bool again() {
+        if (first_pass_) {
+            first_pass_ = false;
+            if (coplanar_ != no_triangle) return settle(coplanar_, true);
+            if (start_.weight >= constants::crossing_weight) return settle(start_.exit, true);
+        }
+        if (!summing_) {
+            if (nearest_triangle_ == no_triangle) return settle(no_triangle, false);
+            if (nearest_clean_ && second_ > nearest_ + surface_.touch) return settle(nearest_triangle_, nearest_exit_);
+            summing_ = true;
+            window_ = {};
+            return true;
+        }
+        if (window_.weight >= constants::crossing_weight) return settle(window_.exit, true);
+        if (window_.weight <= -constants::crossing_weight) return settle(window_.entry, false);
+        grazed_ = true;
+        after_ = nearest_ + surface_.touch;
+        summing_ = false;
+        nearest_ = second_ = std::numeric_limits<double>::infinity();
+        nearest_triangle_ = no_triangle;
+        return true;
+    }
+
+    PIERCE_HD Hit hit() const { return hit_; }
+
+private:
+    /// Signed crossings of one window, and the smallest triangle of either sign.
+    struct Window {
+        std::int64_t weight = 0;
+        std::uint32_t exit = no_triangle, entry = no_triangle;
+
+        PIERCE_HD void add(std::uint32_t triangle, double sign, std::int64_t share) {
+            weight += sign > 0 ? share : -share;
+            if (sign > 0)
+                exit = min_of(triangle, exit);
+            else
+                entry = min_of(triangle, entry);
+        }
+    };
+
+    /// Behind the origin the last crossing counts.
+    PIERCE_HD void look_behind(std::uint32_t triangle, const Crossing& crossing) {
+        if (crossing.t < behind_ || (crossing.t == behind_ && triangle > behind_triangle_)) return;
+        behind_ = crossing.t;
+        behind_triangle_ = triangle;
+        behind_exit_ = crossing.sign > 0;
+    }
+
+    PIERCE_HD bool settle(std::uint32_t triangle, bool exit) {
+        hit_ = {triangle, false, grazed_};
+        if (!exit && behind_exit_) hit_ = {behind_triangle_, true, grazed_};
+        return false;
+    }
+
+    Surface surface_;
+    ShearedRay ray_;
+    std::uint32_t excluded_[2];
+    double t_max_ = 0;
+    double after_ = 0;
+    double nearest_ = std::numeric_limits<double>::infinity();
+    double second_ = std::numeric_limits<double>::infinity();
+    std::uint32_t nearest_triangle_ = no_triangle;
+    std::uint32_t coplanar_ = no_triangle;
+    Hit hit_;
+    Window start_, window_;
+    double outward_ = 0;
+    double behind_ = -std::numeric_limits<double>::infinity();
+    std::uint32_t behind_triangle_ = no_triangle;
+    bool behind_exit_ = false;
+    bool nearest_clean_ = false;
+    bool nearest_exit_ = false;
+    bool first_pass_;
+    bool summing_ = false;
+    bool grazed_ = false;
+};
+
+/// How a ray's line meets a triangle of the surface.
+PIERCE_HD inline Crossing crossing_of(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    return cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
+                          to_double(surface.positions[t.vertex[1]]), to_double(surface.positions[t.vertex[2]]));
+}
+
+/// True if the ray leaves the surface through `triangle`, or lies in it.
+PIERCE_HD inline bool leads_out(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Crossing crossing = crossing_of(ray, surface, triangle);
+    return crossing.kind == Crossing::coplanar || crossing.sign > 0;
+}
+
+/// True if the ray lies in the plane of `triangle`.
+PIERCE_HD inline bool lies_in(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    return crossing_of(ray, surface, triangle).kind == Crossing::coplanar;
+}
+
+/// The triangle through which a ray first crosses a surface, or none. `show(search)` calls search.test() for every
+/// triangle the ray may meet between search.begin() and search.limit().
+template <class Show>
+PIERCE_HD Hit first_crossing(const Ray& ray, const Surface& surface, Show show) {
+    CrossingSearch search(ray, surface);
+    do show(search);
+    while (search.again());
+    return search.hit();
+}
+
+}  // namespace pierce

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/trace/first_crossing.hpp"
+#include "core/trace/surface.hpp"
+
+namespace pierce {
+
+/// How a ray meets the triangle its tracer found.
+struct Meeting {
+    double t = 0;  ///< [length] not below zero
+    double barycentric[3] = {};
+    bool exit = false;  ///< leaves the target, or touches its surface
+    std::uint8_t padding[7] = {};
+};
+
+/// A point of a triangle, which is not degenerate, as the place where a ray leaves after `t`: barycentrics by areas.
+PIERCE_HD inline Meeting meeting_at(Vec3d p, double t, Vec3d a, Vec3d b, Vec3d c) {
+    const Vec3d n = cross(b - a, c - a);
+    const double area = length_squared(n);
+    Meeting m;
+    m.t = t;
+    m.barycentric[0] = dot(n, cross(c - b, p - b)) / area;
+    m.barycentric[1] = dot(n, cross(a - c, p - c)) / area;
+    m.barycentric[2] = 1.0 - m.barycentric[0] - m.barycentric[1];
+    m.exit = true;
+    return m;
+}
+
+/// The meeting of a ray with a triangle it crosses, or lies in.
+PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Vec3d a, Vec3d b, Vec3d c, double touch) {
+    if (crossing.kind == Crossing::coplanar) return meeting_at(ray.origin, 0, a, b, c);
+    Meeting m;
+    m.t = crossing.t > touch ? crossing.t : 0.0;
+    for (int k = 0; k < 3; ++k) m.barycentric[k] = crossing.weight[k];
+    m.exit = crossing.sign > 0;
+    return m;
+}
+
+/// Computed from the triangle itself, so that no tracer's arithmetic reaches a result.
+PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    const Vec3d a = to_double(surface.positions[t.vertex[0]]);
+    const Vec3d b = to_double(surface.positions[t.vertex[1]]);
+    const Vec3d c = to_double(surface.positions[t.vertex[2]]);
+    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c, surface.touch);
+}
+
+}  // namespace pierce

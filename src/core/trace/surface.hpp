@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/base/view.hpp"
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+
+/// The surface a ray is traced against: triangles over positions that share the ray's space.
+struct Surface {
+    View<const Vec3f> positions;
+    View<const Triangle> triangles;
+    double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
+};
+
+}  // namespace pierce

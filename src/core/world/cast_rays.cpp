@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/world/world_state.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+
+std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
+    state_->check_stepped("cast_rays");
+    const auto usable = [](Vec3d v) { return is_finite(v); };
+    if (!usable(origin) || !std::ranges::all_of(directions, usable))
+        throw InputError("cast_rays needs an origin and directions that are finite");
+    state_->backend->fetch_bodies(view_of(state_->views));
+    const auto& views = state_->views;
+    std::vector<Ray> rays;
+    std::vector<std::size_t> line;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const Vec3d direction = normalized(directions[i]);
+        if (length_squared(direction) == 0) continue;
+        for (std::uint32_t b = 0; b < views.size(); ++b) {
+            if (!views[b].active) continue;
+            const Frame to_fit = relative_frame({}, views[b].fit);
+            const Stretch inside = stretch_inside(views[b].fit_box, to_fit.to_parent(origin), to_fit.rotation * direction);
+            if (inside.begin > inside.end || inside.end < 0) continue;
+            const Frame to_space = relative_frame({}, views[b].space);
+            Ray ray;
+            // From just outside the box: a surface in the box's face must still lie ahead.
+            ray.origin = to_space.to_parent(origin + std::max(inside.begin - 2 * views[b].touch, 0.0) * direction);
+            ray.direction = to_space.rotation * direction;
+            ray.t_max = views[b].fit_box.extent() + 2 * views[b].touch;
+            ray.target = b;
+            rays.push_back(ray);
+            line.push_back(i);
+        }
+    }
+    std::vector<Hit> hits(rays.size());
+    state_->backend->closest_hits(view_of(views), view_of(std::as_const(rays)), view_of(hits));
+
+    std::vector<std::optional<RayHit>> nearest(directions.size());
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+        if (hits[r].triangle == no_triangle) continue;
+        const BodyView& body = views[rays[r].target];
+        const Meeting m = meet(rays[r], body.surface(), hits[r].triangle);
+        const Vec3d at = body.space.to_parent(rays[r].origin + m.t * rays[r].direction);
+        const double t = length(at - origin);
+        std::optional<RayHit>& best = nearest[line[r]];
+        if (best && best->t <= t) continue;
+        const Triangle& tri = body.mesh.triangles[hits[r].triangle];
+        const Vec3d a = to_double(body.positions[tri.vertex[0]]);
+        const Vec3d n = cross(to_double(body.positions[tri.vertex[1]]) - a, to_double(body.positions[tri.vertex[2]]) - a);
+        best = RayHit{state_->ids[rays[r].target], hits[r].triangle, t, body.space.rotation * normalized(n)};
+    }
+    return nearest;
+}
+
+}  // namespace pierce

@@ -1,0 +1,324 @@
+#include "pierce/explain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <span>
+#include <vector>
+
+#include "core/base/view.hpp"
+#include "core/body/body_view.hpp"
+#include "core/geometry/oriented_box.hpp"
+#include "core/step/solids/classify.hpp"
+#include "core/step/solids/directed_pair.hpp"
+#include "core/step/solids/ray_gen.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/world/explain_sheet.hpp"
+#include "core/world/world_state.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+namespace {
+
+/// Answers by the step's own functors, on bodies as the last step left them.
+class Explainer {
+public:
+    Explainer(Backend& backend, View<const BodyView> bodies, std::uint32_t source, std::uint32_t target,
+              std::uint32_t vertex)
+        : backend_(backend),
+          bodies_(bodies),
+          source_(bodies[source]),
+          target_(bodies[target]),
+          source_index_(source),
+          vertex_(vertex) {
+        directed_.source = source;
+        directed_.target = target;
+        directed_.to_fit = relative_frame(source_.space, target_.fit);
+        directed_.to_space = relative_frame(source_.space, target_.space);
+    }
+
+    Explanation answer() {
+        if (pair_fails() || is_culled()) return result_;
+        const Ray ray = stages::vertex_ray(bodies_, directed_, vertex_);
+        if (length_squared(ray.direction) == 0) return because(Reason::no_direction);
+        trace(ray);
+        return result_;
+    }
+
+private:
+    Explanation& because(Reason reason, double distance = 0) {
+        result_.reason = reason;
+        result_.distance = distance;
+        return result_;
+    }
+
+    bool pair_fails() {
+        const auto says = [&](Reason reason, double distance = 0) {
+            because(reason, distance);
+            return true;
+        };
+        if (!source_.active || !target_.active) return says(Reason::excluded);
+        if (source_.motion == Motion::fixed && target_.motion == Motion::fixed) return says(Reason::both_fixed);
+        if (!overlap(source_.world_box.inflated(source_.touch), target_.world_box.inflated(target_.touch))) {
+            Vec3d gap;
+            for (int i = 0; i < 3; ++i)
+                gap[i] = std::max({source_.world_box.lower[i] - target_.world_box.upper[i],
+                                   target_.world_box.lower[i] - source_.world_box.upper[i], 0.0});
+            return says(Reason::boxes_apart, length(gap));
+        }
+        if (!oriented_boxes_overlap(source_.fit, source_.fit_box, target_.fit, target_.fit_box,
+                                    std::max(source_.touch, target_.touch)))
+            return says(Reason::boxes_apart);
+        if (!target_.mesh.closed) return says(Reason::open_target);
+        return false;
+    }
+
+    bool is_culled() {
+        const Vec3d p = directed_.to_fit.to_parent(to_double(source_.positions[vertex_]));
+        const double margin = 2 * target_.touch;
+        const double beyond = target_.fit_box.distance(p);
+        const double clearance = target_.mesh.clearance()(p) - target_.deviation;
+        if (beyond > margin)
+            because(Reason::outside_box, beyond);
+        else if (clearance > margin)
+            because(Reason::outside_solid, clearance);
+        else
+            return false;
+        return true;
+    }
+
+    Hit first_hit(const Ray& ray) {
+        Hit hit;
+        backend_.closest_hits(bodies_, {&ray, 1}, {&hit, 1});
+        return hit;
+    }
+
+    /// R1 to R3, with the ray as long as the target to see what lies beyond its range.
+    void trace(Ray ray) {
+        const double range = ray.t_max;
+        ray.t_max = target_.fit_box.extent();
+        const Hit hit = first_hit(ray);
+        if (hit.triangle == no_triangle) {
+            because(Reason::nothing_ahead);
+            return;
+        }
+        const Meeting meeting = meet(ray, target_.surface(), hit.triangle);
+        result_.t = meeting.t;
+        result_.triangle = hit.triangle;
+        if (!meeting.exit) {
+            because(Reason::entry_first);
+            return;
+        }
+        if (!source_.mesh.closed) {
+            result_.own_exit = range;
+            because(meeting.t <= range + target_.touch ? Reason::contact : Reason::beyond_range);
+            return;
+        }
+        const std::optional<double> own = own_exit();
+        if (!own) {
+            because(Reason::not_inside_own);
+            return;
+        }
+        result_.own_exit = *own;
+        because(meeting.t <= *own + target_.touch ? Reason::contact : Reason::own_exit_first);
+    }
+
+    /// Length of the ray inside its own body; nothing if it does not start there.
+    std::optional<double> own_exit() {
+        Ray ray;
+        ray.direction = stages::inward_direction(source_, vertex_);
+        ray.origin = to_double(source_.positions[vertex_]);
+        ray.t_max = source_.fit_box.extent();
+        ray.target = source_index_;
+        ray.excluded[0] = ray.excluded[1] = vertex_;
+        const Hit hit = first_hit(ray);
+        if (hit.triangle == no_triangle) {
+            // Only the triangles around the vertex lie ahead: it is inside if it starts behind them.
+            if (!leads_inside(source_.mesh, source_.positions, vertex_, ray.direction)) return std::nullopt;
+            return INFINITY;
+        }
+        const Meeting exit = meet(ray, source_.surface(), hit.triangle);
+        if (!exit.exit) return std::nullopt;
+        return exit.t;
+    }
+
+    Backend& backend_;
+    View<const BodyView> bodies_;
+    const BodyView& source_;
+    const BodyView& target_;
+    std::uint32_t source_index_, vertex_;
+    stages::DirectedPair directed_;
+    Explanation result_;
+};
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+/// Those of a vertex of one body with another, or with the body itself.
+std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, BodyId other, std::uint32_t vertex) {
+    std::vector<Contact> result;
+    std::ranges::copy_if(all, std::back_inserter(result), [&](const Contact& c) {
+        return (c.source == Side::a ? c.a : c.b) == body && (c.source == Side::a ? c.b : c.a) == other &&
+               c.vertex == vertex && !c.is_edge();
+    });
+    return result;
+}
+
+}  // namespace
+
+Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
+    vertex_position(body, vertex);  // checks both
+    state_->bodies.get(other, "body");
+    const bool sheet = collision_of(body).sheet || collision_of(other).sheet;
+    if (body == other && !sheet) throw InputError("a vertex of a solid is not explained against its own body");
+    state_->check_stepped("explain");
+    state_->backend->fetch_bodies(view_of(state_->views));
+    const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
+    const View<const BodyView> views = view_of(std::as_const(state_->views));
+    if (sheet)
+        return explain_sheet(views[body.index], views[other.index], vertex,
+                             std::max(collision_of(body).thickness, collision_of(other).thickness), of_vertex);
+    Explanation result = Explainer(*state_->backend, views, body.index, other.index, vertex).answer();
+
+    const BodyId a = std::min(body, other), b = std::max(body, other);
+    const Side side = body == a ? Side::a : Side::b;
+    if (state_->plan.temporal == Temporal::certified)
+        result.certificate =
+            state_->backend->certificate(views, {a.index, b.index}, static_cast<std::uint32_t>(side), vertex);
+    if (!of_vertex.empty()) {
+        result.contact = of_vertex.front();
+        result.reason = Reason::contact;
+    } else if (result.reason == Reason::contact) {
+        result.reason = Reason::not_looked_at;
+    }
+    return result;
+}
+
+namespace {
+
+/// How a contact of two solids was found.
+const char* how_found(Found found) {
+    switch (found) {
+        case Found::full:
+            return ", found by a full ray";
+        case Found::walk:
+            return ", found by a walk from the last step's triangle";
+        case Found::prediction:
+            return ", found by a walk to a predicted triangle";
+        case Found::separation:
+            return ", measured along the direction in which the two separate soonest, as the pair has no contact along an "
+                   "inward ray";
+        case Found::self:
+        case Found::near:
+        case Found::crossing:
+        case Found::remembered:
+        case Found::tangled:
+            break;
+    }
+    return "";  // explain() answers for two solids
+}
+
+/// What a sheet's contact says of its vertex.
+std::string of_sheet(const Contact& c) {
+    const std::string where = " triangle " + std::to_string(c.triangle);
+    switch (c.found) {
+        case Found::crossing:
+            return "In contact: the vertex meets" + where + " in this step, at " + number(c.time) + " of it, and ends " +
+                   number(std::fabs(c.distance)) + (c.distance < 0 ? " behind it." : " in front of it.");
+        case Found::remembered:
+            return "In contact: the vertex went through" + where + ", or one beside it, in an earlier step, and is " +
+                   number(std::fabs(c.distance)) + " behind it.";
+        default:
+            return "In contact: the vertex is " + number(std::fabs(c.distance)) +
+                   (c.distance < 0 ? " behind" : " in front of") + where + ", closer than the thickness.";
+    }
+}
+
+}  // namespace
+
+std::string Explanation::text() const {
+    std::string s;
+    switch (reason) {
+        case Reason::contact:
+            if (contact && contact->of_sheet) return of_sheet(*contact);
+            s = "In contact: the vertex is inside and " + number(contact ? contact->penetration_depth() : t) + " deep";
+            if (contact) {
+                s += " at triangle " + std::to_string(contact->triangle);
+                s += how_found(contact->found);
+                if (contact->reprojected) s += ", then moved to the closest point";
+            }
+            s += ".";
+            break;
+        case Reason::excluded:
+            s = "No contact: one of the bodies is not finite and was left out of the step.";
+            break;
+        case Reason::both_fixed:
+            s = "No contact: two fixed bodies are no pair.";
+            break;
+        case Reason::boxes_apart:
+            s = distance > 0 ? "No contact: the bodies' boxes are " + number(distance) + " apart."
+                             : "No contact: the bodies' boxes, each in its body's own directions, do not overlap.";
+            break;
+        case Reason::open_target:
+            s = "No contact: the other body's mesh is open and has no inside.";
+            break;
+        case Reason::outside_box:
+            s = "No contact: the vertex is " + number(distance) + " outside of the other body's box.";
+            break;
+        case Reason::outside_solid:
+            s = "No contact: the vertex is at least " + number(distance) +
+                " outside of the other body, by its clearance grid.";
+            break;
+        case Reason::no_direction:
+            s = "No contact: the triangles around the vertex cancel, so it has no inward direction and no ray.";
+            break;
+        case Reason::entry_first:
+            s = "No contact: its ray first enters the other body, at " + number(t) + " through triangle " +
+                std::to_string(triangle) + ", so the vertex is outside.";
+            break;
+        case Reason::nothing_ahead:
+            s = "No contact: its ray meets the other body nowhere, so the vertex is outside.";
+            break;
+        case Reason::not_inside_own:
+            s = "No contact by rule R2: the vertex is inside the other body, but its ray does not start inside its own.";
+            break;
+        case Reason::own_exit_first:
+            s = "No contact by rule R3: the vertex is inside the other body, but its ray leaves its own body at " +
+                number(own_exit) + ", before the other one at " + number(t) + ".";
+            break;
+        case Reason::beyond_range:
+            s = "No contact: the vertex is inside the other body, whose surface is " + number(t) +
+                " ahead, but an open body's rays end at " + number(own_exit) + ".";
+            break;
+        case Reason::not_looked_for:
+            s = "No contact: the sheet is not looked for in itself by continuous tests.";
+            break;
+        case Reason::apart:
+            s = "No contact: the two have not met in this step, and the other surface is " + number(distance) +
+                " away, at triangle " + std::to_string(triangle) + ", no less than the thickness.";
+            break;
+        case Reason::close_at_rest:
+            s = "No contact: the sheet's own surface is " + number(distance) + " away, at triangle " +
+                std::to_string(triangle) + ", but no less than half of what it is at rest.";
+            break;
+        case Reason::beside:
+            s = "No contact: the other surface is " + number(distance) + " away, at triangle " + std::to_string(triangle) +
+                ", but the vertex is over none of its triangles: an edge or a corner is close.";
+            break;
+        case Reason::not_looked_at:
+            s = "No contact in this step: the vertex is inside, but is not looked at before the pair's next full pass.";
+            break;
+    }
+    if (certificate.kind != Certificate::none) {
+        constexpr const char* who[] = {"", "its patch of vertices", "all of its patch that was not near", "this vertex"};
+        s += std::string(" No ray is needed until the bodies have moved on by ") + number(certificate.left) + ": " +
+             who[certificate.kind] + " is proved to stay outside.";
+    }
+    return s;
+}
+
+}  // namespace pierce

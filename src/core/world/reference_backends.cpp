@@ -1,0 +1,20 @@
+#include "pierce/reference_backends.hpp"
+
+#include "core/execute/serial_executor.hpp"
+#include "core/step/pipeline_backend.hpp"
+#include "core/trace/brute_force_tracer.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
+
+namespace pierce {
+
+std::unique_ptr<Backend> reference_backend() {
+    return std::make_unique<PipelineBackend<SerialExecutor, BruteForceTracer>>(
+        "reference, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BruteForceTracer>());
+}
+
+std::unique_ptr<Backend> bvh_backend() {
+    return std::make_unique<PipelineBackend<SerialExecutor, BvhTracer<SerialExecutor>>>(
+        "bvh, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BvhTracer<SerialExecutor>>());
+}
+
+}  // namespace pierce

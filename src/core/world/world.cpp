@@ -1,0 +1,248 @@
+#include "pierce/world.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/base/reach.hpp"
+#include "core/base/view.hpp"
+#include "core/body/scene.hpp"
+#include "core/world/world_state.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+
+namespace pierce {
+
+bool is_usable(const Pose& pose) {
+    const Quaternion& q = pose.rotation;
+    const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    return is_within_reach(pose.position) && norm >= constants::smallest_rotation && norm <= constants::largest_rotation;
+}
+
+bool is_usable(std::span<const Vec3f> positions) {
+    return std::ranges::all_of(positions, [](Vec3f p) { return is_within_reach(p); });
+}
+
+namespace {
+
+void check_pose(const Pose& pose, const std::string& mesh) {
+    if (!is_usable(pose))
+        throw InputError("pose of a body of mesh '" + mesh + "' is not finite, too far away or has no rotation");
+}
+
+void check_count(std::size_t given, const Mesh& mesh) {
+    if (given != mesh.positions().size())
+        throw InputError("body of mesh '" + mesh.name() + "' needs " + std::to_string(mesh.positions().size()) +
+                         " positions, got " + std::to_string(given));
+}
+
+}  // namespace
+
+World::World(const Settings& settings) : World(reference_backend(), settings) {}
+
+World::World(std::unique_ptr<Backend> backend, const Settings& settings) : state_(std::make_unique<State>()) {
+    if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
+    if (settings.full_every == 0) throw InputError("full_every must be at least 1");
+    if (!(settings.walk_threshold >= 0)) throw InputError("walk_threshold must not be negative");
+    if (std::isnan(settings.prediction_distance)) throw InputError("prediction_distance must be a number");
+    state_->backend = std::move(backend);
+    state_->settings = settings;
+}
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+World::~World() = default;
+
+MeshId World::add_mesh(std::string name, MeshData data) {
+    return add_mesh(std::make_shared<const Mesh>(std::move(name), std::move(data)));
+}
+
+MeshId World::add_mesh(std::shared_ptr<const Mesh> mesh) {
+    if (!mesh) throw InputError("there is no mesh to add");
+    return state_->meshes.add({std::move(mesh), state_->next_key++});
+}
+
+void World::remove_mesh(MeshId mesh) {
+    const Mesh& named = this->mesh(mesh);
+    for (const auto& slot : state_->bodies.slots())
+        if (slot.used && slot.thing.mesh == mesh) throw InputError("mesh '" + named.name() + "' is still used by a body");
+    state_->meshes.remove(mesh, "mesh");
+}
+
+const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "mesh").mesh; }
+
+BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
+    check_pose(pose, this->mesh(mesh).name());
+    return state_->add({mesh, Motion::fixed, pose});
+}
+
+BodyId World::add_rigid_body(MeshId mesh, const Pose& pose) {
+    check_pose(pose, this->mesh(mesh).name());
+    return state_->add({mesh, Motion::rigid, pose});
+}
+
+BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) {
+    const Mesh& shape = this->mesh(mesh);
+    if (positions.empty()) positions = shape.positions();
+    check_count(positions.size(), shape);
+    check_positions("body of mesh '" + shape.name() + "'", positions);
+    BodyEntry body(mesh, Motion::deforming, {});
+    body.positions.assign(positions.begin(), positions.end());
+    body.positions_version = state_->next_key++;
+    return state_->add(std::move(body));
+}
+
+void World::remove_body(BodyId body) {
+    state_->bodies.remove(body, "body");
+    state_->change();
+}
+
+MeshId World::mesh_of(BodyId body) const { return state_->bodies.get(body, "body").mesh; }
+
+Motion World::motion_of(BodyId body) const { return state_->bodies.get(body, "body").motion; }
+
+Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
+    const BodyEntry& entry = state_->bodies.get(body, "body");
+    const Mesh& mesh = state_->mesh_of(entry);
+    if (vertex >= mesh.positions().size())
+        throw InputError("mesh '" + mesh.name() + "' has no vertex " + std::to_string(vertex));
+    if (entry.device_positions != nullptr)
+        throw InputError("body " + std::to_string(body.index) + " has its positions in device memory");
+    if (entry.motion == Motion::deforming) return to_double(entry.positions[vertex]);
+    return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
+}
+
+void World::set_collision(BodyId body, const Collision& collision) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    state_->check_collision(entry, collision,
+                            "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'");
+    entry.collision = collision;
+    state_->change();
+}
+
+const Collision& World::collision_of(BodyId body) const { return state_->bodies.get(body, "body").collision; }
+
+void World::set_pose(BodyId body, const Pose& pose) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion == Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " deforms: it has positions, not a pose");
+    state_->begin_motion(entry);
+    entry.pose = pose;
+    if (!entry.usable) entry.start_pose = pose;
+    entry.usable = is_usable(pose);
+}
+
+void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+    check_count(positions.size(), state_->mesh_of(entry));
+    state_->begin_motion(entry);
+    std::ranges::copy(positions, entry.positions.begin());
+    if (!entry.usable) entry.start = entry.positions;
+    entry.device_positions = entry.device_start = nullptr;
+    entry.positions_version = state_->next_key++;
+    entry.usable = is_usable(positions);
+}
+
+void World::set_motion(BodyId body, std::span<const Vec3f> start, std::span<const Vec3f> positions) {
+    check_count(start.size(), state_->mesh_of(state_->bodies.get(body, "body")));
+    set_positions(body, positions);
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    entry.start.assign(start.begin(), start.end());
+    entry.usable = entry.usable && is_usable(start);
+}
+
+void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
+    set_pose(body, pose);
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    entry.start_pose = start;
+    entry.usable = entry.usable && is_usable(start);
+}
+
+void World::set_device_positions(BodyId body, const Vec3f* positions) {
+    if (plan().sheets)
+        throw InputError("a world with a sheet needs positions at both ends of a step: use set_device_motion()");
+    set_device_motion(body, nullptr, positions);
+}
+
+void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+    if (!state_->backend->runs_on_device())
+        throw InputError("positions in device memory need a backend that runs there, not '" + backend() + "'");
+    entry.device_positions = positions;
+    entry.device_start = start;
+    entry.positions_version = state_->next_key++;
+    entry.usable = true;
+    state_->stepped = false;
+}
+
+void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    const Mesh& shape = this->mesh(mesh);
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " is rigid: only a deforming body changes its mesh");
+    check_count(positions.size(), shape);
+    if (entry.collision != Collision{} && !entry.collision.sheet && !shape.traits().closed())
+        throw InputError("mesh '" + shape.name() + "' has no inside: its body can meet itself only as a sheet");
+    entry.mesh = mesh;
+    entry.seen.clear();
+    entry.start.assign(positions.begin(), positions.end());
+    entry.positions.assign(positions.begin(), positions.end());
+    entry.device_positions = entry.device_start = nullptr;
+    entry.positions_version = state_->next_key++;
+    entry.usable = is_usable(positions);
+    state_->change();
+}
+
+void World::forget_sides() { state_->forgets_sides = true; }
+
+const StepStats& World::detect() {
+    const auto begin = std::chrono::steady_clock::now();
+    State& s = *state_;
+    s.stats = {};
+    s.refresh_views();
+    Settings settings = s.settings;
+    settings.temporal = s.plan.temporal;
+    const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
+    const Scene scene{view_of(s.views),
+                      view_of(std::as_const(s.ids)),
+                      view_of(std::as_const(s.block_items)),
+                      view_of(std::as_const(s.ranges)),
+                      view_of(std::as_const(s.blocks)),
+                      view_of(std::as_const(s.patches)),
+                      view_of(std::as_const(s.seen)),
+                      settings,
+                      &s.plan,
+                      {&forgets_sides, 1}};
+    s.backend->step(scene, s.stats);
+    s.end_motion();
+    s.stepped = true;
+    s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    return s.stats;
+}
+
+std::span<const Contact> World::contacts() const {
+    const View<const Contact> contacts = state_->backend->contacts();
+    return {contacts.data, contacts.size};
+}
+
+const StepStats& World::stats() const { return state_->stats; }
+
+const Plan& World::plan() {
+    if (!state_->planned) state_->make_plan();
+    return state_->plan;
+}
+
+std::string World::backend() const { return state_->backend->description(); }
+
+std::vector<World::BodyBox> World::body_boxes() const {
+    state_->backend->fetch_bodies(view_of(state_->views));
+    std::vector<BodyBox> boxes;
+    for (std::size_t i = 0; i < state_->views.size(); ++i)
+        if (state_->views[i].active) boxes.push_back({state_->ids[i], state_->views[i].world_box});
+    return boxes;
+}
+
+}  // namespace pierce

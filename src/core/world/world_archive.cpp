@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <istream>
+#include <iterator>
+#include <ostream>
+#include <set>
+
+#include "core/base/archive.hpp"
+#include "core/base/view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/records.hpp"
+#include "core/step/step_memory.hpp"
+#include "core/world/world_state.hpp"
+
+/// Saved worlds: a header (mark, version, length and checksum of what follows), then settings, meshes, bodies and what the
+/// last step has left for the next.
+namespace pierce {
+namespace {
+
+constexpr std::uint64_t mark = 0x646c726f77637270;  // "prcworld"
+constexpr std::uint32_t version = 1;
+
+}  // namespace
+
+// Of every type: what it consists of.
+
+template <class A, class Tag>
+void transfer(A& archive, Id<Tag>& id) {
+    transfer_all(archive, id.index, id.generation);
+}
+
+template <class A>
+void transfer(A& archive, Settings& s) {
+    transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.prediction_distance, s.full_every, s.walk_threshold);
+    transfer(archive, s.coverage, Coverage::complete);
+    transfer(archive, s.temporal, Temporal::certified);
+}
+
+template <class A>
+void transfer(A& archive, Triangle& t) {
+    transfer(archive, t.vertex);
+}
+
+template <class A>
+void transfer(A& archive, Pose& p) {
+    transfer_all(archive, p.position, p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w);
+}
+
+template <class A>
+void transfer(A& archive, Collision& c) {
+    transfer(archive, c.self, SelfCollision::published);
+    transfer_all(archive, c.sheet, c.thickness);
+}
+
+template <class A>
+void transfer(A& archive, Frame& f) {
+    for (Vec3d& row : f.rotation.row) transfer(archive, row);
+    transfer(archive, f.origin);
+}
+
+template <class A>
+void transfer(A& archive, SeenPatch& p) {
+    transfer_all(archive, p.center, p.offsets.x, p.offsets.y, p.offsets.z);
+}
+
+template <class A>
+void transfer(A& archive, BodyEntry& b) {
+    transfer(archive, b.mesh);
+    transfer(archive, b.motion, Motion::deforming);
+    transfer_all(archive, b.pose, b.positions, b.start, b.start_pose, b.moved, b.collision, b.seen, b.positions_version,
+                 b.usable);
+}
+
+template <class A>
+void transfer(A& archive, PairIdentity& p) {
+    transfer_all(archive, p.a, p.b, p.mesh_a, p.mesh_b, p.sheet_a, p.sheet_b);
+    transfer(archive, p.self_a, SelfCollision::published);
+    transfer(archive, p.self_b, SelfCollision::published);
+}
+
+template <class A>
+void transfer(A& archive, SeenBody& b) {
+    transfer_all(archive, b.id, b.fit, b.active);
+}
+
+template <class A>
+void transfer(A& archive, SheetRecord& r) {
+    transfer_all(archive, r.other, r.age, r.side, r.is_self, r.is_edge, r.distance);
+    transfer(archive, r.found, Found::separation);
+}
+
+template <class A>
+void transfer(A& archive, PairMemory& m) {
+    transfer_all(archive, m.relative, m.step, m.odometer, m.at_full, m.since_full, m.known, m.first_block);
+    transfer(archive, m.pass, Pass::walk);
+}
+
+template <class A>
+void transfer(A& archive, BlockRecord& r) {
+    transfer_all(archive, r.expiry, r.kept, r.first_patch);
+}
+
+template <class A>
+void transfer(A& archive, PatchRecord& r) {
+    transfer_all(archive, r.mask, r.first_vertex, r.expiry);
+}
+
+template <class A>
+void transfer(A& archive, VertexRecord& r) {
+    transfer_all(archive, r.triangle, r.predicted, r.expiry, r.retry, r.contact, r.seen_triangle, r.seen_weight,
+                 r.seen_offset);
+}
+
+template <class A>
+void transfer(A& archive, Contact& c) {
+    transfer_all(archive, c.a, c.b, c.grazing, c.reprojected, c.of_sheet, c.unknown_side, c.vertex, c.edge_end, c.edge,
+                 c.chord, c.other_edge, c.triangle, c.age, c.along, c.time, c.distance, c.barycentric, c.point_a, c.point_b,
+                 c.normal, c.face_normal);
+    transfer(archive, c.source, Side::b);
+    transfer(archive, c.found, Found::separation);
+}
+
+template <class A>
+void transfer(A& archive, StepMemory& m) {
+    transfer_all(archive, m.pair_keys, m.identities, m.bodies, m.directed, m.blocks, m.patches, m.vertices, m.contact_keys,
+                 m.ages, m.contacts, m.sheet_bits, m.sheet_keys, m.sheet_records, m.deepest);
+}
+
+namespace {
+
+/// A mesh as it is saved.
+struct SavedMesh {
+    std::string name;
+    MeshData data;
+    std::uint64_t key = 0;
+};
+
+template <class A>
+void transfer(A& archive, SavedMesh& m) {
+    transfer_all(archive, m.name, m.data.positions, m.data.triangles, m.key);
+}
+
+void require(bool holds, const char* what) {
+    if (!holds) throw InputError(std::string("a saved world holds ") + what);
+}
+
+/// Reads slots as they are written: which are used, what is in them.
+template <class Saved, class Tag, class Thing, class Take>
+void restore_slots(ArchiveReader& archive, SlotMap<Tag, Thing>& map, Take take) {
+    const std::uint64_t count = transfer_length(archive, 0);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        auto& slot = map.slots().emplace_back();
+        transfer(archive, slot.generation);
+        require(slot.generation > 0, "a handle without a generation");
+        transfer(archive, slot.used);
+        if (!slot.used) continue;
+        Saved saved;
+        transfer(archive, saved);
+        slot.thing = take(std::move(saved));
+    }
+}
+
+}  // namespace
+
+void World::save(std::ostream& out) const {
+    State& s = *state_;
+    for (const auto& slot : s.bodies.slots())
+        if (slot.used && slot.thing.device_positions != nullptr)
+            throw InputError("a body with positions in device memory cannot be saved");
+    if (s.planned) s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));
+    StepMemory memory = s.backend->memory();
+
+    ArchiveWriter archive;
+    transfer_all(archive, s.settings, s.next_key, s.forgets_sides);
+    transfer_length(archive, s.meshes.slots().size());
+    for (auto& slot : s.meshes.slots()) {
+        transfer_all(archive, slot.generation, slot.used);
+        if (!slot.used) continue;
+        const Mesh& mesh = *slot.thing.mesh;
+        SavedMesh saved{mesh.name(), mesh.data(), slot.thing.key};
+        transfer(archive, saved);
+    }
+    transfer_length(archive, s.bodies.slots().size());
+    for (auto& slot : s.bodies.slots()) {
+        transfer_all(archive, slot.generation, slot.used);
+        if (slot.used) transfer(archive, slot.thing);
+    }
+    transfer(archive, memory);
+
+    std::uint64_t first = mark, length = archive.bytes().size(), sum = checksum(archive.bytes());
+    std::uint32_t its_version = version;
+    ArchiveWriter header;
+    transfer_all(header, first, its_version, length, sum);
+    out << header.bytes() << archive.bytes();
+    if (!out.flush()) throw InputError("a world cannot be written");
+}
+
+World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
+    ArchiveReader all(std::string(std::istreambuf_iterator<char>(in), {}));
+    std::uint64_t first = 0, length = 0, sum = 0;
+    std::uint32_t its_version = 0;
+    transfer_all(all, first, its_version);
+    require(first == mark, "something else: it is not one");
+    if (its_version != version)
+        throw InputError("a saved world has version " + std::to_string(its_version) + "; this library reads version " +
+                         std::to_string(version));
+    transfer_all(all, length, sum);
+    require(length == all.left(), "more or less than its header says");
+    std::string bytes(length, '\0');
+    all.number(bytes.data(), bytes.size());
+    require(checksum(bytes) == sum, "damage: its checksum differs");
+
+    ArchiveReader archive(std::move(bytes));
+    Settings settings;
+    transfer(archive, settings);
+    World world(std::move(backend), settings);
+    State& s = *world.state_;
+    transfer_all(archive, s.next_key, s.forgets_sides);
+    std::set<std::uint64_t> keys;
+    restore_slots<SavedMesh>(archive, s.meshes, [&](SavedMesh saved) {
+        require(saved.key != 0 && saved.key < s.next_key && keys.insert(saved.key).second, "a mesh with a wrong key");
+        return MeshEntry{std::make_shared<const Mesh>(std::move(saved.name), std::move(saved.data)), saved.key};
+    });
+    restore_slots<BodyEntry>(archive, s.bodies, [&](BodyEntry body) {
+        s.check_restored(body);
+        return body;
+    });
+    StepMemory memory;
+    transfer(archive, memory);
+    require(archive.left() == 0, "more than there should be");
+    s.make_plan();
+    check(memory, view_of(std::as_const(s.views)), view_of(std::as_const(s.ids)));
+    s.backend->remember(memory);
+    return world;
+}
+
+void World::State::check_restored(const BodyEntry& body) const {
+    const Mesh& mesh = mesh_of(body);
+    const bool deforms = body.motion == Motion::deforming;
+    require(body.positions.size() == (deforms ? mesh.positions().size() : 0), "a body with too many positions or too few");
+    require(body.start.size() == body.positions.size() || (!body.moved && body.start.empty()),
+            "a body with a start that does not fit its end");
+    require(body.seen.empty() || (deforms && body.seen.size() == patch_count(mesh.view())), "a body seen in another shape");
+    require(body.positions_version < next_key, "a body from the future");
+    const bool usable = deforms ? is_usable(body.positions) && (!body.moved || is_usable(body.start))
+                                : is_usable(body.pose) && (!body.moved || is_usable(body.start_pose));
+    require(usable || !body.usable, "a body in a place that is none");
+    check_collision(body, body.collision, "a saved body");
+}
+
+}  // namespace pierce
