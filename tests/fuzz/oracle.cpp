@@ -257,6 +257,7 @@ private:
         const Vec3d from = c.source == Side::a ? c.point_a : c.point_b, to = c.source == Side::a ? c.point_b : c.point_a;
         if (target->distance(to) > target->touch + source->touch)
             return Failure{"truth: a contact ends on its target", to_text(c)};
+        if (runs_in_a_plane(from, to, *target, source->touch)) return std::nullopt;
         if (target->distance(from) > target->touch + source->touch) {
             ++counts_.inside_vertices;
             if (!target->holds(from)) return Failure{"truth: a contact starts inside its target", to_text(c)};
@@ -272,6 +273,18 @@ private:
                 return Failure{"truth: a contact is inside its own body", to_text(c)};
         }
         return std::nullopt;
+    }
+
+    /// True if the way from one point to the other lies in the plane of one of the target's triangles, within rounding:
+    /// where it meets that face's border nobody can tell which side it is on.
+    static bool runs_in_a_plane(Vec3d from, Vec3d to, const Surface& target, double touch) {
+        const double size = target.box.extent() + touch;
+        return std::ranges::any_of(target.triangles, [&](const Triangle& t) {
+            const Vec3d a = target.points[t.vertex[0]], b = target.points[t.vertex[1]], c = target.points[t.vertex[2]];
+            const Vec3d n = normalized(cross(b - a, c - a));
+            const double rounding = 1e-10 * size;
+            return std::fabs(dot(n, from - a)) < rounding && std::fabs(dot(n, to - a)) < rounding;
+        });
     }
 
     /// Vertices of solids, by definition.

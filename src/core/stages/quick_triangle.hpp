@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "pierce/core/constants.hpp"
 #include "pierce/core/float_rules.hpp"
 #include "pierce/core/quick_vec3.hpp"
@@ -41,6 +43,13 @@ struct Company {
     }
 };
 
+/// The size of things, where float32 can tell something of them; infinite elsewhere, and with it all that may be made up.
+/// With coordinates up to s, heights over a triangle, times twice its area, are below 48 s^3, and is_beyond() squares them.
+PIERCE_HD inline float telling_size(float size) {
+    return size > constants::quick_smallest && size < constants::quick_largest ? size
+                                                                               : std::numeric_limits<float>::infinity();
+}
+
 /// How much of what is said along `n` float32 may have made up. `size`: no coordinate is larger.
 PIERCE_HD inline float made_up_along(Vec3f n, float size) { return constants::quick_rounding * sum_of_sizes(n) * size; }
 
@@ -75,7 +84,7 @@ public:
           a_size_(a.size()),
           b_size_(b.size()) {
         for (int k = 0; k < 3; ++k) b_[k] = b.corner[k].end - a.corner[0].end;
-        size_ = quick_max(a.size(), largest_of(b_[0]) + b.size());
+        size_ = telling_size(quick_max(a.size(), largest_of(b_[0]) + b.size()));
     }
 
     PIERCE_HD Company along_normal_of_a(float margin) const {
