@@ -508,9 +508,10 @@ private:
                      longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
         // Nor from which side it meets a triangle that is no wider.
         if (std::sqrt(size) <= unclear * std::sqrt(longest)) return true;
-        constexpr double certain = 1e-6;
-        // A triangle without area then has no sides; which side is which was seen when the step began.
-        if (size <= certain * certain * longest * longest)
+        // Of a triangle with less area [longest edge squared] rounding turns the normal by more than what is certain.
+        constexpr double certain = 1e-6, flat = 1e-10;
+        // It has no sides then; which side is which was seen when the step began.
+        if (size <= flat * flat * longest * longest)
             return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) <= 0;
         const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size,
                      v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;
