@@ -2,9 +2,9 @@
 
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
 #if PIERCE_HAS_CUDA
 #include "pierce/cuda_backend.hpp"
-#include "pierce/reference_backends.hpp"
 #endif
 
 namespace pierce::scenes {

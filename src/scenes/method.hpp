@@ -11,6 +11,7 @@
 #include "pierce/ids.hpp"
 #include "pierce/settings.hpp"
 #include "pierce/step_stats.hpp"
+#include "pierce/vec3.hpp"
 
 namespace pierce::scenes {
 

@@ -1,8 +1,12 @@
 #include "scenes/ray_probe.hpp"
 
+#include <utility>
+
 #include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/mesh_build/leaves.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/trace/ray.hpp"
 
 namespace pierce::scenes {
 namespace {
@@ -35,7 +39,7 @@ std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Mot
     std::vector<Met> met(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == no_triangle) continue;
-        const Meeting m = meet(rays[i], body.surface(), hits[i].triangle);
+        const Meeting m = pierce::meet(rays[i], body.surface(), hits[i].triangle);
         met[i] = {!m.exit ? Meets::entry : m.t > 0 ? Meets::exit : Meets::touching, m.t, hits[i].triangle};
     }
     return met;

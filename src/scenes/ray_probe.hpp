@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pierce/backend.hpp"
+#include "pierce/body.hpp"
 #include "scenes/hard_cases.hpp"
 
 namespace pierce::scenes {

@@ -3,6 +3,7 @@
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/embree_backend.hpp"

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "core/geometry/triangle.hpp"
 #include "pierce/mesh_check.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"

@@ -2,6 +2,7 @@
 // continuous detection misses nothing and invents nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "scenes/crossing_motion.hpp"

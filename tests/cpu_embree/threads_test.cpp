@@ -11,6 +11,7 @@
 #include "fuzz/player.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

@@ -106,7 +106,7 @@ std::string sealed(std::string saved) {
 
 void play_on(const std::string& saved) {
     std::istringstream in(saved);
-    World world = World::restore(in);
+    World world = World::restore(in, reference_backend());
     for (int step = 0; step < 2; ++step) world.detect();
 }
 

@@ -259,6 +259,7 @@ private:
         const Vec3d from = c.source == Side::a ? c.point_a : c.point_b, to = c.source == Side::a ? c.point_b : c.point_a;
         if (target->distance(to) > target->touch + source->touch)
             return Failure{"truth: a contact ends on its target", to_text(c)};
+        if (runs_in_a_plane(from, to, *target, source->touch)) return std::nullopt;
         if (target->distance(from) > target->touch + source->touch) {
             ++counts_.inside_vertices;
             if (!target->holds(from)) return Failure{"truth: a contact starts inside its target", to_text(c)};
@@ -274,6 +275,18 @@ private:
                 return Failure{"truth: a contact is inside its own body", to_text(c)};
         }
         return std::nullopt;
+    }
+
+    /// True if the way from one point to the other lies in the plane of one of the target's triangles, within rounding:
+    /// where it meets that face's border nobody can tell which side it is on.
+    static bool runs_in_a_plane(Vec3d from, Vec3d to, const Surface& target, double touch) {
+        const double size = target.box.extent() + touch;
+        return std::ranges::any_of(target.triangles, [&](const Triangle& t) {
+            const Vec3d a = target.points[t.vertex[0]], b = target.points[t.vertex[1]], c = target.points[t.vertex[2]];
+            const Vec3d n = normalized(cross(b - a, c - a));
+            const double rounding = 1e-10 * size;
+            return std::fabs(dot(n, from - a)) < rounding && std::fabs(dot(n, to - a)) < rounding;
+        });
     }
 
     /// Vertices of solids, by definition.
@@ -497,9 +510,10 @@ private:
                      longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
         // Nor from which side it meets a triangle that is no wider.
         if (std::sqrt(size) <= unclear * std::sqrt(longest)) return true;
-        constexpr double certain = 1e-6;
-        // A triangle without area then has no sides; which side is which was seen when the step began.
-        if (size <= certain * certain * longest * longest)
+        // Of a triangle with less area [longest edge squared] rounding turns the normal by more than what is certain.
+        constexpr double certain = 1e-6, flat = 1e-10;
+        // It has no sides then; which side is which was seen when the step began.
+        if (size <= flat * flat * longest * longest)
             return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) <= 0;
         const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size,
                      v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;

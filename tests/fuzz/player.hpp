@@ -7,6 +7,7 @@
 
 #include "fuzz/mesh_pool.hpp"
 #include "fuzz/program.hpp"
+#include "pierce/backend.hpp"
 #include "pierce/world.hpp"
 
 namespace pierce::fuzz {

@@ -13,6 +13,7 @@
 #include "fuzz/shapes.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
+#include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
 
 namespace pierce::fuzz {
@@ -179,7 +180,7 @@ private:
     /// The next step, from here, by brute force.
     void check() {
         std::istringstream in(saved());
-        World same = World::restore(in);
+        World same = World::restore(in, reference_backend());
         same.detect();
         const std::uint64_t expected = contact_hash(same.contacts());
         std::istringstream again(saved());

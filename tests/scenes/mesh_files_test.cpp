@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 
+#include "core/mesh/mesh_view.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "pierce/mesh_check.hpp"
 #include "scenes/mesh_io.hpp"

@@ -5,6 +5,9 @@
 
 #include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/step/step_memory.hpp"
+#include "core/trace/ray.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
@@ -60,6 +63,8 @@ public:
                             std::uint32_t vertex) const override {
         return honest_->certificate(bodies, pair, side, vertex);
     }
+    StepMemory memory() const override { return honest_->memory(); }
+    void remember(const StepMemory& memory) override { honest_->remember(memory); }
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         honest_->closest_hits(bodies, rays, hits);
     }

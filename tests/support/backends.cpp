@@ -1,9 +1,9 @@
 #include "support/backends.hpp"
 
 #include "pierce/embree_backend.hpp"
+#include "pierce/reference_backends.hpp"
 #if PIERCE_HAS_CUDA
 #include "pierce/cuda_backend.hpp"
-#include "pierce/reference_backends.hpp"
 #endif
 
 namespace pierce::test {

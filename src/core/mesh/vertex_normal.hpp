@@ -13,14 +13,18 @@ namespace pierce {
 PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t v) {
     const Vec3d apex = to_double(positions[v]);
     Vec3d sum;
+    double angles = 0;
     for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
         const Vec3d a = to_double(positions[mesh.corners[i].next]) - apex;
         const Vec3d b = to_double(positions[mesh.corners[i].previous]) - apex;
         const Vec3d n = cross(a, b);
         const double sine = length(n);
-        if (sine > 0) sum += (angle_of(dot(a, b), sine) / sine) * n;
+        if (!(sine > 0)) continue;
+        const double angle = angle_of(dot(a, b), sine);
+        sum += (angle / sine) * n;
+        angles += angle;
     }
-    return length(sum) > constants::vanishing_normal ? normalized(sum) : Vec3d{};
+    return length(sum) > constants::vanishing_normal * angles ? normalized(sum) : Vec3d{};
 }
 
 /// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then it leads into the inside of a

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/step/common/gather.hpp"

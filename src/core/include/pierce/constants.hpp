@@ -62,8 +62,9 @@ inline constexpr double coplanar_tolerance = 0x1p-46;
 /// Four float32 ulp: below it the sign of the normal is rounding.
 inline constexpr double degenerate_area = 4 * float_ulp;
 
-/// A vertex normal shorter than this, before it is made a unit, is rounding of faces that cancel [1].
-inline constexpr double vanishing_normal = 8 * float_ulp;
+/// A sum of normals shorter than this is rounding of faces that cancel [1; of a vertex, the angles around it].
+/// angle_of() is wrong by less than half of that.
+inline constexpr double vanishing_normal = float_ulp;
 
 /// What half a turn around a ray counts, when the triangles that it meets in one point are added up: finer than the rounding
 /// of angles, and room for 2^23 triangles.
@@ -164,8 +165,10 @@ inline constexpr float quick_normal_rounding = 0x1p-20f;
 /// written out where it is used (sheet_features.hpp), with half as much to spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;
 
-/// Below this, what such products lose comes near the smallest float32 [length]: nothing is concluded from them.
+/// Below this, what such products lose comes near the smallest float32, and above the other their squares may exceed the
+/// largest [length]: nothing is concluded from them.
 inline constexpr float quick_smallest = 0x1p-24f;
+inline constexpr float quick_largest = 0x1p19f;
 
 /// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: half a
 /// float32 ulp. Closer than 2^-26, the direction between closest points is rounding, and a search takes twice as long.

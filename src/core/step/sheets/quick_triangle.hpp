@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "core/device/quick_math.hpp"
 #include "core/geometry/quick_vec3.hpp"
 #include "core/step/sheets/sheet_bounds.hpp"
@@ -42,6 +44,14 @@ struct Company {
     }
 };
 
+/// The size of things, where float32 can tell something of them; infinite elsewhere, and with it all that may be made
+/// up. With coordinates up to s, heights over a triangle, times twice its area, are below 48 s^3, and is_beyond()
+/// squares them.
+PIERCE_HD inline float telling_size(float size) {
+    return size > constants::quick_smallest && size < constants::quick_largest ? size
+                                                                               : std::numeric_limits<float>::infinity();
+}
+
 /// How much of what is said along `n` float32 may have made up. `size`: no coordinate is larger.
 PIERCE_HD inline float made_up_along(Vec3f n, float size) { return constants::quick_rounding * sum_of_sizes(n) * size; }
 
@@ -50,8 +60,8 @@ PIERCE_HD inline bool is_beyond(float margin, float ahead, Vec3f n) {
     return ahead > 0 && ahead * ahead > margin * margin * quick_dot(n, n);
 }
 
-/// What a direction `n`, of any length, says about two convex things that reach so far along it: differences of corners are
-/// linear in time, so that one stays ahead if it is ahead at the start and at the end.
+/// What a direction `n`, of any length, says about two convex things that reach so far along it: differences of corners
+/// are linear in time, so that one stays ahead if it is ahead at the start and at the end.
 PIERCE_HD inline Company company_along(Vec3f n, const Reach& of_a, const Reach& of_b, float margin, float size) {
     const float made_up = made_up_along(n, size);
     const float ahead = of_a.low[1] - of_b.high[1], behind = of_b.low[1] - of_a.high[1];
@@ -76,7 +86,7 @@ public:
           a_size_(a.size()),
           b_size_(b.size()) {
         for (int k = 0; k < 3; ++k) b_[k] = b.corner[k].end - a.corner[0].end;
-        size_ = quick_max(a.size(), largest_of(b_[0]) + b.size());
+        size_ = telling_size(quick_max(a.size(), largest_of(b_[0]) + b.size()));
     }
 
     PIERCE_HD Company along_normal_of_a(float margin) const {
@@ -91,11 +101,11 @@ public:
     }
 
 private:
-    /// By the heights of one's corners over the plane of the other, whose normal is `n`, and of the way that it has come.
-    /// In the plane are, but for rounding, the other's corners. u: half an ulp. Of a triangle with coordinates up to the
-    /// size s, differences of corners are off by u s, their cross product by 3 u s^2 more, so that the corners reach 9 u
-    /// s^3 + |n| u s along it. Where they are relative to another corner, up to S away, 3 |n| u S. Heights lose less than
-    /// what quick_rounding has to spare.
+    /// By the heights of one's corners over the plane of the other, whose normal is `n`, and of the way that it has
+    /// come. In the plane are, but for rounding, the other's corners. u: half an ulp. Of a triangle with coordinates up
+    /// to the size s, differences of corners are off by u s, their cross product by 3 u s^2 more, so that the corners
+    /// reach 9 u s^3 + |n| u s along it. Where they are relative to another corner, up to S away, 3 |n| u S. Heights
+    /// lose less than what quick_rounding has to spare.
     PIERCE_HD Company across(Vec3f n, float p, float q, float r, float way, float size_of_other, float margin) const {
         const float n_sum = sum_of_sizes(n), off = n_sum * stray_;
         const float made_up = constants::quick_rounding * n_sum * size_ +

@@ -14,10 +14,9 @@ namespace pierce::stages {
 /// How much of a product of four lengths float32 may have made up. Let u be half an ulp and no coordinate be above `size`.
 /// Differences of coordinates are below 2 size and off by 4 u size; their cross product is below 8 size^2 and off by 48 u
 /// size^2; that with another difference is below 32 size^3 and off by 320 u size^3; and the dot product with one more is
-/// off by 2600 u size^4. Infinite where such products would come near the smallest float32.
+/// off by 2600 u size^4.
 PIERCE_HD inline float made_up_of_four(float size) {
-    return size > constants::quick_smallest ? constants::quick_product_rounding * (size * size) * (size * size)
-                                            : std::numeric_limits<float>::infinity();
+    return constants::quick_product_rounding * (size * size) * (size * size);
 }
 
 /// The space over and under a triangle at the end of the step, as far as `margin` [length].
@@ -126,8 +125,8 @@ struct QuickPair {
           qb(b, a.end[0]),
           thickness(pair.quick_thickness),
           margin(pair.quick_margin),
-          end_size(quick_max(qa.end_size(), qb.end_size())),
-          size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size()))) {}
+          end_size(telling_size(quick_max(qa.end_size(), qb.end_size()))),
+          size(telling_size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size())))) {}
 };
 
 /// Per pair of triangles: which of their features may be contacts, if some may be and it is known that the triangles do not

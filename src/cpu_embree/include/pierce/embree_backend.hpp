@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "pierce/backend.hpp"
 
 namespace pierce {
