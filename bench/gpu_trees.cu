@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"

@@ -1,5 +1,5 @@
-#include <pierce/embree_backend.hpp>
 #include <pierce/world.hpp>
+#include <pierce/embree_backend.hpp>
 
 #include <cstdio>
 

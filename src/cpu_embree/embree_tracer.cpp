@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "cpu_embree/embree_tree.hpp"
 
 namespace pierce {

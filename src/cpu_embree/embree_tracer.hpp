@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/tracer.hpp"
 #include "cpu_embree/tbb_executor.hpp"
 

@@ -1,6 +1,6 @@
 #include "cpu_embree/embree_tree.hpp"
 #include "core/geometry/float_rules.hpp"
-#include "core/trace/surface.hpp"
+#include "core/mesh/surface.hpp"
 #include "pierce/min_max.hpp"
 
 #include <limits>

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/mesh/surface.hpp"
 #include "core/trace/closest_search.hpp"
 #include "core/trace/first_crossing.hpp"
 #include "core/trace/refit_policy.hpp"
-#include "core/trace/surface.hpp"
 #include "cpu_embree/embree_api.hpp"
 
 namespace pierce::embree {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/execute/host_executor.hpp"
 #include "core/execute/serial_executor.hpp"

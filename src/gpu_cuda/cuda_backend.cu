@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/mesh/mesh_view.hpp"

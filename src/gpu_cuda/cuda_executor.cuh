@@ -13,7 +13,7 @@
 #include <map>
 #include <string_view>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "gpu_cuda/counting_sort.cuh"
 #include "gpu_cuda/device_buffer.hpp"

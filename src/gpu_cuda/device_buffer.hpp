@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "gpu_cuda/cuda_check.hpp"
 #include "gpu_cuda/device_count.hpp"
 

@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/mesh/mesh_view.hpp"

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh_build/leaves.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/trace/ray.hpp"

@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/execute/serial_executor.hpp"
 #include "core/trace/brute_force_tracer.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
-#include "core/trace/surface.hpp"
+#include "core/mesh/surface.hpp"
 #include "cpu_embree/embree_tracer.hpp"
 #include "scenes/shapes.hpp"
 #include "support/random.hpp"

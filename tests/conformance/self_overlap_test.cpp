@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/reference_backends.hpp"

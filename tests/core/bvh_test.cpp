@@ -8,7 +8,7 @@
 #include <numeric>
 #include <thread>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/execute/serial_executor.hpp"
 #include "core/mesh_build/leaves.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/device/bits.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/mesh_view.hpp"

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/execute/host_executor.hpp"
 #include "core/execute/serial_executor.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

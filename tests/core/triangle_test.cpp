@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/first_crossing.hpp"
-#include "core/trace/surface.hpp"
+#include "core/mesh/surface.hpp"
 #include "scenes/shapes.hpp"
 #include "support/random.hpp"
 

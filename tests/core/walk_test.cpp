@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/motion_bound.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/trace/first_crossing.hpp"
-#include "core/trace/surface.hpp"
+#include "core/mesh/surface.hpp"
 #include "scenes/shapes.hpp"
 #include "support/random.hpp"
 

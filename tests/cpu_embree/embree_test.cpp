@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/serial_executor.hpp"
 #include "core/trace/refit_policy.hpp"
 #include "cpu_embree/tbb_executor.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/host_executor.hpp"
 #include "core/execute/serial_executor.hpp"
 #include "cpu_embree/tbb_executor.hpp"

@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "core/mesh/mesh_view.hpp"
-#include "core/trace/surface.hpp"
+#include "core/mesh/surface.hpp"
 #include "fuzz/invariants.hpp"
 #include "support/brute_force.hpp"
 #include "truth/exact_continuous.hpp"

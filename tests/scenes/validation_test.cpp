@@ -3,10 +3,10 @@
 
 #include <gmock/gmock.h>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
-#include "core/step/step_memory.hpp"
+#include "core/step/common/step_memory.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/trace/surface.hpp"
+#include "core/mesh/surface.hpp"
 #include "pierce/body.hpp"
 #include "pierce/pose.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "pierce/body.hpp"

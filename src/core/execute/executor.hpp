@@ -3,7 +3,7 @@
 #include <concepts>
 #include <cstdint>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 
 namespace pierce {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 
 namespace pierce {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/execute/host_executor.hpp"
 #include "core/execute/host_sort.hpp"

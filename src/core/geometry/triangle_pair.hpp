@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/triangle.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"

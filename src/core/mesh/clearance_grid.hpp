@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"

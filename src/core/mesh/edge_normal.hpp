@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/mesh.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/clearance_grid.hpp"
 #include "core/mesh/leaf.hpp"
 #include "pierce/box.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/device/loops.hpp"
+#include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/constants.hpp"

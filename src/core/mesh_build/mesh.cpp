@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/reach.hpp"
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/base/disjoint_sets.hpp"
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh/coincident_vertices.hpp"

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "core/trace/meeting.hpp"
-#include "core/trace/surface.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {

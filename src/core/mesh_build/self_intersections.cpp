@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh/coincident_vertices.hpp"
 #include "core/mesh_build/box_tree.hpp"

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/step/pipeline.hpp"
 #include "pierce/backend.hpp"
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/serial_executor.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/trace/closest_search.hpp"
-#include "core/trace/surface.hpp"
 #include "core/trace/tracer.hpp"
 
 namespace pierce {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/geometry/closest_point.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/trace/first_crossing.hpp"
-#include "core/trace/surface.hpp"
 #include "pierce/min_max.hpp"
 
 namespace pierce {

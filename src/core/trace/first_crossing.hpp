@@ -4,8 +4,8 @@
 
 #include "core/geometry/triangle.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/trace/ray.hpp"
-#include "core/trace/surface.hpp"
 #include "pierce/min_max.hpp"
 
 namespace pierce {

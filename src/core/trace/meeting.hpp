@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/mesh/surface.hpp"
 #include "core/trace/first_crossing.hpp"
-#include "core/trace/surface.hpp"
 
 namespace pierce {
 

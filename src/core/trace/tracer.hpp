@@ -3,8 +3,8 @@
 #include <concepts>
 #include <cstdint>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/body.hpp"

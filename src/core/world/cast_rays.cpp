@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/oriented_box.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/directed_pair.hpp"

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/base/reach.hpp"
-#include "core/base/view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"

@@ -5,10 +5,11 @@
 #include <set>
 
 #include "core/base/archive.hpp"
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/step/records.hpp"
-#include "core/step/step_memory.hpp"
+#include "core/step/common/records.hpp"
+#include "core/step/common/step_memory.hpp"
+#include "core/step/memory_check.hpp"
 #include "core/world/world_state.hpp"
 
 /// Saved worlds: a header (mark, version, length and checksum of what follows), then settings, meshes, bodies and what the

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"

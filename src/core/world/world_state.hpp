@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/base/slot_map.hpp"
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/backend.hpp"
 #include "pierce/world.hpp"

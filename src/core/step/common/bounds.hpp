@@ -1,14 +1,14 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/loops.hpp"
+#include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/geometry/motion_bound.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "pierce/ids.hpp"
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"

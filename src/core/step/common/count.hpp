@@ -1,14 +1,20 @@
 #pragma once
 
-#include "core/base/view.hpp"
-#include "core/step/records.hpp"
-#include "core/step/solids/walk.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/records.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
 
 /// Stage 12, stats: what the step did, added up. One term per item of a reduction.
 namespace pierce::stages {
+
+/// What a walk did.
+struct WalkCount {
+    std::uint32_t steps = 0;
+    bool lost = false;
+    std::uint8_t padding[3] = {};
+};
 
 /// 1 for a ray that is traced.
 struct CountTraced {

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/body.hpp"
 

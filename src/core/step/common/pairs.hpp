@@ -1,10 +1,10 @@
 #pragma once
 
 #include <bit>
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/oriented_box.hpp"
 #include "pierce/body.hpp"

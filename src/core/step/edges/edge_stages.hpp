@@ -2,17 +2,17 @@
 
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
 #include "core/device/loops.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/step/records.hpp"
+#include "core/mesh/surface.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/trace/meeting.hpp"
-#include "core/trace/surface.hpp"
 #include "pierce/min_max.hpp"
 
 /// Stages 4 and 5 for edges, with complete coverage: which edges may reach the other body, which parts of them are inside it

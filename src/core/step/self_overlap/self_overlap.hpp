@@ -2,11 +2,12 @@
 
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/step_tools.hpp"
 #include "core/step/self_overlap/self_overlap_stages.hpp"
-#include "core/step/step_tools.hpp"
+#include "core/step/solids/ray_batch.hpp"
 
 namespace pierce {
 

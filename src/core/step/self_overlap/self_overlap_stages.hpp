@@ -1,12 +1,12 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
-#include "core/trace/surface.hpp"
 #include "pierce/min_max.hpp"
 
 /// After stage 9, for solids that are looked for in themselves: which vertices are inside another part of their own body.

@@ -1,12 +1,13 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
-#include "core/step/step_tools.hpp"
+#include "core/step/solids/ray_batch.hpp"
 
 namespace pierce {
 

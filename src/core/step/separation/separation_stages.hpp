@@ -1,11 +1,11 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/edges/edge_stages.hpp"
-#include "core/step/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"

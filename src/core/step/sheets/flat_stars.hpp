@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/separating_direction.hpp"
 #include "core/step/sheets/sheet_bounds.hpp"
 #include "pierce/min_max.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/interleaved.hpp"
+#include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/geometry/moving_point.hpp"
 #include "core/mesh/mesh_view.hpp"

@@ -2,13 +2,13 @@
 
 #include <bit>
 
-#include "core/base/view.hpp"
 #include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/stage_traits.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/common/count.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/sheets/sheet_meetings.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"

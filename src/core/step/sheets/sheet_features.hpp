@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "core/base/view.hpp"
 #include "core/device/quick_math.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/sheets/quick_triangle.hpp"
 #include "core/step/sheets/sheet_search.hpp"

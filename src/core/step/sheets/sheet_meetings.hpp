@@ -2,8 +2,8 @@
 
 #include <initializer_list>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/geometry/continuous.hpp"
 #include "core/mesh/mesh_view.hpp"

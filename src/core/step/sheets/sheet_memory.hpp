@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/sheets/sheet_features.hpp"
 #include "pierce/contact.hpp"
 

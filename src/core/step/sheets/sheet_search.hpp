@@ -2,10 +2,10 @@
 
 #include <bit>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
 #include "core/device/bits.hpp"
+#include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/mesh_view.hpp"

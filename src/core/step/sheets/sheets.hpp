@@ -3,14 +3,14 @@
 #include <bit>
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
-#include "core/step/records.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/records.hpp"
+#include "core/step/common/step_memory.hpp"
+#include "core/step/common/step_tools.hpp"
 #include "core/step/sheets/flat_stars.hpp"
 #include "core/step/sheets/sheet_contacts.hpp"
-#include "core/step/step_memory.hpp"
-#include "core/step/step_tools.hpp"
 
 namespace pierce {
 

@@ -1,15 +1,16 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/device/whole.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/step/common/count.hpp"
 #include "core/step/common/pairs.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/classify.hpp"
+#include "core/step/solids/ray_batch.hpp"
 #include "core/trace/meeting.hpp"
-#include "core/trace/surface.hpp"
 #include "pierce/contact.hpp"
 
 /// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries ages over.
@@ -37,13 +38,6 @@ struct KeyContacts {
         keys[place] = contact_key(s, s.pair, chords);
         order[place] = i;
     }
-};
-
-/// Rays and what became of them.
-struct RayResults {
-    View<const Ray> rays;
-    View<const Hit> hits;
-    View<const Meeting> meetings;
 };
 
 /// Per contact: everything in it, and what it adds to the sums. Reads rays, hits and last step's contacts and ages; writes

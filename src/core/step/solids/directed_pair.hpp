@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/approach.hpp"
 #include "pierce/settings.hpp"
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/motion_bound.hpp"
 #include "core/step/common/pairs.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "pierce/body.hpp"
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"

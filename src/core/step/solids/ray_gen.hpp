@@ -1,11 +1,11 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/vertex_normal.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "pierce/min_max.hpp"

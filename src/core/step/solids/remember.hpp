@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
-#include "core/step/records.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/step/solids/walk.hpp"

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
-#include "core/trace/surface.hpp"
 
 /// After stage 9, if asked for: contacts move to the closest point of the target's surface. An inward ray leaves the target
 /// where it happens to point, which is never nearer than that. Nothing of the surface is nearer than its closest point, so

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/bits.hpp"
 #include "core/device/loops.hpp"
+#include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
-#include "core/step/records.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/displacement.hpp"
 #include "core/trace/ray.hpp"

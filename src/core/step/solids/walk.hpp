@@ -1,8 +1,9 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
-#include "core/step/records.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/count.hpp"
+#include "core/step/common/records.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
@@ -31,13 +32,6 @@ PIERCE_HD inline double height_over(const Vec3d corner[3], Vec3d direction, doub
 PIERCE_HD inline float wait_until(const DirectedPair& d, double height) {
     return d.odometer + static_cast<float>(constants::prediction_wait * height);
 }
-
-/// What a walk did.
-struct WalkCount {
-    std::uint32_t steps = 0;
-    bool lost = false;
-    std::uint8_t padding[3] = {};
-};
 
 /// Per walk: goes on from the record. In certified mode the result counts only if it is proved to be what a full ray would
 /// find; in the paper's, any exit ahead does, and one behind stays a prediction. Reads rays and routes; writes hits, routes

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/bvh/candidates.hpp"
 #include "core/trace/bvh/forest_builder.hpp"
 #include "core/trace/bvh/forest_plan.hpp"

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/trace/bvh/traversal.hpp"
 #include "core/trace/bvh/tree_work.hpp"
 #include "core/trace/bvh/triangle_sieve.hpp"
-#include "core/trace/surface.hpp"
 
 namespace pierce::bvh {
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/device/whole.hpp"
 #include "pierce/body.hpp"
 #include "pierce/min_max.hpp"

@@ -3,25 +3,14 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/trace/bvh/hlbvh.hpp"
 #include "core/trace/bvh/lbvh.hpp"
 #include "core/trace/bvh/ploc.hpp"
 #include "core/trace/bvh/treelet.hpp"
-
-namespace pierce {
-
-/// How trees are built.
-enum class TreeBuilder : std::uint8_t {
-    lbvh,   ///< split along a Morton curve: the fastest to build
-    hlbvh,  ///< so at the bottom, by the surface area heuristic at the top
-    trbvh,  ///< an LBVH, restructured: the fastest to trace
-    ploc,   ///< neighbours on the curve join, the nearest first
-};
-
-}  // namespace pierce
+#include "pierce/tree_builder.hpp"
 
 namespace pierce::bvh {
 

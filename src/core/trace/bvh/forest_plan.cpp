@@ -1,6 +1,6 @@
 #include "core/trace/bvh/forest_plan.hpp"
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 
 #include <unordered_map>
 

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/bvh/forest.hpp"
 
 namespace pierce::bvh {

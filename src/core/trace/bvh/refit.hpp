@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/bvh/forest.hpp"
 #include "core/trace/bvh/tree_work.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/bvh/forest.hpp"
 #include "core/trace/refit_policy.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/trace/bvh/lbvh.hpp"
 #include "pierce/min_max.hpp"

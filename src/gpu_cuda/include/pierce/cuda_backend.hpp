@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "core/trace/bvh/forest_builder.hpp"
 #include "pierce/backend.hpp"
+#include "pierce/tree_builder.hpp"
 
 namespace pierce {
 

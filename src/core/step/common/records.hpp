@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/base/view.hpp"
 #include "core/device/bits.hpp"
+#include "core/device/view.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/body.hpp"
 #include "pierce/constants.hpp"

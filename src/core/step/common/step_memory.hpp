@@ -2,12 +2,9 @@
 
 #include <vector>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
-#include "core/step/common/bounds.hpp"
-#include "core/step/common/pairs.hpp"
-#include "core/step/records.hpp"
-#include "core/step/sheets/sheet_memory.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/records.hpp"
 #include "pierce/body.hpp"
 #include "pierce/contact.hpp"
 
@@ -34,9 +31,5 @@ struct StepMemory {
     std::vector<SheetRecord> sheet_records;
     std::vector<std::uint32_t> deepest;  ///< per pair, or none
 };
-
-/// Throws InputError unless a step of these bodies may use the memory: whatever it says, nothing outside of any list is
-/// read, and contacts name what there is.
-void check(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids);
 
 }  // namespace pierce

@@ -2,45 +2,13 @@
 
 #include <utility>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/step/common/gather.hpp"
-#include "core/step/solids/classify.hpp"
-#include "core/step/solids/contacts.hpp"
-#include "core/trace/meeting.hpp"
 #include "core/trace/tracer.hpp"
 #include "pierce/body.hpp"
 
 namespace pierce {
-
-/// Rays on their way through a step, side by side: what they are, what they met, and which of them are contacts.
-template <Executor E>
-struct RayBatch {
-    template <class Item>
-    using Buffer = typename E::template Buffer<Item>;
-
-    Buffer<Ray> rays;
-    Buffer<RaySource> sources;
-    Buffer<Hit> hits;
-    Buffer<Meeting> meetings;
-    Buffer<std::uint32_t> candidates;  ///< rays that started inside their target
-    Buffer<std::uint32_t> keep;        ///< per candidate: 1 for a contact
-
-    void resize(std::size_t count) {
-        rays.resize(count);
-        sources.resize(count);
-        hits.resize(count);
-        meetings.resize(count);
-    }
-
-    void clear() {
-        resize(0);
-        candidates.clear();
-        keep.clear();
-    }
-
-    stages::RayResults results() const { return {view_of(rays), view_of(hits), view_of(meetings)}; }
-};
 
 /// What the parts of a step share: its executor and tracer, and their usual ways with lists.
 template <Executor E, Tracer<E> T>

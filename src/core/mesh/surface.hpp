@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/view.hpp"
+#include "core/device/view.hpp"
 #include "pierce/mesh.hpp"
 
 namespace pierce {

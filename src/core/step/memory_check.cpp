@@ -1,11 +1,14 @@
-#include "core/step/step_memory.hpp"
+#include "core/step/memory_check.hpp"
 
 #include <algorithm>
 
-#include "core/base/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/step/records.hpp"
+#include "core/mesh/patch.hpp"
+#include "core/step/common/pairs.hpp"
+#include "core/step/common/records.hpp"
+#include "core/step/sheets/sheet_memory.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "pierce/error.hpp"
 
