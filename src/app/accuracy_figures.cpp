@@ -1,13 +1,13 @@
-#include "accuracy_figures.hpp"
+#include "app/accuracy_figures.hpp"
 
 #include <array>
 #include <cmath>
 #include <map>
 #include <random>
 
-#include "compare.hpp"
-#include "frame_log.hpp"
-#include "progress.hpp"
+#include "app/compare.hpp"
+#include "app/frame_log.hpp"
+#include "app/progress.hpp"
 #include "scenes/leaks.hpp"
 #include "scenes/shapes.hpp"
 

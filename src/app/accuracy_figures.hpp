@@ -1,7 +1,7 @@
 #pragma once
 
-#include "accuracy_report.hpp"
-#include "page.hpp"
+#include "app/accuracy_report.hpp"
+#include "app/page.hpp"
 
 namespace pierce::app {
 

@@ -1,14 +1,14 @@
-#include "accuracy_report.hpp"
+#include "app/accuracy_report.hpp"
 
 #include <chrono>
 #include <ctime>
 #include <numbers>
 
-#include "accuracy_figures.hpp"
-#include "compare.hpp"
-#include "frame_log.hpp"
-#include "hard_case_table.hpp"
-#include "page.hpp"
+#include "app/accuracy_figures.hpp"
+#include "app/compare.hpp"
+#include "app/frame_log.hpp"
+#include "app/hard_case_table.hpp"
+#include "app/page.hpp"
 
 namespace pierce::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "motion.hpp"
+#include "app/motion.hpp"
 
 namespace pierce::app {
 

@@ -1,11 +1,11 @@
-#include "check.hpp"
+#include "app/check.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "commands.hpp"
-#include "frame_log.hpp"
+#include "app/commands.hpp"
+#include "app/frame_log.hpp"
 #include "pierce/error.hpp"
 #include "pierce/mesh_check.hpp"
 #include "scenes/mesh_io.hpp"

@@ -1,17 +1,17 @@
-#include "cloth_figures.hpp"
+#include "app/cloth_figures.hpp"
 
 #include <algorithm>
 #include <array>
 #include <memory>
 
-#include "frame_log.hpp"
-#include "progress.hpp"
+#include "app/frame_log.hpp"
+#include "app/progress.hpp"
+#include "app/statistics.hpp"
+#include "app/truth_program.hpp"
 #include "scenes/crossing_motion.hpp"
 #include "scenes/detector.hpp"
 #include "scenes/sheet_accuracy.hpp"
 #include "scenes/simulation.hpp"
-#include "statistics.hpp"
-#include "truth_program.hpp"
 
 namespace pierce::app {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cloth_report.hpp"
-#include "page.hpp"
+#include "app/cloth_report.hpp"
+#include "app/page.hpp"
 
 namespace pierce::app {
 

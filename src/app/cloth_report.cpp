@@ -1,14 +1,14 @@
-#include "cloth_report.hpp"
+#include "app/cloth_report.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <ctime>
 
-#include "cloth_figures.hpp"
-#include "cloth_size_figure.hpp"
-#include "frame_log.hpp"
-#include "page.hpp"
-#include "truth_program.hpp"
+#include "app/cloth_figures.hpp"
+#include "app/cloth_size_figure.hpp"
+#include "app/frame_log.hpp"
+#include "app/page.hpp"
+#include "app/truth_program.hpp"
 
 namespace pierce::app {
 

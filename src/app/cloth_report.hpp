@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "motion.hpp"
+#include "app/motion.hpp"
 
 namespace pierce::app {
 

@@ -1,17 +1,17 @@
-#include "cloth_size_figure.hpp"
+#include "app/cloth_size_figure.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "frame_log.hpp"
-#include "progress.hpp"
+#include "app/frame_log.hpp"
+#include "app/progress.hpp"
+#include "app/truth_program.hpp"
 #include "scenes/detector.hpp"
 #include "scenes/layers.hpp"
 #include "scenes/sheet_accuracy.hpp"
 #include "scenes/simulation.hpp"
-#include "truth_program.hpp"
 
 namespace pierce::app {
 namespace {

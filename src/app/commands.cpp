@@ -1,18 +1,18 @@
-#include "commands.hpp"
+#include "app/commands.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "compare.hpp"
-#include "detection_json.hpp"
-#include "frame_log.hpp"
-#include "picture.hpp"
+#include "app/compare.hpp"
+#include "app/detection_json.hpp"
+#include "app/frame_log.hpp"
+#include "app/picture.hpp"
+#include "app/progress.hpp"
+#include "app/report.hpp"
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
-#include "progress.hpp"
-#include "report.hpp"
 #include "scenes/detector.hpp"
 #include "scenes/mesh_io.hpp"
 #include "scenes/recording.hpp"

@@ -1,4 +1,4 @@
-#include "compare.hpp"
+#include "app/compare.hpp"
 
 #include <fmt/core.h>
 
@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "commands.hpp"
-#include "frame_log.hpp"
+#include "app/commands.hpp"
+#include "app/frame_log.hpp"
+#include "app/plot.hpp"
+#include "app/progress.hpp"
 #include "pierce/error.hpp"
-#include "plot.hpp"
-#include "progress.hpp"
 #include "scenes/detector.hpp"
 
 namespace pierce::app {

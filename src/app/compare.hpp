@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "plot.hpp"
+#include "app/plot.hpp"
+#include "app/truth_program.hpp"
 #include "scenes/accuracy.hpp"
 #include "scenes/method.hpp"
 #include "scenes/recording.hpp"
 #include "scenes/truth_file.hpp"
-#include "truth_program.hpp"
 
 namespace pierce::app {
 

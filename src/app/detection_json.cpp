@@ -1,4 +1,4 @@
-#include "detection_json.hpp"
+#include "app/detection_json.hpp"
 
 namespace pierce::app {
 namespace {

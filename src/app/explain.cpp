@@ -1,13 +1,13 @@
-#include "explain.hpp"
+#include "app/explain.hpp"
 
 #include <fmt/core.h>
 
-#include "commands.hpp"
-#include "detection_json.hpp"
-#include "frame_log.hpp"
+#include "app/commands.hpp"
+#include "app/detection_json.hpp"
+#include "app/frame_log.hpp"
+#include "app/progress.hpp"
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
-#include "progress.hpp"
 #include "scenes/detector.hpp"
 #include "scenes/mesh_io.hpp"
 #include "scenes/recording.hpp"

@@ -1,4 +1,4 @@
-#include "frame_log.hpp"
+#include "app/frame_log.hpp"
 
 #include <LinearMath/btScalar.h>
 #include <fmt/core.h>

@@ -1,14 +1,14 @@
-#include "hard_case_table.hpp"
+#include "app/hard_case_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <vector>
 
-#include "compare.hpp"
+#include "app/compare.hpp"
+#include "app/plot.hpp"
 #include "pierce/box.hpp"
 #include "pierce/error.hpp"
-#include "plot.hpp"
 #include "scenes/detector.hpp"
 #include "scenes/hard_cases.hpp"
 #include "scenes/ray_probe.hpp"

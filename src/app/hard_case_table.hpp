@@ -1,6 +1,6 @@
 #pragma once
 
-#include "page.hpp"
+#include "app/page.hpp"
 
 namespace pierce::app {
 

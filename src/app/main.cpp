@@ -4,15 +4,15 @@
 #include <cmath>
 #include <map>
 
-#include "accuracy_report.hpp"
-#include "check.hpp"
-#include "cloth_report.hpp"
-#include "commands.hpp"
-#include "compare.hpp"
-#include "explain.hpp"
-#include "paper_report.hpp"
+#include "app/accuracy_report.hpp"
+#include "app/check.hpp"
+#include "app/cloth_report.hpp"
+#include "app/commands.hpp"
+#include "app/compare.hpp"
+#include "app/explain.hpp"
+#include "app/paper_report.hpp"
+#include "app/validate.hpp"
 #include "pierce/error.hpp"
-#include "validate.hpp"
 
 namespace {
 

@@ -1,9 +1,9 @@
-#include "motion.hpp"
+#include "app/motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "progress.hpp"
+#include "app/progress.hpp"
 #include "scenes/detector.hpp"
 #include "scenes/simulation.hpp"
 

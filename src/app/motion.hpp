@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "frame_log.hpp"
+#include "app/frame_log.hpp"
 #include "scenes/recording.hpp"
 #include "scenes/scene.hpp"
 

@@ -1,4 +1,4 @@
-#include "page.hpp"
+#include "app/page.hpp"
 
 #include "pierce/error.hpp"
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "plot.hpp"
+#include "app/plot.hpp"
 
 namespace pierce::app {
 

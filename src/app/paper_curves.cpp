@@ -1,9 +1,9 @@
-#include "paper_curves.hpp"
+#include "app/paper_curves.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "statistics.hpp"
+#include "app/statistics.hpp"
 
 namespace pierce::app {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "plot.hpp"
+#include "app/plot.hpp"
 
 namespace pierce::app {
 

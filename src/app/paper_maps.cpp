@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "paper_modes.hpp"
-#include "paper_sections.hpp"
+#include "app/paper_modes.hpp"
+#include "app/paper_sections.hpp"
 
 namespace pierce::app {
 

@@ -1,7 +1,7 @@
-#include "paper_modes.hpp"
+#include "app/paper_modes.hpp"
 
-#include "frame_log.hpp"
-#include "progress.hpp"
+#include "app/frame_log.hpp"
+#include "app/progress.hpp"
 
 namespace pierce::app {
 

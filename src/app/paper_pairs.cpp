@@ -1,5 +1,5 @@
-#include "paper_sections.hpp"
-#include "statistics.hpp"
+#include "app/paper_sections.hpp"
+#include "app/statistics.hpp"
 
 namespace pierce::app {
 namespace {

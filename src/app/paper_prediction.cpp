@@ -1,10 +1,10 @@
 #include <algorithm>
 
-#include "motion.hpp"
-#include "paper_curves.hpp"
-#include "paper_modes.hpp"
-#include "paper_sections.hpp"
-#include "statistics.hpp"
+#include "app/motion.hpp"
+#include "app/paper_curves.hpp"
+#include "app/paper_modes.hpp"
+#include "app/paper_sections.hpp"
+#include "app/statistics.hpp"
 
 namespace pierce::app {
 

@@ -1,11 +1,11 @@
-#include "paper_quality.hpp"
+#include "app/paper_quality.hpp"
 
 #include <algorithm>
 #include <iterator>
 #include <numeric>
 
-#include "compare.hpp"
-#include "statistics.hpp"
+#include "app/compare.hpp"
+#include "app/statistics.hpp"
 
 namespace pierce::app {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "motion.hpp"
-#include "paper_curves.hpp"
+#include "app/motion.hpp"
+#include "app/paper_curves.hpp"
 
 namespace pierce::app {
 

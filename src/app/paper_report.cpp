@@ -1,11 +1,11 @@
-#include "paper_report.hpp"
+#include "app/paper_report.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "compare.hpp"
-#include "paper_sections.hpp"
+#include "app/compare.hpp"
+#include "app/paper_sections.hpp"
 
 namespace pierce::app {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "page.hpp"
-#include "paper_quality.hpp"
-#include "paper_report.hpp"
+#include "app/page.hpp"
+#include "app/paper_quality.hpp"
+#include "app/paper_report.hpp"
 #include "scenes/recording.hpp"
 
 /// The sections of the paper's report: each measures one thing and writes it down.

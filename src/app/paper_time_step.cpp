@@ -2,11 +2,11 @@
 #include <cmath>
 #include <set>
 
-#include "motion.hpp"
-#include "paper_sections.hpp"
-#include "progress.hpp"
+#include "app/motion.hpp"
+#include "app/paper_sections.hpp"
+#include "app/progress.hpp"
+#include "app/statistics.hpp"
 #include "scenes/simulation.hpp"
-#include "statistics.hpp"
 
 namespace pierce::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "picture.hpp"
+#include "app/picture.hpp"
 
 #include <png.h>
 

@@ -1,8 +1,8 @@
-#include "report.hpp"
+#include "app/report.hpp"
 
 #include <fmt/core.h>
 
-#include "statistics.hpp"
+#include "app/statistics.hpp"
 
 namespace pierce::app {
 namespace {

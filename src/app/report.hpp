@@ -1,6 +1,6 @@
 #pragma once
 
-#include "frame_log.hpp"
+#include "app/frame_log.hpp"
 
 namespace pierce::app {
 

@@ -1,4 +1,4 @@
-#include "statistics.hpp"
+#include "app/statistics.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "truth_program.hpp"
+#include "app/truth_program.hpp"
 
 #include <fmt/core.h>
 #include <spawn.h>

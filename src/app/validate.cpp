@@ -1,14 +1,14 @@
-#include "validate.hpp"
+#include "app/validate.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "commands.hpp"
-#include "detection_json.hpp"
-#include "frame_log.hpp"
+#include "app/commands.hpp"
+#include "app/detection_json.hpp"
+#include "app/frame_log.hpp"
+#include "app/progress.hpp"
 #include "pierce/error.hpp"
-#include "progress.hpp"
 #include "scenes/simulation.hpp"
 #include "scenes/validation.hpp"
 
