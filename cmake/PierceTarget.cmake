@@ -22,6 +22,8 @@ function(pierce_options target)
         "$<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off;-fno-math-errno;-fno-trapping-math>")
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                              $<$<BOOL:${PIERCE_WERROR}>:-Werror>>)
+    # Clang's -Wconversion says more than GCC's: of indices that change from signed to unsigned.
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,Clang>:-Wno-sign-conversion>)
     if(PIERCE_CHECKED_VIEWS)
         target_compile_definitions(${target} PUBLIC PIERCE_CHECKED_VIEWS)
     endif()

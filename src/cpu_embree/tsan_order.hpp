@@ -10,7 +10,6 @@ namespace pierce {
 /// for it, guarantees: a task is made before it runs, and over before its memory is used anew. Nothing in other builds.
 class TsanOrder {
 public:
-#if defined(__SANITIZE_THREAD__)
     TsanOrder() { pass(); }
     TsanOrder(const TsanOrder&) { pass(); }
     ~TsanOrder() { pass(); }
@@ -18,15 +17,12 @@ public:
     /// Everyone who comes here sees all that those before have done. One place for all tasks: none can say which it is
     /// without reading what it was given.
     static void pass() {
-        __tsan_acquire(&place_);
-        __tsan_release(&place_);
-    }
-
-private:
-    static inline char place_ = 0;
-#else
-    static void pass() {}
+#if defined(__SANITIZE_THREAD__)
+        static char place = 0;
+        __tsan_acquire(&place);
+        __tsan_release(&place);
 #endif
+    }
 };
 
 }  // namespace pierce
