@@ -118,7 +118,8 @@ private:
                                      std::chrono::duration<double>(options_.seconds));
         int log[2];
         if (pipe(log) != 0) throw std::runtime_error("no pipe");
-        void* shared = mmap(nullptr, options_.jobs * sizeof(Desk), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        void* shared =
+            mmap(nullptr, options_.jobs * sizeof(Desk), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
         if (shared == MAP_FAILED) throw std::runtime_error("no memory to share");
         desks_ = static_cast<Desk*>(shared);
         std::map<pid_t, unsigned> running;
@@ -154,7 +155,8 @@ private:
         close(log[1]);
         std::string lines;
         char buffer[4096];
-        for (ssize_t n = 0; (n = read(log[0], buffer, sizeof buffer)) > 0;) lines.append(buffer, static_cast<std::size_t>(n));
+        for (ssize_t n = 0; (n = read(log[0], buffer, sizeof buffer)) > 0;)
+            lines.append(buffer, static_cast<std::size_t>(n));
         for (std::size_t at = 0; at < lines.size();) {
             const std::size_t next = lines.find('\n', at);
             const std::string line = lines.substr(at, next - at);
@@ -171,8 +173,10 @@ private:
     void report() {
         const OracleCounts& o = counts_.oracle;
         fmt::print(
-            "{} worlds from seed {}, {:.0f} s: {} calls ({} refused), {} steps, {} contacts; {} pairs that overlap and {} that do "
-            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets, {} exact questions about others\n",
+            "{} worlds from seed {}, {:.0f} s: {} calls ({} refused), {} steps, {} contacts; {} pairs that overlap and {} "
+            "that do "
+            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets, {} exact questions about "
+            "others\n",
             counts_.worlds, options_.seed, seconds_, counts_.calls, counts_.refused, counts_.steps, counts_.contacts,
             o.overlapping_pairs, o.apart_pairs, o.inside_vertices, o.segments, o.expected_contacts, o.feature_meetings,
             o.feature_questions);
@@ -183,6 +187,7 @@ private:
                 if (left-- > 0) fmt::print(" {}", seed);
             fmt::print("\n");
         }
+        std::fflush(stdout);  // finding small programs may take long
         if (options_.out.empty()) return;
         std::filesystem::create_directories(options_.out);
         for (const auto& [kind, seeds] : failures_) {
