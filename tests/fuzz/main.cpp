@@ -187,6 +187,7 @@ private:
                 if (left-- > 0) fmt::print(" {}", seed);
             fmt::print("\n");
         }
+        std::fflush(stdout);  // finding small programs may take long
         if (options_.out.empty()) return;
         std::filesystem::create_directories(options_.out);
         for (const auto& [kind, seeds] : failures_) {

@@ -1,18 +1,41 @@
 #include "support/backends.hpp"
 
+#include "core/step/pipeline_backend.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/reference_backends.hpp"
+#include "support/shuffled_executor.hpp"
 #if PIERCE_HAS_CUDA
 #include "pierce/cuda_backend.hpp"
 #endif
 
 namespace pierce::test {
+namespace {
+
+/// Our own trees, which know what bodies there are.
+class ArrangedTrees : public BvhTracer<ShuffledExecutor> {
+public:
+    void update(ShuffledExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+        arrange(executor, bodies);
+        BvhTracer::update(executor, bodies, wanted);
+    }
+};
+
+class ShuffledBackend : public PipelineBackend<ShuffledExecutor, ArrangedTrees> {
+public:
+    ShuffledBackend()
+        : PipelineBackend("shuffled, 1 thread", std::make_unique<ShuffledExecutor>(), std::make_unique<ArrangedTrees>()) {}
+    bool certificates_pay() const override { return false; }
+};
+
+}  // namespace
 
 std::vector<NamedBackend> backends() {
     std::vector<NamedBackend> all = {{"reference", [] { return reference_backend(); }},
                                      {"bvh", [] { return bvh_backend(); }},
                                      {"embree_1", [] { return embree_backend(1); }},
-                                     {"embree_3", [] { return embree_backend(3); }}};
+                                     {"embree_3", [] { return embree_backend(3); }},
+                                     {"shuffled", [] { return std::make_unique<ShuffledBackend>(); }}};
 #if PIERCE_HAS_CUDA
     if (cuda_problem().empty()) {
         all.push_back({"cuda", [] { return cuda_backend(); }});

@@ -492,6 +492,12 @@ private:
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.size()));
         tools_.sort("contact_sort", bits, unsorted_keys_, unsorted_, contact_keys_, order_);
         const Count total = count_of(contact_keys_);
+        if (scene.plan->coverage == Coverage::complete)
+            executor_.for_each("order_chords", total,
+                               stages::OrderChords{.sources = view_of(batch_.sources),
+                                                   .candidates = view_of(batch_.candidates),
+                                                   .keys = view_of(contact_keys_),
+                                                   .order = view_of(order_)});
         ages_.resize(total);
         contacts_.resize(total);
         executor_.reduce("fill_contact", total,

@@ -40,6 +40,28 @@ struct KeyContacts {
     }
 };
 
+/// Per contact: puts the chords of an edge in their own order, if it is the first of them. The lists that they come from
+/// have none.
+struct OrderChords {
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates;
+    View<const std::uint64_t> keys;
+    View<std::uint32_t> order;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (i > 0 && keys[i - 1] == keys[i]) return;
+        for (std::uint32_t next = i + 1; next < keys.size && keys[next] == keys[i]; ++next)
+            for (std::uint32_t k = next; k > i && chord(k) < chord(k - 1); --k) {
+                const std::uint32_t later = order[k - 1];
+                order[k - 1] = order[k];
+                order[k] = later;
+            }
+    }
+
+private:
+    PIERCE_HD std::uint32_t chord(std::uint32_t k) const { return sources[candidates[order[k]]].item; }
+};
+
 /// Per contact: everything in it, and what it adds to the sums. Reads rays, hits and last step's contacts and ages; writes
 /// the contact, its age and where its vertex finds it.
 struct FillContact {

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "core/execute/serial_executor.hpp"
+
+namespace pierce::test {
+
+/// Runs a stage's items in another order every time, asks emitting stages twice and lists what they find block by block,
+/// blocks in any order: what an executor with many threads may do, on one thread, so that it comes again the same.
+class ShuffledExecutor : public HostExecutor {
+public:
+    static constexpr bool runs_on_host = false;
+
+    template <class F>
+    void for_each(const char*, std::uint32_t n, const F& stage) {
+        for (std::uint32_t i : shuffled(n)) stage(i);
+    }
+
+    template <class... F>
+    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
+        (for_each(name, n, stages), ...);
+    }
+
+    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+        return serial_.exclusive_scan(name, n, in, out);
+    }
+
+    template <class F>
+    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+        return serial_.select(name, n, wanted, out);
+    }
+
+    template <class F, class... T>
+    void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+        for (std::uint32_t i : shuffled(n)) finder.find(i);
+        bool in_order = false;
+        if constexpr (requires { F::in_order; }) in_order = F::in_order;
+        std::vector<std::uint32_t> blocks((n + block - 1) / block);
+        std::iota(blocks.begin(), blocks.end(), 0u);
+        if (!in_order) blocks = shuffled(static_cast<std::uint32_t>(blocks.size()));
+        std::uint32_t place = 0;
+        (lists.clear(), ...);
+        for (std::uint32_t b : blocks)
+            for (std::uint32_t i = b * block; i < std::min(n, (b + 1) * block); ++i) {
+                const auto found = finder.find(i);
+                const std::uint32_t end = place + finder.count(found);
+                (lists.resize(end), ...);
+                finder.write(i, found, place, lists.data()...);
+                place = end;
+            }
+    }
+
+    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys, View<const std::uint32_t> values,
+              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+        serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
+    }
+
+    template <class F, class T>
+    void reduce(const char*, std::uint32_t n, const F& term, T& sum) {
+        T all{};
+        for (std::uint32_t i : shuffled(n)) all = all + term(i);
+        sum = all;
+    }
+
+private:
+    static constexpr std::uint32_t block = 8;
+
+    /// The numbers below n: steps of a length that has no factor in common with n lead to all of them.
+    std::vector<std::uint32_t> shuffled(std::uint32_t n) {
+        state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+        std::vector<std::uint32_t> order(n);
+        if (n == 0) return order;
+        std::uint64_t step = (state_ >> 33) % n;
+        while (std::gcd(step, std::uint64_t{n}) != 1) ++step;
+        std::uint64_t at = (state_ >> 20) % n;
+        for (std::uint32_t& i : order) {
+            i = static_cast<std::uint32_t>(at);
+            at = (at + step) % n;
+        }
+        return order;
+    }
+
+    SerialExecutor serial_;
+    std::uint64_t state_ = 1;
+};
+
+static_assert(Executor<ShuffledExecutor>);
+
+}  // namespace pierce::test
