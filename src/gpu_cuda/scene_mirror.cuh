@@ -4,9 +4,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "gpu_cuda/cuda_executor.cuh"
 

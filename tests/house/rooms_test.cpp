@@ -135,6 +135,36 @@ TEST(RoomsTest, WorldReachesNoStage) {
     EXPECT_LT(reached.size(), 25u);
 }
 
+/// How many values stand between a brace and the one that closes it, and whether the first is named.
+std::pair<int, bool> values_in(const std::string& text, std::size_t open) {
+    int depth = 0, values = 1;
+    for (std::size_t at = open; at < text.size(); ++at) {
+        const char c = text[at];
+        depth += c == '{' || c == '(' || c == '[';
+        depth -= c == '}' || c == ')' || c == ']';
+        values += c == ',' && depth == 1;
+        if (depth == 0) break;
+    }
+    const std::size_t first = text.find_first_not_of(" \n", open + 1);
+    return {values, first != std::string::npos && text[first] == '.'};
+}
+
+// With more than three values nobody sees which is which.
+TEST(RoomsTest, StagesAreFilledByName) {
+    static const std::regex pattern(R"(\b(?:stages|bvh|cuda)::\w+(?:<\w+>)?\{)");
+    std::size_t stages = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(root / "src")) {
+        if (!entry.is_regular_file()) continue;
+        const std::string text = text_of(entry.path());
+        for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at) {
+            const auto [values, named] = values_in(text, static_cast<std::size_t>(at->position() + at->length() - 1));
+            stages += named;
+            EXPECT_TRUE(named || values <= 3) << entry.path() << ": " << at->str() << " has " << values << " values";
+        }
+    }
+    EXPECT_GT(stages, 40u);
+}
+
 TEST(RoomsTest, WhatTheMapNamesIsThere) {
     const auto rows = rows_under("What people look for");
     ASSERT_GT(rows.size(), 10u);

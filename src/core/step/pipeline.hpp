@@ -23,12 +23,12 @@
 #include "core/step/solids/contacts.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/displacement.hpp"
-#include "core/step/solids/ray_batch.hpp"
 #include "core/step/solids/ray_gen.hpp"
 #include "core/step/solids/remember.hpp"
 #include "core/step/solids/reproject.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/step/solids/walk.hpp"
+#include "core/step/step_lists.hpp"
 #include "pierce/explain.hpp"
 #include "pierce/step_stats.hpp"
 
@@ -64,7 +64,7 @@ public:
         if (scene.plan->casts_rays) time("update", [&] { tools_.update_all(scene.bodies); });
         time("pairs", [&] { pairs(scene); });
         if (scene.plan->sheets)
-            time("sheets", [&] { sheets_.find(scene, pairs_, view_of(links_)); });
+            time("sheets", [&] { sheets_.find(scene, pairs_.pairs, view_of(pairs_.links)); });
         else
             sheets_.forget();
         forget_rays();
@@ -79,11 +79,11 @@ public:
     /// What the last step did and found.
     void report(const Plan& plan, StepStats& stats) {
         const bool remembers = plan.temporal != Temporal::off;
-        stats.pairs = executor_.number(count_of(pairs_));
-        stats.rays = executor_.number(remembers ? count_of(full_slots_) : count_of(batch_.rays));
-        stats.contacts = executor_.number(count_of(contacts_));
-        stats.hits = executor_.read(hit_sum_);
-        stats.own_rays = executor_.read(own_ray_sum_);
+        stats.pairs = executor_.number(count_of(pairs_.pairs));
+        stats.rays = executor_.number(remembers ? count_of(routes_.full) : count_of(batch_.rays));
+        stats.contacts = executor_.number(count_of(now_.contacts));
+        stats.hits = executor_.read(sums_.hits);
+        stats.own_rays = executor_.read(sums_.own_rays);
         if (plan.coverage == Coverage::complete) {
             stats.edges = executor_.number(count_of(edges_.segments()));
             stats.chords = edges_.chords().size;
@@ -95,9 +95,9 @@ public:
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
         stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
         reported_ = after;
-        stages::ContactSums contacts = plan.casts_rays ? executor_.read(contact_sums_) : stages::ContactSums{};
+        stages::ContactSums contacts = plan.casts_rays ? executor_.read(sums_.contacts) : stages::ContactSums{};
         if (plan.sheets) {
-            contacts = contacts + executor_.read(sheet_sums_);
+            contacts = contacts + executor_.read(sums_.sheet_contacts);
             stats.contacts += executor_.number(count_of(sheets_.contacts()));
             stats.triangle_pairs = sheets_.triangle_pairs();
             stats.feature_pairs = sheets_.feature_pairs();
@@ -113,84 +113,54 @@ public:
         stats.penetration_max = contacts.depth_max;
         if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
         if (!remembers) return;
-        const stages::WalkSums walks = executor_.read(walk_sums_);
-        stats.walks = executor_.number(count_of(walk_slots_));
+        const stages::WalkSums walks = executor_.read(sums_.walks);
+        stats.walks = executor_.number(count_of(routes_.walks));
         stats.walk_steps = walks.steps;
         stats.lost_walks = walks.lost;
-        if (plan.temporal == Temporal::certified) stats.certified = executor_.read(skipped_sum_);
-        stats.predictions = executor_.read(predicted_sum_);
-        stats.full_passes = executor_.read(full_pass_sum_);
-        stats.proofs = executor_.number(count_of(uncertain_));
+        if (plan.temporal == Temporal::certified) stats.certified = executor_.read(sums_.skipped);
+        stats.predictions = executor_.read(sums_.predicted);
+        stats.full_passes = executor_.read(sums_.full_passes);
+        stats.proofs = executor_.number(count_of(routes_.uncertain));
     }
 
-    /// This step's memory becomes last step's.
+    /// This step's records become the last one's.
     void recall(const Scene& scene) {
-        std::swap(pair_keys_, last_pair_keys_);
-        std::swap(identities_, last_identities_);
-        std::swap(contact_keys_, last_contact_keys_);
-        std::swap(ages_, last_ages_);
-        std::swap(memory_, last_memory_);
-        std::swap(block_records_, last_block_records_);
-        std::swap(patch_records_, last_patch_records_);
-        std::swap(records_, last_records_);
+        std::swap(now_, last_);
+        // Contacts are kept in place, unless the next step may take some over.
+        if (!scene.settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
         sheets_.recall();
-        std::swap(seen_bodies_, last_seen_bodies_);
-        if (scene.settings.keeps_contacts()) std::swap(contacts_, last_contacts_);
-        last_ = {view_of(std::as_const(last_block_records_)), view_of(std::as_const(last_patch_records_)),
-                 view_of(std::as_const(last_records_))};
     }
-    /// The last step never was: step() may be called again in its place.
+    /// Undoes the last step's bookkeeping, so that step() can be repeated in its place.
     void forget_step(const Scene& scene) { recall(scene); }
 
     /// What the last step has left for the next one.
     StepMemory memory() const {
         StepMemory m;
-        m.pair_keys = executor_.download(pair_keys_);
-        m.identities = executor_.download(identities_);
-        m.bodies = executor_.download(seen_bodies_);
-        m.directed = executor_.download(memory_);
-        m.blocks = executor_.download(block_records_);
-        m.patches = executor_.download(patch_records_);
-        m.vertices = executor_.download(records_);
-        m.contact_keys = executor_.download(contact_keys_);
-        m.ages = executor_.download(ages_);
-        if (!m.directed.empty()) m.contacts = executor_.download(contacts_);
+        now_.save(executor_, m);
         sheets_.save(m);
         return m;
     }
     /// Makes it the last step's.
     void remember(const StepMemory& m) {
-        const auto take = [&]<class Item>(const std::vector<Item>& from, Buffer<Item>& to) {
-            executor_.upload(std::span<const Item>(from), to);
-        };
-        take(m.pair_keys, pair_keys_);
-        take(m.identities, identities_);
-        take(m.bodies, seen_bodies_);
-        take(m.directed, memory_);
-        take(m.blocks, block_records_);
-        take(m.patches, patch_records_);
-        take(m.vertices, records_);
-        take(m.contact_keys, contact_keys_);
-        take(m.ages, ages_);
-        take(m.contacts, contacts_);
+        now_.restore(executor_, m);
         sheets_.restore(m);
     }
 
-    const Buffer<Contact>& contacts() const { return contacts_; }
+    const Buffer<Contact>& contacts() const { return now_.contacts; }
     /// Those of sheets.
     const Buffer<Contact>& sheet_contacts() const { return sheets_.contacts(); }
-    const Buffer<Pair>& pairs() const { return pairs_; }
+    const Buffer<Pair>& pairs() const { return pairs_.pairs; }
 
     /// What spared a vertex of a pair its ray in the last step, if it was a proof.
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side, std::uint32_t vertex) const {
-        const auto at = std::find(pairs_.begin(), pairs_.end(), pair);
-        if (at == pairs_.end() || memory_.empty() || block_records_.empty()) return {};
-        const PairMemory& memory = memory_[2 * static_cast<std::size_t>(at - pairs_.begin()) + side];
+        const auto at = std::find(pairs_.pairs.begin(), pairs_.pairs.end(), pair);
+        if (at == pairs_.pairs.end() || now_.directed.empty() || now_.blocks.empty()) return {};
+        const PairMemory& memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
         const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
         if (bodies[pair.target(side)].mesh.clearance_steps.size == 0) return {};
         const auto place = static_cast<std::uint32_t>(std::find(order.begin(), order.end(), vertex) - order.begin());
         const std::uint32_t patch = place / constants::patch_size;
-        const RecordsView records{view_of(block_records_), view_of(patch_records_), view_of(records_)};
+        const RecordsView records{view_of(now_.blocks), view_of(now_.patches), view_of(now_.vertices)};
         const auto until = [&](Certificate::Kind kind, float expiry) {
             const double left = static_cast<double>(expiry) - memory.odometer;
             return left > 0 ? Certificate{kind, left} : Certificate{};
@@ -218,33 +188,34 @@ private:
         time("vertex_cull", [&] { vertex_cull(scene); });
         time("ray_gen", [&] { ray_gen(scene); });
         if (complete) {
-            time("edges", [&] { edges_.cull(scene, view_of(directed_), view_of(blocks_)); });
+            time("edges", [&] { edges_.cull(scene, view_of(cull_.directed), view_of(cull_.blocks)); });
             time("update", [&] { tools_.update(scene.bodies, edges_.segments()); });
-            time("edges", [&] { edges_.cast(scene, view_of(directed_), batch_, routes_); });
+            time("edges", [&] { edges_.cast(scene, view_of(cull_.directed), batch_, routes_.routes); });
         }
         if (remembers) time("walk", [&] { walk(scene); });
-        const Buffer<Ray>& full = remembers ? full_rays_ : batch_.rays;
+        const Buffer<Ray>& full = remembers ? routes_.full_rays : batch_.rays;
         time("update", [&] { tools_.update(scene.bodies, full); });
         time("trace", [&] {
-            tools_.trace("trace", scene.bodies, full, remembers ? full_hits_ : batch_.hits);
+            tools_.trace("trace", scene.bodies, full, remembers ? routes_.full_hits : batch_.hits);
             if (remembers) scatter_hits();
         });
         if (scene.plan->velocity_rays) time("sheets", [&] { relate_to_layers(scene.bodies); });
         time("classify", [&] { test_inside(scene); });
         if (scene.plan->traces_own_exits) {
-            time("update", [&] { tools_.update(scene.bodies, own_rays_); });
-            time("trace", [&] { tools_.trace("trace_own", scene.bodies, own_rays_, own_hits_); });
+            time("update", [&] { tools_.update(scene.bodies, exits_.rays); });
+            time("trace", [&] { tools_.trace("trace_own", scene.bodies, exits_.rays, exits_.hits); });
         }
         batch_.keep.resize(count_of(batch_.candidates));
-        // Others want to know which candidates are contacts, or have a say in it.
+        // Later stages read or change `keep`.
         const bool others_ask = scene.plan->meets_itself || complete || scene.plan->reprojects;
         if (others_ask)
             time("classify",
                  [&] { executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies)); });
-        if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_), batch_); });
+        if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
         if (complete)
-            time("separation",
-                 [&] { separation_.separate(scene, view_of(pairs_), view_of(directed_), edges_, batch_, routes_); });
+            time("separation", [&] {
+                separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed), edges_, batch_, routes_.routes);
+            });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         // What follows changes neither hits nor own rays.
         time("stats", [&] { executor_.beside([&] { count_rays(); }); });
@@ -255,21 +226,12 @@ private:
     /// What an earlier step has left in the lists of stages that cast rays: stages may not run in this one, and others tell
     /// by an empty list that they did not.
     void forget_rays() {
-        memory_.clear();
-        block_records_.clear();
-        patch_records_.clear();
-        records_.clear();
-        routes_.clear();
+        now_.forget_rays();
+        routes_.routes.clear();
         batch_.clear();
-        aimed_.clear();
-        accepted_.clear();
-        own_rays_.clear();
-        own_hits_.clear();
-        starts_inside_.clear();
+        reprojected_.clear();
+        exits_.clear();
         edges_.forget();
-        contacts_.clear();
-        contact_keys_.clear();
-        ages_.clear();
     }
 
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
@@ -277,12 +239,14 @@ private:
         if (scene.ranges.size < scene.bodies.size)
             executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
-        seen_bodies_.clear();
+        now_.bodies.clear();
         if (scene.plan->temporal == Temporal::off) return;
-        seen_bodies_.resize(scene.bodies.size);
+        now_.bodies.resize(scene.bodies.size);
         executor_.for_each("compare_with_last", scene.bodies.size,
-                           stages::CompareWithLast{scene.bodies, scene.ids, view_of(std::as_const(last_seen_bodies_)),
-                                                   view_of(seen_bodies_)});
+                           stages::CompareWithLast{.bodies = scene.bodies,
+                                                   .ids = scene.ids,
+                                                   .last = view_of(std::as_const(last_.bodies)),
+                                                   .seen = view_of(now_.bodies)});
         if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
             executor_.for_each("measure_reach", scene.bodies.size, stages::MeasureReach{scene.bodies, scene.settings});
     }
@@ -290,96 +254,125 @@ private:
     void measure_deformation(const Scene& scene) {
         const Count blocks = executor_.in_sixteens(scene.block_items.size),
                     bodies = executor_.in_sixteens(scene.ranges.size);
-        block_bounds_.resize(scene.block_items.size);
+        bounds_.blocks.resize(scene.block_items.size);
         if (scene.plan->casts_rays) {
-            moments_.resize(scene.block_items.size);
-            executor_.for_each(
-                "measure_patches", blocks,
-                stages::MeasurePatches{scene.bodies, scene.block_items, scene.blocks, scene.patches, view_of(moments_)});
-            executor_.for_each("fit_frame", bodies, stages::FitFrame{scene.bodies, scene.ranges, view_of(moments_)});
+            bounds_.moments.resize(scene.block_items.size);
+            executor_.for_each("measure_patches", blocks,
+                               stages::MeasurePatches{.bodies = scene.bodies,
+                                                      .items = scene.block_items,
+                                                      .blocks = scene.blocks,
+                                                      .patches = scene.patches,
+                                                      .moments = view_of(bounds_.moments)});
+            executor_.for_each("fit_frame", bodies, stages::FitFrame{scene.bodies, scene.ranges, view_of(bounds_.moments)});
             executor_.for_each("measure_bounds", blocks,
-                               stages::MeasureBounds{scene.bodies, scene.block_items, scene.seen, view_of(block_bounds_)});
+                               stages::MeasureBounds{.bodies = scene.bodies,
+                                                     .items = scene.block_items,
+                                                     .seen = scene.seen,
+                                                     .bounds = view_of(bounds_.blocks)});
         } else {
             executor_.for_each("measure_boxes", blocks,
-                               stages::MeasureBoxes{scene.bodies, scene.block_items, view_of(block_bounds_)});
+                               stages::MeasureBoxes{scene.bodies, scene.block_items, view_of(bounds_.blocks)});
         }
         executor_.for_each("join_bounds", bodies,
-                           stages::JoinBounds{scene.bodies, scene.ranges, view_of(block_bounds_), scene.plan->casts_rays});
+                           stages::JoinBounds{.bodies = scene.bodies,
+                                              .ranges = scene.ranges,
+                                              .bounds = view_of(bounds_.blocks),
+                                              .has_fit = scene.plan->casts_rays});
     }
 
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
     void pairs(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
-        const stages::LinkPair link{scene.bodies, scene.ids, view_of(last_pair_keys_), view_of(last_identities_)};
+        const stages::LinkPair link{scene.bodies, scene.ids, view_of(last_.pair_keys), view_of(last_.identities)};
         if (!E::runs_on_host && bodies <= constants::few_bodies)
-            return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link}, pair_keys_, pairs_,
-                                  identities_, links_);
+            return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link}, now_.pair_keys,
+                                  pairs_.pairs, now_.identities, pairs_.links);
         sweep(scene.bodies);
-        const Count total = count_of(pair_keys_);
-        pairs_.resize(total);
-        identities_.resize(total);
-        links_.resize(total);
-        executor_.for_each(
-            "link_pair", total,
-            stages::LinkSorted{link, view_of(pair_keys_), view_of(pairs_), view_of(identities_), view_of(links_)});
+        const Count total = count_of(now_.pair_keys);
+        pairs_.pairs.resize(total);
+        now_.identities.resize(total);
+        pairs_.links.resize(total);
+        executor_.for_each("link_pair", total,
+                           stages::LinkSorted{.link = link,
+                                              .keys = view_of(now_.pair_keys),
+                                              .pairs = view_of(pairs_.pairs),
+                                              .identities = view_of(now_.identities),
+                                              .links = view_of(pairs_.links)});
     }
 
     void sweep(View<const BodyView> bodies) {
-        unsorted_keys_.resize(bodies.size);
-        unsorted_.resize(bodies.size);
-        sweep_.resize(bodies.size);
-        executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(unsorted_keys_), view_of(unsorted_)});
-        tools_.sort("sweep_sort", stages::sweep_key_bits, unsorted_keys_, unsorted_, keys_, order_);
-        executor_.for_each("gather_sweep", bodies.size, stages::GatherSweep{bodies, view_of(order_), view_of(sweep_)});
+        sort_.keys.resize(bodies.size);
+        sort_.values.resize(bodies.size);
+        pairs_.sweep.resize(bodies.size);
+        executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(sort_.keys), view_of(sort_.values)});
+        tools_.sort("sweep_sort", stages::sweep_key_bits, sort_.keys, sort_.values, pairs_.body_keys, sort_.order);
+        executor_.for_each("gather_sweep", bodies.size,
+                           stages::GatherSweep{bodies, view_of(sort_.order), view_of(pairs_.sweep)});
         const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
-        executor_.emit("sweep", Count{bodies.size * walks}, stages::SweepPairs{view_of(sweep_), walks}, box_keys_);
-        executor_.emit("test_pair", count_of(box_keys_), stages::TestPair{bodies, view_of(box_keys_)}, unsorted_keys_);
-        unsorted_.resize(count_of(unsorted_keys_));
-        tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), unsorted_keys_, unsorted_, pair_keys_, order_);
+        executor_.emit("sweep", Count{bodies.size * walks}, stages::SweepPairs{view_of(pairs_.sweep), walks},
+                       pairs_.box_keys);
+        executor_.emit("test_pair", count_of(pairs_.box_keys), stages::TestPair{bodies, view_of(pairs_.box_keys)},
+                       sort_.keys);
+        sort_.values.resize(count_of(sort_.keys));
+        tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), sort_.keys, sort_.values, now_.pair_keys, sort_.order);
     }
 
     // Stage 3. How far pairs have moved.
     void displacement(const Scene& scene) {
-        const Count directed_count = 2 * count_of(pairs_);
-        memory_.resize(directed_count);
+        const Count directed_count = 2 * count_of(pairs_.pairs);
+        now_.directed.resize(directed_count);
         executor_.for_each("measure_displacement", directed_count,
-                           stages::MeasureDisplacement{scene.bodies, view_of(pairs_), view_of(links_), view_of(last_memory_),
-                                                       scene.settings, view_of(memory_)});
+                           stages::MeasureDisplacement{.bodies = scene.bodies,
+                                                       .pairs = view_of(pairs_.pairs),
+                                                       .links = view_of(pairs_.links),
+                                                       .last = view_of(last_.directed),
+                                                       .settings = scene.settings,
+                                                       .memory = view_of(now_.directed)});
     }
 
     // Stage 4. Patches, then vertices, that may be inside the other body.
     void vertex_cull(const Scene& scene) {
         const View<const BodyView> bodies = scene.bodies;
         const Temporal temporal = scene.plan->temporal;
-        const Count directed_count = 2 * count_of(pairs_);
-        directed_.resize(directed_count);
-        block_offsets_.resize(directed_count);
+        const Count directed_count = 2 * count_of(pairs_.pairs);
+        cull_.directed.resize(directed_count);
+        cull_.block_offsets.resize(directed_count);
         executor_.emit("direct_pair", directed_count,
-                       stages::DirectPair{bodies, view_of(pairs_), view_of(links_), view_of(memory_), view_of(last_memory_),
-                                          scene.settings, view_of(directed_), view_of(block_offsets_)},
-                       blocks_);
+                       stages::DirectPair{.bodies = bodies,
+                                          .pairs = view_of(pairs_.pairs),
+                                          .links = view_of(pairs_.links),
+                                          .memory = view_of(now_.directed),
+                                          .last = view_of(last_.directed),
+                                          .settings = scene.settings,
+                                          .directed = view_of(cull_.directed),
+                                          .begins = view_of(cull_.block_offsets)},
+                       cull_.blocks);
         const bool remembers = temporal != Temporal::off;
-        if (remembers) block_records_.resize(count_of(blocks_));
-        share_out(count_of(blocks_), [&](auto share, Count blocks) {
+        if (remembers) now_.blocks.resize(count_of(cull_.blocks));
+        share_out(count_of(cull_.blocks), [&](auto share, Count blocks) {
             executor_.emit("cull_block", blocks,
-                           stages::CullBlock<decltype(share)>{bodies, view_of(directed_), view_of(blocks_), temporal, last_,
-                                                              view_of(block_records_)},
-                           patches_);
+                           stages::CullBlock<decltype(share)>{.bodies = bodies,
+                                                              .directed = view_of(cull_.directed),
+                                                              .blocks = view_of(cull_.blocks),
+                                                              .temporal = temporal,
+                                                              .last = last_.of_vertices(),
+                                                              .records = view_of(now_.blocks)},
+                           cull_.patches);
         });
-        if (remembers) patch_records_.resize(count_of(patches_));
-        share_out(count_of(patches_), [&](auto share, Count patches) {
+        if (remembers) now_.patches.resize(count_of(cull_.patches));
+        share_out(count_of(cull_.patches), [&](auto share, Count patches) {
             const stages::CullVertices<decltype(share)> vertices{bodies,
-                                                                 view_of(directed_),
-                                                                 view_of(patches_),
+                                                                 view_of(cull_.directed),
+                                                                 view_of(cull_.patches),
                                                                  temporal,
-                                                                 last_,
-                                                                 view_of(links_),
-                                                                 view_of(last_contact_keys_),
-                                                                 view_of(block_offsets_),
-                                                                 view_of(block_records_),
-                                                                 view_of(patch_records_)};
+                                                                 last_.of_vertices(),
+                                                                 view_of(pairs_.links),
+                                                                 view_of(last_.contact_keys),
+                                                                 view_of(cull_.block_offsets),
+                                                                 view_of(now_.blocks),
+                                                                 view_of(now_.patches)};
             if (remembers)
-                executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_, records_);
+                executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_.routes, now_.vertices);
             else
                 executor_.emit("cull_vertices", patches, vertices, batch_.sources);
         });
@@ -399,52 +392,71 @@ private:
         const Count count = count_of(batch_.sources);
         batch_.rays.resize(count);
         batch_.hits.resize(count);
-        executor_.for_each(
-            "generate_rays", count,
-            stages::GenerateRay{scene.bodies, view_of(directed_), view_of(batch_.sources), scene.settings, view_of(records_),
-                                view_of(batch_.rays), view_of(batch_.hits), view_of(routes_)});
+        executor_.for_each("generate_rays", count,
+                           stages::GenerateRay{.bodies = scene.bodies,
+                                               .directed = view_of(cull_.directed),
+                                               .sources = view_of(batch_.sources),
+                                               .settings = scene.settings,
+                                               .records = view_of(now_.vertices),
+                                               .rays = view_of(batch_.rays),
+                                               .hits = view_of(batch_.hits),
+                                               .routes = view_of(routes_.routes)});
     }
 
     // Stage 6. Walks; the lost ones join the full rays.
     void walk(const Scene& scene) {
-        const Count walks =
-            tools_.list("walk_list", count_of(batch_.rays), stages::HasRoute{view_of(routes_), Route::walk}, walk_slots_);
-        walk_counts_.resize(walks);
-        found_.resize(count_of(batch_.rays));
+        const Count walks = tools_.list("walk_list", count_of(batch_.rays),
+                                        stages::HasRoute{view_of(routes_.routes), Route::walk}, routes_.walks);
+        routes_.counts.resize(walks);
+        routes_.found.resize(count_of(batch_.rays));
         batch_.meetings.resize(count_of(batch_.rays));
-        executor_.for_each(
-            "walk", walks,
-            stages::Walk{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
-                         view_of(walk_slots_), scene.plan->temporal, view_of(batch_.hits), view_of(routes_),
-                         view_of(records_), view_of(found_), view_of(batch_.meetings), view_of(walk_counts_)});
-        const Count full =
-            tools_.list("full_list", count_of(batch_.rays), stages::HasRoute{view_of(routes_), Route::full}, full_slots_);
-        full_rays_.resize(full);
+        executor_.for_each("walk", walks,
+                           stages::Walk{.bodies = scene.bodies,
+                                        .directed = view_of(cull_.directed),
+                                        .rays = view_of(batch_.rays),
+                                        .sources = view_of(batch_.sources),
+                                        .slots = view_of(routes_.walks),
+                                        .temporal = scene.plan->temporal,
+                                        .hits = view_of(batch_.hits),
+                                        .routes = view_of(routes_.routes),
+                                        .records = view_of(now_.vertices),
+                                        .found = view_of(routes_.found),
+                                        .meetings = view_of(batch_.meetings),
+                                        .counts = view_of(routes_.counts)});
+        const Count full = tools_.list("full_list", count_of(batch_.rays),
+                                       stages::HasRoute{view_of(routes_.routes), Route::full}, routes_.full);
+        routes_.full_rays.resize(full);
         executor_.for_each("gather_rays", full,
-                           stages::Gather<Ray>{view_of(batch_.rays), view_of(full_slots_), view_of(full_rays_)});
+                           stages::Gather<Ray>{view_of(batch_.rays), view_of(routes_.full), view_of(routes_.full_rays)});
     }
 
     void scatter_hits() {
-        executor_.for_each("scatter_hits", count_of(full_slots_),
-                           stages::Scatter<Hit>{view_of(full_hits_), view_of(full_slots_), view_of(batch_.hits)});
+        executor_.for_each("scatter_hits", count_of(routes_.full),
+                           stages::Scatter<Hit>{view_of(routes_.full_hits), view_of(routes_.full), view_of(batch_.hits)});
     }
 
     void relate_to_layers(View<const BodyView> bodies) {
         executor_.for_each("relate_to_layer", count_of(batch_.rays),
-                           stages::RelateToLayer{bodies, view_of(directed_), view_of(batch_.sources), view_of(batch_.rays),
-                                                 view_of(batch_.hits)});
+                           stages::RelateToLayer{.bodies = bodies,
+                                                 .directed = view_of(cull_.directed),
+                                                 .sources = view_of(batch_.sources),
+                                                 .rays = view_of(batch_.rays),
+                                                 .hits = view_of(batch_.hits)});
     }
 
     // Stage 9, first half. R1: which rays start inside their target.
     void test_inside(const Scene& scene) {
         const Count count = count_of(batch_.rays);
         batch_.meetings.resize(count);
-        const stages::TestInside inside{scene.bodies, view_of(batch_.rays), view_of(batch_.hits), view_of(routes_),
+        const stages::TestInside inside{scene.bodies, view_of(batch_.rays), view_of(batch_.hits), view_of(routes_.routes),
                                         view_of(batch_.meetings)};
         if (scene.plan->traces_own_exits)
             executor_.emit("test_inside", count,
-                           stages::GenerateOwnRays{inside, view_of(pairs_), edges_.chords(), view_of(batch_.sources)},
-                           batch_.candidates, own_rays_, starts_inside_);
+                           stages::GenerateOwnRays{.inside_target = inside,
+                                                   .pairs = view_of(pairs_.pairs),
+                                                   .chords = edges_.chords(),
+                                                   .sources = view_of(batch_.sources)},
+                           batch_.candidates, exits_.rays, exits_.starts_inside);
         else
             executor_.emit("test_inside", count, inside, batch_.candidates);
     }
@@ -455,28 +467,38 @@ private:
                 view_of(batch_.rays),
                 view_of(batch_.meetings),
                 view_of(batch_.candidates),
-                view_of(own_rays_),
-                view_of(own_hits_),
-                view_of(starts_inside_),
+                view_of(exits_.rays),
+                view_of(exits_.hits),
+                view_of(exits_.starts_inside),
                 view_of(batch_.keep)};
     }
 
     /// Contacts move to the closest point of the target's surface.
     void reproject(const Scene& scene) {
         const Count count = count_of(batch_.candidates);
-        aimed_.rays.resize(count);
-        aimed_.hits.resize(count);
-        aimed_.meetings.resize(count);
-        accepted_.resize(count);
+        reprojected_.aimed.rays.resize(count);
+        reprojected_.aimed.hits.resize(count);
+        reprojected_.aimed.meetings.resize(count);
+        reprojected_.accepted.resize(count);
         executor_.for_each("limit_to_depth", count,
-                           stages::LimitToDepth{scene.bodies, view_of(batch_.rays), view_of(batch_.sources),
-                                                view_of(batch_.meetings), view_of(batch_.candidates), view_of(batch_.keep),
-                                                view_of(aimed_.rays), view_of(pairs_), scene.settings.reproject});
-        tools_.update(scene.bodies, aimed_.rays);
-        tools_.closest("closest", scene.bodies, aimed_.rays, closest_);
+                           stages::LimitToDepth{.bodies = scene.bodies,
+                                                .rays = view_of(batch_.rays),
+                                                .sources = view_of(batch_.sources),
+                                                .meetings = view_of(batch_.meetings),
+                                                .candidates = view_of(batch_.candidates),
+                                                .keep = view_of(batch_.keep),
+                                                .limited = view_of(reprojected_.aimed.rays),
+                                                .pairs = view_of(pairs_.pairs),
+                                                .all = scene.settings.reproject});
+        tools_.update(scene.bodies, reprojected_.aimed.rays);
+        tools_.closest("closest", scene.bodies, reprojected_.aimed.rays, closest_);
         executor_.for_each("move_to_closest", count,
-                           stages::MoveToClosest{scene.bodies, view_of(closest_), view_of(aimed_.rays), view_of(aimed_.hits),
-                                                 view_of(aimed_.meetings), view_of(accepted_)});
+                           stages::MoveToClosest{.bodies = scene.bodies,
+                                                 .closest = view_of(closest_),
+                                                 .rays = view_of(reprojected_.aimed.rays),
+                                                 .hits = view_of(reprojected_.aimed.hits),
+                                                 .meetings = view_of(reprojected_.aimed.meetings),
+                                                 .accepted = view_of(reprojected_.accepted)});
     }
 
     // Stage 10. The list, in (pair, side, vertex) order. Candidates are tested on the way, unless they were.
@@ -485,87 +507,109 @@ private:
         const stages::KeyContacts keys{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates),
                                        view_of(batch_.keep)};
         if (tested)
-            executor_.emit("key_contacts", candidates, keys, unsorted_keys_, unsorted_);
+            executor_.emit("key_contacts", candidates, keys, sort_.keys, sort_.values);
         else
-            executor_.emit("key_contacts", candidates, FindAfter(own_exit_test(scene.bodies), keys), unsorted_keys_,
-                           unsorted_);
-        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.size()));
-        tools_.sort("contact_sort", bits, unsorted_keys_, unsorted_, contact_keys_, order_);
-        const Count total = count_of(contact_keys_);
+            executor_.emit("key_contacts", candidates, FindAfter(own_exit_test(scene.bodies), keys), sort_.keys,
+                           sort_.values);
+        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
+        tools_.sort("contact_sort", bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
+        const Count total = count_of(now_.contact_keys);
         if (scene.plan->coverage == Coverage::complete)
             executor_.for_each("order_chords", total,
                                stages::OrderChords{.sources = view_of(batch_.sources),
                                                    .candidates = view_of(batch_.candidates),
-                                                   .keys = view_of(contact_keys_),
-                                                   .order = view_of(order_)});
-        ages_.resize(total);
-        contacts_.resize(total);
+                                                   .keys = view_of(now_.contact_keys),
+                                                   .order = view_of(sort_.order)});
+        now_.ages.resize(total);
+        now_.contacts.resize(total);
         executor_.reduce("fill_contact", total,
-                         stages::FillContact{scene.bodies,
-                                             scene.ids,
-                                             view_of(pairs_),
-                                             edges_.chords(),
-                                             view_of(batch_.sources),
-                                             batch_.results(),
-                                             aimed_.results(),
-                                             view_of(accepted_),
-                                             view_of(batch_.candidates),
-                                             view_of(order_),
-                                             view_of(contact_keys_),
-                                             view_of(routes_),
-                                             view_of(found_),
-                                             view_of(links_),
-                                             view_of(last_contact_keys_),
-                                             view_of(last_ages_),
-                                             view_of(std::as_const(last_contacts_)),
-                                             view_of(records_),
-                                             view_of(ages_),
-                                             view_of(contacts_)},
-                         contact_sums_);
+                         stages::FillContact{.bodies = scene.bodies,
+                                             .ids = scene.ids,
+                                             .pairs = view_of(pairs_.pairs),
+                                             .chords = edges_.chords(),
+                                             .sources = view_of(batch_.sources),
+                                             .found_rays = batch_.results(),
+                                             .aimed = reprojected_.aimed.results(),
+                                             .accepted = view_of(reprojected_.accepted),
+                                             .candidates = view_of(batch_.candidates),
+                                             .order = view_of(sort_.order),
+                                             .keys = view_of(now_.contact_keys),
+                                             .routes = view_of(routes_.routes),
+                                             .found = view_of(routes_.found),
+                                             .links = view_of(pairs_.links),
+                                             .last_keys = view_of(last_.contact_keys),
+                                             .last_ages = view_of(last_.ages),
+                                             .last_contacts = view_of(std::as_const(last_.contacts)),
+                                             .records = view_of(now_.vertices),
+                                             .ages = view_of(now_.ages),
+                                             .contacts = view_of(now_.contacts)},
+                         sums_.contacts);
     }
 
     // Stage 11. What the next step needs to know.
     void remember(const Scene& scene) {
-        const Count full = count_of(full_slots_);
+        const Count full = count_of(routes_.full);
         executor_.for_each("remember", full,
-                           stages::Remember{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
-                                            scene.plan->temporal, view_of(batch_.hits), view_of(batch_.meetings),
-                                            view_of(full_slots_), view_of(records_)});
-        uncertain_.clear();
+                           stages::Remember{.bodies = scene.bodies,
+                                            .directed = view_of(cull_.directed),
+                                            .rays = view_of(batch_.rays),
+                                            .sources = view_of(batch_.sources),
+                                            .temporal = scene.plan->temporal,
+                                            .hits = view_of(batch_.hits),
+                                            .meetings = view_of(batch_.meetings),
+                                            .slots = view_of(routes_.full),
+                                            .records = view_of(now_.vertices)});
+        routes_.uncertain.clear();
         if (scene.plan->temporal != Temporal::certified) return;
 
-        const Count uncertain =
-            tools_.list("uncertain_list", full,
-                        stages::IsUncertain{scene.bodies, view_of(directed_), view_of(batch_.rays), view_of(batch_.sources),
-                                            view_of(batch_.hits), view_of(full_slots_), view_of(records_)},
-                        uncertain_);
-        full_rays_.resize(uncertain);
+        const Count uncertain = tools_.list("uncertain_list", full,
+                                            stages::IsUncertain{.bodies = scene.bodies,
+                                                                .directed = view_of(cull_.directed),
+                                                                .rays = view_of(batch_.rays),
+                                                                .sources = view_of(batch_.sources),
+                                                                .hits = view_of(batch_.hits),
+                                                                .slots = view_of(routes_.full),
+                                                                .records = view_of(now_.vertices)},
+                                            routes_.uncertain);
+        routes_.full_rays.resize(uncertain);
         executor_.for_each("prolong_rays", uncertain,
-                           stages::ProlongRay{scene.bodies, view_of(batch_.rays), view_of(full_slots_), view_of(uncertain_),
-                                              view_of(full_rays_)});
-        tools_.update(scene.bodies, full_rays_);
-        tools_.trace("prove", scene.bodies, full_rays_, full_hits_);
+                           stages::ProlongRay{.bodies = scene.bodies,
+                                              .rays = view_of(batch_.rays),
+                                              .slots = view_of(routes_.full),
+                                              .uncertain = view_of(routes_.uncertain),
+                                              .prolonged = view_of(routes_.full_rays)});
+        tools_.update(scene.bodies, routes_.full_rays);
+        tools_.trace("prove", scene.bodies, routes_.full_rays, routes_.full_hits);
         executor_.for_each("limit_to_certificate", uncertain,
-                           stages::LimitToCertificate{scene.bodies, view_of(full_hits_), view_of(full_rays_)});
-        tools_.closest("closest", scene.bodies, full_rays_, closest_);
+                           stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits), view_of(routes_.full_rays)});
+        tools_.closest("closest", scene.bodies, routes_.full_rays, closest_);
         executor_.for_each("certify", uncertain,
-                           stages::Certify{scene.bodies, view_of(directed_), view_of(batch_.sources), view_of(full_slots_),
-                                           view_of(uncertain_), view_of(full_rays_), view_of(closest_), view_of(records_)});
+                           stages::Certify{.bodies = scene.bodies,
+                                           .directed = view_of(cull_.directed),
+                                           .sources = view_of(batch_.sources),
+                                           .slots = view_of(routes_.full),
+                                           .uncertain = view_of(routes_.uncertain),
+                                           .limited = view_of(routes_.full_rays),
+                                           .closest = view_of(closest_),
+                                           .records = view_of(now_.vertices)});
     }
 
     // Stage 12. What the step did.
     void count(const Plan& plan) {
-        if (plan.sheets) sheets_.add_up(sheet_sums_);
+        if (plan.sheets) sheets_.add_up(sums_.sheet_contacts);
         if (plan.temporal == Temporal::off) return;
-        executor_.reduce("count_walks", count_of(walk_counts_), stages::CountWalk{view_of(walk_counts_)}, walk_sums_);
-        executor_.reduce("count_skipped", count_of(routes_), stages::CountSkipped{view_of(routes_)}, skipped_sum_);
-        executor_.reduce("count_predicted", count_of(records_), stages::CountPredicted{view_of(records_)}, predicted_sum_);
-        executor_.reduce("count_full_passes", count_of(pairs_), stages::CountFullPass{view_of(memory_)}, full_pass_sum_);
+        executor_.reduce("count_walks", count_of(routes_.counts), stages::CountWalk{view_of(routes_.counts)}, sums_.walks);
+        executor_.reduce("count_skipped", count_of(routes_.routes), stages::CountSkipped{view_of(routes_.routes)},
+                         sums_.skipped);
+        executor_.reduce("count_predicted", count_of(now_.vertices), stages::CountPredicted{view_of(now_.vertices)},
+                         sums_.predicted);
+        executor_.reduce("count_full_passes", count_of(pairs_.pairs), stages::CountFullPass{view_of(now_.directed)},
+                         sums_.full_passes);
     }
 
     void count_rays() {
-        executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, hit_sum_);
-        executor_.reduce("count_own_rays", count_of(own_rays_), stages::CountTraced{view_of(own_rays_)}, own_ray_sum_);
+        executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, sums_.hits);
+        executor_.reduce("count_own_rays", count_of(exits_.rays), stages::CountTraced{view_of(exits_.rays)}, sums_.own_rays);
     }
 
     E& executor_;
@@ -576,37 +620,18 @@ private:
     Separation<E, T> separation_;
     Sheets<E, T> sheets_;
 
-    Buffer<stages::Moments> moments_;
-    Buffer<stages::PartBounds> block_bounds_;
-    Buffer<std::uint64_t> unsorted_keys_, keys_, box_keys_, pair_keys_, last_pair_keys_, contact_keys_, last_contact_keys_;
-    Buffer<std::uint32_t> unsorted_, order_, starts_inside_, accepted_, links_, ages_, last_ages_;
-    Buffer<stages::SweepItem> sweep_;
-    Buffer<Pair> pairs_;
-    Buffer<PairIdentity> identities_, last_identities_;
-    Buffer<stages::DirectedPair> directed_;
-    Buffer<stages::CullItem> blocks_, patches_;
-    Buffer<std::uint32_t> block_offsets_;
-    RayBatch<E> batch_, aimed_;
-    Buffer<Ray> own_rays_, full_rays_;
-    Buffer<Hit> own_hits_, full_hits_;
-    Buffer<Route> routes_;
-    Buffer<Found> found_;
-    Buffer<std::uint32_t> walk_slots_, full_slots_, uncertain_, closest_;
-    Buffer<stages::WalkCount> walk_counts_;
-    Buffer<Contact> contacts_, last_contacts_;
-    Sum<stages::ContactSums> contact_sums_, sheet_sums_;
-    Sum<stages::WalkSums> walk_sums_;
-    Sum<std::uint32_t> hit_sum_, own_ray_sum_, skipped_sum_, predicted_sum_, full_pass_sum_;
-
+    StepRecords<E> now_, last_;
+    BoundsLists<E> bounds_;
+    PairLists<E> pairs_;
+    CullLists<E> cull_;
+    RayBatch<E> batch_;
+    RouteLists<E> routes_;
+    ExitLists<E> exits_;
+    ReprojectLists<E> reprojected_;
+    SortScratch<E> sort_;
+    Buffer<std::uint32_t> closest_;  ///< scratch of whoever asks for closest triangles
+    StepSums<E> sums_;
     TracerCounts reported_;
-
-    // What steps remember, and last step's.
-    Buffer<SeenBody> seen_bodies_, last_seen_bodies_;
-    Buffer<PairMemory> memory_, last_memory_;
-    Buffer<BlockRecord> block_records_, last_block_records_;
-    Buffer<PatchRecord> patch_records_, last_patch_records_;
-    Buffer<VertexRecord> records_, last_records_;
-    RecordsView last_;
 };
 
 }  // namespace pierce

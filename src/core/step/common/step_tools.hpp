@@ -10,7 +10,14 @@
 
 namespace pierce {
 
-/// What the parts of a step share: its executor and tracer, and their usual ways with lists.
+/// What is to be sorted, and the order it came in; free again after every use.
+template <Executor E>
+struct SortScratch {
+    typename E::template Buffer<std::uint64_t> keys;
+    typename E::template Buffer<std::uint32_t> values, order;
+};
+
+/// Executor, tracer and list helpers shared by all parts of a step.
 template <Executor E, Tracer<E> T>
 class StepTools {
 public:

@@ -23,38 +23,64 @@ public:
         masks_.resize(blocks.size);
         counts_.resize(blocks.size);
         executor_.for_each("cull_edge_block", blocks.size,
-                           stages::CullEdgeBlock{scene.bodies, directed, blocks, view_of(masks_), view_of(counts_)});
+                           stages::CullEdgeBlock{.bodies = scene.bodies,
+                                                 .directed = directed,
+                                                 .blocks = blocks,
+                                                 .masks = view_of(masks_),
+                                                 .counts = view_of(counts_)});
         patches_.resize(tools_.place("edge_patch_scan", counts_, offsets_));
-        executor_.for_each("list_edge_patches", blocks.size,
-                           stages::ListEdgePatches{blocks, view_of(masks_), view_of(offsets_), view_of(patches_)});
+        executor_.for_each(
+            "list_edge_patches", blocks.size,
+            stages::ListEdgePatches{
+                .blocks = blocks, .masks = view_of(masks_), .offsets = view_of(offsets_), .patches = view_of(patches_)});
         const auto kept = static_cast<std::uint32_t>(patches_.size());
         counts_.resize(kept);
-        executor_.for_each("count_edge_groups", kept,
-                           stages::CountEdgeGroups{scene.bodies, directed, view_of(patches_), view_of(counts_)});
-        groups_.resize(tools_.place("edge_group_scan", counts_, offsets_));
         executor_.for_each(
-            "list_edge_groups", kept,
-            stages::ListEdgeGroups{scene.bodies, directed, view_of(patches_), view_of(offsets_), view_of(groups_)});
+            "count_edge_groups", kept,
+            stages::CountEdgeGroups{
+                .bodies = scene.bodies, .directed = directed, .patches = view_of(patches_), .counts = view_of(counts_)});
+        groups_.resize(tools_.place("edge_group_scan", counts_, offsets_));
+        executor_.for_each("list_edge_groups", kept,
+                           stages::ListEdgeGroups{.bodies = scene.bodies,
+                                                  .directed = directed,
+                                                  .patches = view_of(patches_),
+                                                  .offsets = view_of(offsets_),
+                                                  .groups = view_of(groups_)});
         const auto group_count = static_cast<std::uint32_t>(groups_.size());
         masks_.resize(group_count);
         counts_.resize(group_count);
-        executor_.for_each(
-            "cull_edge_group", group_count,
-            stages::CullEdgeGroup{scene.bodies, directed, view_of(groups_), view_of(masks_), view_of(counts_)});
+        executor_.for_each("cull_edge_group", group_count,
+                           stages::CullEdgeGroup{.bodies = scene.bodies,
+                                                 .directed = directed,
+                                                 .groups = view_of(groups_),
+                                                 .masks = view_of(masks_),
+                                                 .counts = view_of(counts_)});
         items_.resize(tools_.place("edge_scan", counts_, offsets_));
         executor_.for_each("list_edges", group_count,
-                           stages::ListEdges{view_of(groups_), view_of(masks_), view_of(offsets_), view_of(items_)});
+                           stages::ListEdges{.groups = view_of(groups_),
+                                             .masks = view_of(masks_),
+                                             .offsets = view_of(offsets_),
+                                             .items = view_of(items_)});
         const auto count = static_cast<std::uint32_t>(items_.size());
         spans_.resize(count);
-        executor_.for_each("cull_edge", count, stages::CullEdge{scene.bodies, directed, view_of(items_), view_of(spans_)});
+        executor_.for_each(
+            "cull_edge", count,
+            stages::CullEdge{
+                .bodies = scene.bodies, .directed = directed, .items = view_of(items_), .spans = view_of(spans_)});
 
         const std::uint32_t near = tools_.list("near_edges", count, stages::MayReach{view_of(spans_)}, slots_);
         segments_.resize(near);
         rays_.resize(near);
         active_.resize(near);
         executor_.for_each("generate_segments", near,
-                           stages::GenerateSegments{scene.bodies, directed, view_of(items_), view_of(spans_),
-                                                    view_of(slots_), view_of(segments_), view_of(rays_), view_of(active_)});
+                           stages::GenerateSegments{.bodies = scene.bodies,
+                                                    .directed = directed,
+                                                    .items = view_of(items_),
+                                                    .spans = view_of(spans_),
+                                                    .slots = view_of(slots_),
+                                                    .segments = view_of(segments_),
+                                                    .rays = view_of(rays_),
+                                                    .active = view_of(active_)});
     }
 
     /// The rays along the edges that are left.
@@ -68,11 +94,19 @@ public:
         chords_.resize(count);
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
-        executor_.for_each(
-            "generate_chord_rays", count,
-            stages::GenerateChordRays{scene.bodies, directed, view_of(items_), view_of(segments_), view_of(found_),
-                                      view_of(order_), begin, view_of(chords_), view_of(batch.rays), view_of(batch.sources),
-                                      view_of(batch.hits), view_of(routes)});
+        executor_.for_each("generate_chord_rays", count,
+                           stages::GenerateChordRays{.bodies = scene.bodies,
+                                                     .directed = directed,
+                                                     .items = view_of(items_),
+                                                     .segments = view_of(segments_),
+                                                     .found = view_of(found_),
+                                                     .order = view_of(order_),
+                                                     .begin = begin,
+                                                     .chords = view_of(chords_),
+                                                     .rays = view_of(batch.rays),
+                                                     .sources = view_of(batch.sources),
+                                                     .hits = view_of(batch.hits),
+                                                     .routes = view_of(routes)});
     }
 
     /// Of pairs whose edges touch and that have no contact so far (`contact`, per pair), as aligned bodies may: casts the
@@ -82,38 +116,53 @@ public:
                              View<const std::uint32_t> contact, Buffer<RaySource>& sources) {
         sources.clear();
         for (const double sign : {1.0, -1.0}) {
-            const std::uint32_t again =
-                tools_.list("touching_segments", count_of(segments_),
-                            stages::OnlyTouches{view_of(items_), view_of(segments_), view_of(touching_), contact}, active_);
+            const std::uint32_t again = tools_.list("touching_segments", count_of(segments_),
+                                                    stages::OnlyTouches{.items = view_of(items_),
+                                                                        .segments = view_of(segments_),
+                                                                        .touching = view_of(touching_),
+                                                                        .contact = contact},
+                                                    active_);
             if (again == 0) return;
             executor_.for_each("nudge_segments", again,
-                               stages::NudgeSegment{scene.bodies, directed, view_of(items_), view_of(spans_),
-                                                    view_of(active_), sign, view_of(segments_), view_of(rays_)});
+                               stages::NudgeSegment{.bodies = scene.bodies,
+                                                    .directed = directed,
+                                                    .items = view_of(items_),
+                                                    .spans = view_of(spans_),
+                                                    .again = view_of(active_),
+                                                    .sign = sign,
+                                                    .segments = view_of(segments_),
+                                                    .rays = view_of(rays_)});
             found_.clear();
             tools_.update(scene.bodies, rays_);
             follow(scene, directed, found_);
             const auto count = static_cast<std::uint32_t>(found_.size());
             now_rays_.resize(2 * std::size_t{count});
             executor_.for_each("generate_touch_rays", count,
-                               stages::GenerateTouchRays{scene.bodies, directed, view_of(items_), view_of(segments_),
-                                                         view_of(found_), view_of(now_rays_)});
+                               stages::GenerateTouchRays{.bodies = scene.bodies,
+                                                         .directed = directed,
+                                                         .items = view_of(items_),
+                                                         .segments = view_of(segments_),
+                                                         .found = view_of(found_),
+                                                         .rays = view_of(now_rays_)});
             tools_.update(scene.bodies, now_rays_);
             tools_.trace("trace_touch", scene.bodies, now_rays_, now_hits_);
-            const std::uint32_t kept =
-                tools_.list("deep_touches", count,
-                            stages::LeavesBoth{scene.bodies, view_of(now_rays_), view_of(now_hits_), false}, places_);
+            const std::uint32_t kept = tools_.list(
+                "deep_touches", count,
+                stages::LeavesBoth{
+                    .bodies = scene.bodies, .rays = view_of(now_rays_), .hits = view_of(now_hits_), .otherwise = false},
+                places_);
             const auto chords = static_cast<std::uint32_t>(chords_.size()),
                        before = static_cast<std::uint32_t>(sources.size());
             chords_.resize(chords + kept);
             sources.resize(before + kept);
             executor_.for_each("keep_touches", kept,
-                               stages::KeepTouch{view_of(items_),
-                                                 view_of(segments_),
-                                                 view_of(found_),
-                                                 view_of(places_),
-                                                 chords,
-                                                 view_of(chords_),
-                                                 {sources.data() + before, kept}});
+                               stages::KeepTouch{.items = view_of(items_),
+                                                 .segments = view_of(segments_),
+                                                 .found = view_of(found_),
+                                                 .places = view_of(places_),
+                                                 .begin = chords,
+                                                 .chords = view_of(chords_),
+                                                 .sources = {sources.data() + before, kept}});
         }
     }
 
@@ -144,16 +193,27 @@ private:
             executor_.for_each("gather_segments", count,
                                stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
             tools_.trace("trace_edges", scene.bodies, now_rays_, now_hits_);
-            executor_.for_each(
-                "advance_segments", count,
-                stages::AdvanceSegment{scene.bodies, directed, view_of(items_), view_of(spans_), view_of(active_),
-                                       view_of(now_hits_), view_of(segments_), view_of(rays_), view_of(counts_),
-                                       view_of(now_found_), view_of(finished_), view_of(touching_)});
+            executor_.for_each("advance_segments", count,
+                               stages::AdvanceSegment{.bodies = scene.bodies,
+                                                      .directed = directed,
+                                                      .items = view_of(items_),
+                                                      .spans = view_of(spans_),
+                                                      .active = view_of(active_),
+                                                      .hits = view_of(now_hits_),
+                                                      .segments = view_of(segments_),
+                                                      .rays = view_of(rays_),
+                                                      .counts = view_of(counts_),
+                                                      .found = view_of(now_found_),
+                                                      .finished = view_of(finished_),
+                                                      .touching = view_of(touching_)});
             const auto begin = static_cast<std::uint32_t>(found.size());
             found.resize(begin + tools_.place("chord_scan", counts_, offsets_));
-            executor_.for_each(
-                "keep_chords", count,
-                stages::KeepChord{view_of(counts_), view_of(offsets_), view_of(now_found_), begin, view_of(found)});
+            executor_.for_each("keep_chords", count,
+                               stages::KeepChord{.counts = view_of(counts_),
+                                                 .offsets = view_of(offsets_),
+                                                 .found = view_of(now_found_),
+                                                 .begin = begin,
+                                                 .chords = view_of(found)});
             const std::uint32_t left =
                 tools_.list("active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)}, places_);
             next_active_.resize(left);

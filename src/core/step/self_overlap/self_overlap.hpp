@@ -22,22 +22,35 @@ public:
 
     /// Clears `batch.keep` of candidates that are not inside another part of their own body.
     void test(const Scene& scene, View<const Pair> pairs, RayBatch<E>& batch) {
-        const std::uint32_t count = tools_.list(
-            "self_candidates", count_of(batch.candidates),
-            stages::IsSelfCandidate{scene.bodies, pairs, view_of(batch.sources), view_of(batch.candidates)}, listed_);
+        const std::uint32_t count = tools_.list("self_candidates", count_of(batch.candidates),
+                                                stages::IsSelfCandidate{.bodies = scene.bodies,
+                                                                        .pairs = pairs,
+                                                                        .sources = view_of(batch.sources),
+                                                                        .candidates = view_of(batch.candidates)},
+                                                listed_);
         outward_.resize(count);
         winding_.resize(count);
         active_.resize(count);
-        executor_.for_each(
-            "generate_outward_rays", count,
-            stages::GenerateOutwardRays{scene.bodies, view_of(batch.rays), view_of(batch.candidates), view_of(listed_),
-                                        view_of(outward_), view_of(winding_), view_of(active_)});
+        executor_.for_each("generate_outward_rays", count,
+                           stages::GenerateOutwardRays{.bodies = scene.bodies,
+                                                       .rays = view_of(batch.rays),
+                                                       .candidates = view_of(batch.candidates),
+                                                       .listed = view_of(listed_),
+                                                       .outward = view_of(outward_),
+                                                       .winding = view_of(winding_),
+                                                       .active = view_of(active_)});
         tools_.update(scene.bodies, outward_);
         while (!active_.empty()) follow(scene);
         executor_.for_each("keep_self", count,
-                           stages::KeepSelf{scene.bodies, view_of(batch.rays), view_of(batch.sources), view_of(batch.hits),
-                                            view_of(batch.meetings), view_of(batch.candidates), view_of(listed_),
-                                            view_of(winding_), view_of(batch.keep)});
+                           stages::KeepSelf{.bodies = scene.bodies,
+                                            .rays = view_of(batch.rays),
+                                            .sources = view_of(batch.sources),
+                                            .hits = view_of(batch.hits),
+                                            .meetings = view_of(batch.meetings),
+                                            .candidates = view_of(batch.candidates),
+                                            .listed = view_of(listed_),
+                                            .winding = view_of(winding_),
+                                            .keep = view_of(batch.keep)});
     }
 
 private:
@@ -50,8 +63,12 @@ private:
                            stages::Gather<Ray>{view_of(outward_), view_of(active_), view_of(now_rays_)});
         tools_.trace("trace_outward", scene.bodies, now_rays_, now_hits_);
         executor_.for_each("advance_outward", count,
-                           stages::AdvanceOutward{scene.bodies, view_of(now_hits_), view_of(active_), view_of(outward_),
-                                                  view_of(winding_), view_of(goes_on_)});
+                           stages::AdvanceOutward{.bodies = scene.bodies,
+                                                  .hits = view_of(now_hits_),
+                                                  .active = view_of(active_),
+                                                  .outward = view_of(outward_),
+                                                  .winding = view_of(winding_),
+                                                  .goes_on = view_of(goes_on_)});
         const std::uint32_t left = tools_.list("outward_list", count, stages::IsUnderWay{view_of(goes_on_)}, places_);
         next_active_.resize(left);
         executor_.for_each("gather_active", left,

@@ -45,14 +45,19 @@ private:
         executor_.assign(reached_, pairs.size, 0u);
         executor_.assign(touching_, pairs.size, 0u);
         executor_.for_each("mark_touching", candidates,
-                           stages::MarkTouching{sources, view_of(batch.candidates), view_of(batch.keep), view_of(reached_),
-                                                view_of(touching_)});
+                           stages::MarkTouching{.sources = sources,
+                                                .candidates = view_of(batch.candidates),
+                                                .keep = view_of(batch.keep),
+                                                .reached = view_of(reached_),
+                                                .touching = view_of(touching_)});
         executor_.for_each("mark_reached", chords.size, stages::MarkReached{from_chords, view_of(reached_)});
         test_parts(scene, directed);
         const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords, from_chords);
         const std::uint32_t vertices = tools_.list(
             "stranded_vertices", candidates,
-            stages::IsStrandedVertex{pairs, sources, view_of(batch.candidates), view_of(touching_)}, stranded_vertices_);
+            stages::IsStrandedVertex{
+                .pairs = pairs, .sources = sources, .candidates = view_of(batch.candidates), .touching = view_of(touching_)},
+            stranded_vertices_);
         const std::uint32_t stranded = vertices + stranded_chords;
         const auto contained = static_cast<std::uint32_t>(contained_.size());
         deep_count_ = 0;
@@ -76,7 +81,10 @@ private:
         deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)}, deep_pairs_);
         directions_.resize(pairs.size);
         executor_.for_each("find_separation", deep_count_,
-                           stages::FindSeparation{scene.bodies, pairs, view_of(deep_pairs_), view_of(directions_)});
+                           stages::FindSeparation{.bodies = scene.bodies,
+                                                  .pairs = pairs,
+                                                  .deep_pairs = view_of(deep_pairs_),
+                                                  .directions = view_of(directions_)});
 
         const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
         const stages::SeparationRays out = room_for(added, scene, directed, chords, batch, routes);
@@ -122,15 +130,25 @@ private:
         tools_.update(scene.bodies, count, rays);
         tools_.tracer.closest_hits(executor_, "trace_separation", scene.bodies, count, rays, hits);
         executor_.emit("test_separation", count,
-                       stages::TestInside{scene.bodies, rays, hits, {}, {batch.meetings.data() + begin, count}}, separated_);
+                       stages::TestInside{.bodies = scene.bodies,
+                                          .rays = rays,
+                                          .hits = hits,
+                                          .routes = {},
+                                          .meetings = {batch.meetings.data() + begin, count}},
+                       separated_);
         const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
         const auto added = static_cast<std::uint32_t>(separated_.size());
         batch.candidates.resize(candidates + added);
         batch.keep.resize(candidates + added);
-        executor_.for_each(
-            "keep_separated", added,
-            stages::KeepSeparated{view_of(separated_), view_of(batch.sources), view_of(batch.meetings), begin, candidates,
-                                  view_of(batch.candidates), view_of(batch.keep), view_of(touching_)});
+        executor_.for_each("keep_separated", added,
+                           stages::KeepSeparated{.inside = view_of(separated_),
+                                                 .sources = view_of(batch.sources),
+                                                 .meetings = view_of(batch.meetings),
+                                                 .first_ray = begin,
+                                                 .first_candidate = candidates,
+                                                 .candidates = view_of(batch.candidates),
+                                                 .keep = view_of(batch.keep),
+                                                 .touching = view_of(touching_)});
     }
 
     /// Chords of pairs without a contact that are more than rounding.
@@ -142,8 +160,12 @@ private:
         if (count == 0) return 0;
         part_rays_.resize(2 * std::size_t{count});
         executor_.for_each("generate_stranded_chord_rays", count,
-                           stages::GenerateStrandedChordRays{scene.bodies, directed, chords, view_of(places_), from_chords,
-                                                             view_of(part_rays_)});
+                           stages::GenerateStrandedChordRays{.bodies = scene.bodies,
+                                                             .directed = directed,
+                                                             .chords = chords,
+                                                             .stranded = view_of(places_),
+                                                             .sources = from_chords,
+                                                             .rays = view_of(part_rays_)});
         tools_.update(scene.bodies, part_rays_);
         tools_.trace("trace_stranded_chords", scene.bodies, part_rays_, part_hits_);
         const std::uint32_t deep = tools_.list(
@@ -158,14 +180,20 @@ private:
     /// Which parts of which bodies are inside the other body of a pair with nothing inside so far.
     void test_parts(const Scene& scene, View<const stages::DirectedPair> directed) {
         counts_.resize(directed.size);
-        executor_.for_each("count_parts", directed.size,
-                           stages::CountParts{scene.bodies, directed, view_of(reached_), view_of(counts_)});
+        executor_.for_each(
+            "count_parts", directed.size,
+            stages::CountParts{
+                .bodies = scene.bodies, .directed = directed, .reached = view_of(reached_), .counts = view_of(counts_)});
         const std::uint32_t count = tools_.place("part_scan", counts_, offsets_);
         part_rays_.resize(count);
         part_sources_.resize(count);
         executor_.for_each("generate_part_rays", directed.size,
-                           stages::GeneratePartRays{scene.bodies, directed, view_of(counts_), view_of(offsets_),
-                                                    view_of(part_rays_), view_of(part_sources_)});
+                           stages::GeneratePartRays{.bodies = scene.bodies,
+                                                    .directed = directed,
+                                                    .counts = view_of(counts_),
+                                                    .offsets = view_of(offsets_),
+                                                    .rays = view_of(part_rays_),
+                                                    .sources = view_of(part_sources_)});
         inside_tests_ = tools_.list("parts_asked", count, stages::IsTraced{view_of(part_rays_)}, contained_);
         contained_.clear();
         if (inside_tests_ == 0) return;

@@ -109,7 +109,8 @@ public:
         executor.for_each("judge_trees", tree_count(),
                           bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
         executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
-        executor.for_each("mark_fitted", tree_count(), bvh::MarkFitted{bodies, wanted, forest(), view_of(total_)});
+        executor.for_each("mark_fitted", tree_count(),
+                          bvh::MarkFitted{.bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
     }
 
     /// All trees anew.
@@ -125,14 +126,25 @@ public:
     void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
                       View<Hit> hits) {
         candidates_.resize(count);
-        executor.in_turn(name, count, bvh::FindCandidates{bodies, forest(), rays, view_of(candidates_), view_of(work_)},
-                         bvh::Trace{bodies, rays, view_of(std::as_const(candidates_)), hits},
-                         bvh::TraceTree{bodies, forest(), rays, view_of(std::as_const(candidates_)), hits});
+        executor.in_turn(
+            name, count,
+            bvh::FindCandidates{.bodies = bodies,
+                                .forest = forest(),
+                                .rays = rays,
+                                .candidates = view_of(candidates_),
+                                .work = view_of(work_)},
+            bvh::Trace{.bodies = bodies, .rays = rays, .candidates = view_of(std::as_const(candidates_)), .hits = hits},
+            bvh::TraceTree{.bodies = bodies,
+                           .forest = forest(),
+                           .rays = rays,
+                           .candidates = view_of(std::as_const(candidates_)),
+                           .hits = hits});
     }
 
     void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
                            View<std::uint32_t> triangles) {
-        executor.for_each(name, count, bvh::Closest{bodies, forest(), rays, triangles});
+        executor.for_each(name, count,
+                          bvh::Closest{.bodies = bodies, .forest = forest(), .rays = rays, .triangles = triangles});
     }
 
     /// True if the next update builds trees.
