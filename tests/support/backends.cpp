@@ -4,6 +4,7 @@
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/reference_backends.hpp"
+#include "support/parallel_executor.hpp"
 #include "support/shuffled_executor.hpp"
 #if PIERCE_HAS_CUDA
 #include "pierce/cuda_backend.hpp"
@@ -28,6 +29,11 @@ public:
     bool certificates_pay() const override { return false; }
 };
 
+std::unique_ptr<Backend> parallel_backend() {
+    return std::make_unique<PipelineBackend<ParallelExecutor, BvhTracer<ParallelExecutor>>>(
+        "parallel algorithms", std::make_unique<ParallelExecutor>(), std::make_unique<BvhTracer<ParallelExecutor>>());
+}
+
 }  // namespace
 
 std::vector<NamedBackend> backends() {
@@ -35,7 +41,8 @@ std::vector<NamedBackend> backends() {
                                      {"bvh", [] { return bvh_backend(); }},
                                      {"embree_1", [] { return embree_backend(1); }},
                                      {"embree_3", [] { return embree_backend(3); }},
-                                     {"shuffled", [] { return std::make_unique<ShuffledBackend>(); }}};
+                                     {"shuffled", [] { return std::make_unique<ShuffledBackend>(); }},
+                                     {"parallel", [] { return parallel_backend(); }}};
 #if PIERCE_HAS_CUDA
     if (cuda_problem().empty()) {
         all.push_back({"cuda", [] { return cuda_backend(); }});

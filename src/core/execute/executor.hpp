@@ -2,6 +2,8 @@
 
 #include <concepts>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "core/device/view.hpp"
 
@@ -42,7 +44,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     typename E::template Buffer<float>;
     { E::runs_on_host } -> std::convertible_to<bool>;
     executor.for_each("stage", n, detail::AnyStage{});
-    // Stages of the same items, one after the other: what they read of the others' they read of their own item.
+    // Stages of the same items, one after the other. A stage may read an earlier one's output only at its own index.
     executor.in_turn("stage", n, detail::AnyStage{}, detail::AnyStage{});
     { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
@@ -61,8 +63,16 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
     executor.settle();
+    // Independent of everything issued before join(); may run concurrently.
     executor.beside(detail::AnyWork{});
     executor.join();
+    // Work that consists of stages, as a whole: a step, or rays outside of one.
+    executor.run(detail::AnyWork{});
+    // Lists as a whole: filled with a value, and from and to the host.
+    executor.assign(list, std::uint32_t{}, 0.0f);
+    executor.upload(std::span<const float>{}, list);
+    { executor.download(list) } -> std::same_as<std::vector<float>>;
+    { executor.first(list) } -> std::same_as<float>;
 };
 
 }  // namespace pierce
