@@ -2,15 +2,17 @@
 
 #include <array>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/pipeline.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/scene_mirror.cuh"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/error.hpp"
+#include "pierce/explain.hpp"
 #include "pierce/reference_backends.hpp"
 
 namespace pierce {

@@ -28,9 +28,11 @@ public:
 
     std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
         if (n == 0) return 0;
-        const std::uint32_t last = in[n - 1];  // `out` may be `in`
-        std::exclusive_scan(std::execution::par, in.data, in.data + n, out.data, 0u);
-        return out[n - 1] + last;
+        sums_.resize(n);  // `out` may be `in`
+        std::inclusive_scan(std::execution::par, in.data, in.data + n, sums_.begin());
+        out[0] = 0;
+        std::copy_n(sums_.begin(), n - 1, out.data + 1);
+        return sums_.back();
     }
 
     template <class F>
@@ -81,7 +83,7 @@ private:
         return numbers_;
     }
 
-    std::vector<std::uint32_t> numbers_, places_;
+    std::vector<std::uint32_t> numbers_, places_, sums_;
 };
 
 static_assert(Executor<ParallelExecutor>);
