@@ -120,6 +120,12 @@ public:
         is_forked_ = false;
     }
 
+    /// Work that consists of stages, as a whole.
+    template <class Work>
+    void run(const Work& work) {
+        work();
+    }
+
     template <class F>
     void for_each(const char*, Count n, const F& stage) {
         if (n.bound == 0) return;
