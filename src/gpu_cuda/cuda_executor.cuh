@@ -99,7 +99,7 @@ public:
         return false;
     }
 
-    /// Work that needs nothing of what comes until join(), nor is needed by it: in bounded steps on a stream of its own,
+    /// Work that is independent of everything issued before join(): in bounded steps on a stream of its own,
     /// where the GPU has room beside what comes. It is done as a whole, or not at all if a list has outgrown its room
     /// before.
     template <class Work>

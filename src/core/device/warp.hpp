@@ -179,7 +179,7 @@ public:
     }
 
 private:
-    /// The threads of the group, which are there all.
+    /// All threads of the group; all of them are active.
     PIERCE_HD static unsigned group() { return 0xffffu << (threadIdx.x & count); }
 
     template <class All>

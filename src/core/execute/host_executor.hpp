@@ -72,7 +72,7 @@ public:
     /// Stages are over when their call is.
     void settle() const {}
 
-    /// Work that needs nothing of what comes until join(), nor is needed by it.
+    /// Independent of everything issued before join(); may run concurrently.
     template <class Work>
     void beside(const Work& work) {
         work();

@@ -18,7 +18,7 @@ PIERCE_HD inline float outward_neighbor(float f) { return std::bit_cast<float>(s
 PIERCE_HD inline float inward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) - 1); }
 
 /// Not above, or not below, what a float32 sum would have been without rounding, given that it came to `rounded`:
-/// that is off by half an ulp at most, and nothing where it is smaller than all normal numbers. Of an infinite one NaN.
+/// that is off by half an ulp at most, and nothing where it is smaller than all normal numbers. NaN for infinite input.
 PIERCE_HD inline float not_above(float rounded) {
     return rounded - std::fabs(rounded) * std::numeric_limits<float>::epsilon();
 }

@@ -47,7 +47,7 @@ struct BodyEntry {
     bool usable = true;  ///< all coordinates are finite and none is too large
 };
 
-/// What a World is made of; world.cpp changes it, world_plan.cpp makes of it what a step reads.
+/// What a World is made of; world.cpp changes it, and world_plan.cpp derives the step's input from it.
 struct World::State {
     std::unique_ptr<Backend> backend;
     Settings settings;

@@ -206,7 +206,7 @@ inline constexpr double prediction_wait = 0.5;
 /// more than it saves.
 inline constexpr double certificate_limit = 1.0;
 
-/// A proof that would not hold for so many steps at the bodies' pace is not tried; nor again, before, where it did not
+/// A proof that is expected to expire within this many steps is skipped, and one that failed is retried only after as many
 /// [steps].
 inline constexpr double certificate_steps = 16;
 

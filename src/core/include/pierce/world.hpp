@@ -119,7 +119,8 @@ public:
     std::vector<BodyBox> body_boxes() const;
 
     /// Why `vertex` of `body` has, or has not, a contact with `other`, which may be the same one if it is a sheet, after the
-    /// last detect(). Throws InputError for a vertex there is not, or if bodies were added, removed, moved or changed since.
+    /// last detect(). Throws InputError if the vertex is out of range, or if bodies were added, removed, moved or changed
+    /// since.
     Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
     /// The first body along each line of sight from `origin`, bodies standing as in the last detect(). Directions need not

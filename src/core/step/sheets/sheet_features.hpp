@@ -95,7 +95,7 @@ PIERCE_HD inline bool pierces(Vec3d p, Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
 }
 
 /// The features of two triangles that may meet or come close, a bit each. Of corners and edges that two triangles share,
-/// only those their own (TriangleFeatures::own).
+/// only those that each triangle owns (TriangleFeatures::own).
 struct FeatureBits {
     static constexpr std::uint32_t vertex_of_first = 0, vertex_of_second = 3;  ///< three each
     static constexpr std::uint32_t edges = 6;  ///< four for each edge of the first: one for each of the second's, and none
