@@ -311,7 +311,10 @@ private:
         const double from = dot(across, p), to = dot(across, q);
         m.along = from / (from - to);
         const Vec3d at = p + m.along * (q - p);
-        weights_over({}, b, c, at, m.weight);
+        // Both relative to the first corner: a far one does not take part in the other's weight.
+        const double area = length_squared(across);
+        m.weight[1] = dot(across, cross(at, c)) / area;
+        m.weight[0] = 1 - m.weight[1] - dot(across, cross(b, at)) / area;
         const Vec3d along = normalized(q - p);
         Vec3d gradient;
         for (std::uint32_t side : e.triangle) {
