@@ -350,8 +350,11 @@ private:
             sums.resize(blocks);
             clear(sums);
         }
-        const cuda::Emitted emitted{
-            to.room, to.total, to.overflow, {sums.data(), epoch_.data()}, cuda::in_order<F>() || blocks <= cuda::few_blocks};
+        const cuda::Emitted emitted{.room = to.room,
+                                    .total = to.total,
+                                    .overflow = to.overflow,
+                                    .sums = {sums.data(), epoch_.data()},
+                                    .in_order = in_order<F>() || blocks <= cuda::few_blocks};
         cuda::emit_stage<<<blocks, threads, 0, stream_>>>(finder, items(n), emitted, lists...);
         cuda::check(cudaGetLastError(), "a launch");
     }

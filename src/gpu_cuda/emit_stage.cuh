@@ -71,15 +71,6 @@ struct Emitted {
 /// are sooner sorted. A block waits for those before it, which takes longer than the work where they are many.
 inline constexpr std::uint32_t few_blocks = 512;
 
-/// True for a stage whose list is in the order of its items in any case (`static constexpr bool in_order = true`).
-template <class F>
-constexpr bool in_order() {
-    if constexpr (requires { F::in_order; })
-        return F::in_order;
-    else
-        return false;
-}
-
 /// True for a stage that says what is in its lists past the last thing.
 template <class F, class... T>
 constexpr bool pads() {

@@ -196,16 +196,16 @@ private:
         executor_.upload(std::span<const BlockRange>(host.ranges.begin(), host.ranges.end()), ranges_);
         sent_version_.assign(host.bodies.size, 0);
         revision_ = host.plan->revision;
-        scene_ = {view_of(bodies_),
-                  view_of(std::as_const(ids_)),
-                  view_of(std::as_const(block_items_)),
-                  view_of(std::as_const(ranges_)),
-                  view_of(std::as_const(block_views_)),
-                  view_of(std::as_const(patch_views_)),
-                  view_of(std::as_const(seen_views_)),
-                  host.settings,
-                  host.plan,
-                  view_of(std::as_const(forgets_))};
+        scene_ = {.bodies = view_of(bodies_),
+                  .ids = view_of(std::as_const(ids_)),
+                  .block_items = view_of(std::as_const(block_items_)),
+                  .ranges = view_of(std::as_const(ranges_)),
+                  .blocks = view_of(std::as_const(block_views_)),
+                  .patches = view_of(std::as_const(patch_views_)),
+                  .seen = view_of(std::as_const(seen_views_)),
+                  .settings = host.settings,
+                  .plan = host.plan,
+                  .forgets_sides = view_of(std::as_const(forgets_))};
     }
 
     void send_changes(View<const BodyView> host) {

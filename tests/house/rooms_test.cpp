@@ -151,7 +151,7 @@ std::pair<int, bool> values_in(const std::string& text, std::size_t open) {
 
 // With more than three values nobody sees which is which.
 TEST(RoomsTest, StagesAreFilledByName) {
-    static const std::regex pattern(R"(\b(?:stages|bvh|cuda)::\w+(?:<\w+>)?\{)");
+    static const std::regex pattern(R"(\b(?:stages|bvh|cuda)::\w+(?:<[^{};]*>)?(?: \w+)?\{)");
     std::size_t stages = 0;
     for (const auto& entry : fs::recursive_directory_iterator(root / "src")) {
         if (!entry.is_regular_file()) continue;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/execute/serial_executor.hpp"
+#include "core/execute/stage_traits.hpp"
 
 namespace pierce::test {
 
@@ -37,11 +38,9 @@ public:
     template <class F, class... T>
     void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         for (std::uint32_t i : shuffled(n)) finder.find(i);
-        bool in_order = false;
-        if constexpr (requires { F::in_order; }) in_order = F::in_order;
         std::vector<std::uint32_t> blocks((n + block - 1) / block);
         std::iota(blocks.begin(), blocks.end(), 0u);
-        if (!in_order) blocks = shuffled(static_cast<std::uint32_t>(blocks.size()));
+        if (!in_order<F>()) blocks = shuffled(static_cast<std::uint32_t>(blocks.size()));
         std::uint32_t place = 0;
         (lists.clear(), ...);
         for (std::uint32_t b : blocks)

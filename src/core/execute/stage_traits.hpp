@@ -17,6 +17,15 @@ constexpr bool is_cheap() {
         return false;
 }
 
+/// True for a stage whose list is in the order of its items in any case (`static constexpr bool in_order = true`).
+template <class F>
+constexpr bool in_order() {
+    if constexpr (requires { F::in_order; })
+        return F::in_order;
+    else
+        return false;
+}
+
 /// What select() lists of an item that is wanted: the item, unless the test has something else to say, `listed(item)`.
 template <class F>
 PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {

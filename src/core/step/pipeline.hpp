@@ -160,7 +160,7 @@ public:
         if (bodies[pair.target(side)].mesh.clearance_steps.size == 0) return {};
         const auto place = static_cast<std::uint32_t>(std::find(order.begin(), order.end(), vertex) - order.begin());
         const std::uint32_t patch = place / constants::patch_size;
-        const RecordsView records{view_of(now_.blocks), view_of(now_.patches), view_of(now_.vertices)};
+        const RecordsView records = now_.of_vertices();
         const auto until = [&](Certificate::Kind kind, float expiry) {
             const double left = static_cast<double>(expiry) - memory.odometer;
             return left > 0 ? Certificate{kind, left} : Certificate{};
@@ -283,7 +283,10 @@ private:
     // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
     void pairs(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
-        const stages::LinkPair link{scene.bodies, scene.ids, view_of(last_.pair_keys), view_of(last_.identities)};
+        const stages::LinkPair link{.bodies = scene.bodies,
+                                    .ids = scene.ids,
+                                    .last_keys = view_of(last_.pair_keys),
+                                    .last = view_of(last_.identities)};
         if (!E::runs_on_host && bodies <= constants::few_bodies)
             return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link}, now_.pair_keys,
                                   pairs_.pairs, now_.identities, pairs_.links);
@@ -361,16 +364,16 @@ private:
         });
         if (remembers) now_.patches.resize(count_of(cull_.patches));
         share_out(count_of(cull_.patches), [&](auto share, Count patches) {
-            const stages::CullVertices<decltype(share)> vertices{bodies,
-                                                                 view_of(cull_.directed),
-                                                                 view_of(cull_.patches),
-                                                                 temporal,
-                                                                 last_.of_vertices(),
-                                                                 view_of(pairs_.links),
-                                                                 view_of(last_.contact_keys),
-                                                                 view_of(cull_.block_offsets),
-                                                                 view_of(now_.blocks),
-                                                                 view_of(now_.patches)};
+            const stages::CullVertices<decltype(share)> vertices{.bodies = bodies,
+                                                                 .directed = view_of(cull_.directed),
+                                                                 .patches = view_of(cull_.patches),
+                                                                 .temporal = temporal,
+                                                                 .last = last_.of_vertices(),
+                                                                 .links = view_of(pairs_.links),
+                                                                 .last_keys = view_of(last_.contact_keys),
+                                                                 .block_offsets = view_of(cull_.block_offsets),
+                                                                 .block_records = view_of(now_.blocks),
+                                                                 .records = view_of(now_.patches)};
             if (remembers)
                 executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_.routes, now_.vertices);
             else
@@ -448,8 +451,11 @@ private:
     void test_inside(const Scene& scene) {
         const Count count = count_of(batch_.rays);
         batch_.meetings.resize(count);
-        const stages::TestInside inside{scene.bodies, view_of(batch_.rays), view_of(batch_.hits), view_of(routes_.routes),
-                                        view_of(batch_.meetings)};
+        const stages::TestInside inside{.bodies = scene.bodies,
+                                        .rays = view_of(batch_.rays),
+                                        .hits = view_of(batch_.hits),
+                                        .routes = view_of(routes_.routes),
+                                        .meetings = view_of(batch_.meetings)};
         if (scene.plan->traces_own_exits)
             executor_.emit("test_inside", count,
                            stages::GenerateOwnRays{.inside_target = inside,
@@ -463,14 +469,14 @@ private:
 
     // Stage 9, second half. R2 and R3: which of them are contacts.
     stages::TestOwnExit own_exit_test(View<const BodyView> bodies) {
-        return {bodies,
-                view_of(batch_.rays),
-                view_of(batch_.meetings),
-                view_of(batch_.candidates),
-                view_of(exits_.rays),
-                view_of(exits_.hits),
-                view_of(exits_.starts_inside),
-                view_of(batch_.keep)};
+        return {.bodies = bodies,
+                .rays = view_of(batch_.rays),
+                .meetings = view_of(batch_.meetings),
+                .candidates = view_of(batch_.candidates),
+                .own_rays = view_of(exits_.rays),
+                .own_hits = view_of(exits_.hits),
+                .starts_inside = view_of(exits_.starts_inside),
+                .keep = view_of(batch_.keep)};
     }
 
     /// Contacts move to the closest point of the target's surface.
@@ -504,8 +510,10 @@ private:
     // Stage 10. The list, in (pair, side, vertex) order. Candidates are tested on the way, unless they were.
     void contacts(const Scene& scene, bool tested) {
         const Count candidates = count_of(batch_.candidates);
-        const stages::KeyContacts keys{edges_.chords(), view_of(batch_.sources), view_of(batch_.candidates),
-                                       view_of(batch_.keep)};
+        const stages::KeyContacts keys{.chords = edges_.chords(),
+                                       .sources = view_of(batch_.sources),
+                                       .candidates = view_of(batch_.candidates),
+                                       .keep = view_of(batch_.keep)};
         if (tested)
             executor_.emit("key_contacts", candidates, keys, sort_.keys, sort_.values);
         else

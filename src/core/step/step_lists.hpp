@@ -1,7 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
+#include <span>
+#include <vector>
 
 #include "core/execute/executor.hpp"
 #include "core/step/common/bounds.hpp"

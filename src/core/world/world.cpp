@@ -206,16 +206,16 @@ const StepStats& World::detect() {
     Settings settings = s.settings;
     settings.temporal = s.plan.temporal;
     const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
-    const Scene scene{view_of(s.views),
-                      view_of(std::as_const(s.ids)),
-                      view_of(std::as_const(s.block_items)),
-                      view_of(std::as_const(s.ranges)),
-                      view_of(std::as_const(s.blocks)),
-                      view_of(std::as_const(s.patches)),
-                      view_of(std::as_const(s.seen)),
-                      settings,
-                      &s.plan,
-                      {&forgets_sides, 1}};
+    const Scene scene{.bodies = view_of(s.views),
+                      .ids = view_of(std::as_const(s.ids)),
+                      .block_items = view_of(std::as_const(s.block_items)),
+                      .ranges = view_of(std::as_const(s.ranges)),
+                      .blocks = view_of(std::as_const(s.blocks)),
+                      .patches = view_of(std::as_const(s.patches)),
+                      .seen = view_of(std::as_const(s.seen)),
+                      .settings = settings,
+                      .plan = &s.plan,
+                      .forgets_sides = {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);
     s.end_motion();
     s.stepped = true;

@@ -111,15 +111,15 @@ private:
         const auto begin = static_cast<std::uint32_t>(batch.rays.size());
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
-        return {scene.bodies,
-                chords,
-                directed,
-                view_of(directions_),
-                begin,
-                view_of(batch.rays),
-                view_of(batch.sources),
-                view_of(batch.hits),
-                view_of(routes)};
+        return {.bodies = scene.bodies,
+                .chords = chords,
+                .directed = directed,
+                .directions = view_of(directions_),
+                .begin = begin,
+                .rays = view_of(batch.rays),
+                .sources = view_of(batch.sources),
+                .hits = view_of(batch.hits),
+                .routes = view_of(routes)};
     }
 
     /// Traces the rays from `begin` on; those that start inside are contacts.

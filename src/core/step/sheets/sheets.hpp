@@ -218,7 +218,10 @@ private:
                                             .triangles = view_of(features_.triangles),
                                             .key_bits = now_.bits},
                        features_.features, sort_.keys, sort_.values);
-        const stages::SheetMemory memory{view_of(search_.links), view_of(last_.keys), view_of(last_.records), last_.bits};
+        const stages::SheetMemory memory{.links = view_of(search_.links),
+                                         .keys = view_of(last_.keys),
+                                         .records = view_of(last_.records),
+                                         .bits = last_.bits};
         executor_.beside([&] { judge(scene, pairs, memory); });
         order_features(pairs);
         executor_.join();
@@ -287,7 +290,10 @@ private:
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {
-        return {scene.bodies, view_of(places_.vertex_offsets), view_of(places_.block_offsets), view_of(bounds_.vertices)};
+        return {.views = scene.bodies,
+                .vertex_offsets = view_of(places_.vertex_offsets),
+                .block_offsets = view_of(places_.block_offsets),
+                .vertices = view_of(bounds_.vertices)};
     }
 
     StepTools<E, T>& tools_;
