@@ -1,5 +1,6 @@
-// Detection per frame on a recorded pile of 100 tori: rays on rigid and on deforming bodies against Bullet's GImpact and
-// GJK/EPA, on the same frames in one run. Colliding pairs stand beside every time: what each method finds.
+// Detection per frame on a recorded pile of 100 tori: rays on rigid and on deforming bodies against
+// Bullet's GImpact and GJK/EPA, on the same frames in one run. Colliding pairs stand beside every
+// time: what each method finds.
 //   pierce_bench --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 
@@ -33,7 +34,8 @@ const Recording& pile(bool deforming) {
     return deforming ? soft : rigid;
 }
 
-void detect(benchmark::State& state, Method method, bool deforming, int threads, Temporal temporal = Temporal::off) {
+void detect(benchmark::State& state, Method method, bool deforming, int threads,
+            Temporal temporal = Temporal::off) {
     const Recording& recording = pile(deforming);
     SceneSetup scene = scene_of(recording);
     scene.meshes = make_scene("tori").meshes;  // with convex pieces
@@ -62,8 +64,11 @@ void detect(benchmark::State& state, Method method, bool deforming, int threads,
 }  // namespace
 
 // Each case sees every frame of the pile once a repetition.
-#define PIERCE_CASE(name, ...) \
-    BENCHMARK_CAPTURE(detect, name, __VA_ARGS__)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(pile_steps)
+#define PIERCE_CASE(name, ...)                   \
+    BENCHMARK_CAPTURE(detect, name, __VA_ARGS__) \
+        ->UseManualTime()                        \
+        ->Unit(benchmark::kMillisecond)          \
+        ->Iterations(pile_steps)
 
 PIERCE_CASE(gimpact_rigid, Method::gimpact, false, 1);
 PIERCE_CASE(rays_rigid_1_thread, Method::rays, false, 1);

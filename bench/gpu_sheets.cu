@@ -1,4 +1,5 @@
-// Layers of cloth on the GPU, positions already there: times beside what was found, and Embree's answer to the same steps.
+// Layers of cloth on the GPU, positions already there: times beside what was found, and Embree's
+// answer to the same steps.
 //   pierce_gpu_sheets [--steps N] [--check N] [--stages] [--sheets N] [--nodes N]
 // A step's two ends are frames of 1/120 s of the scene `layers`. Prints CSV.
 #include <cuda_runtime.h>
@@ -24,7 +25,8 @@ constexpr double frame_time = 1.0 / 120;
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    std::nth_element(values.begin(),
+                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
     return values[values.size() / 2];
 }
 
@@ -33,11 +35,14 @@ struct Options {
     bool stages = false;
 };
 
-std::vector<BodyId> add_sheets(World& world, const scenes::Layers& layers, const std::vector<Vec3f>& positions) {
-    const MeshId mesh = world.add_mesh("sheet", scenes::grid(layers.width, layers.depth, layers.along, layers.across));
+std::vector<BodyId> add_sheets(World& world, const scenes::Layers& layers,
+                               const std::vector<Vec3f>& positions) {
+    const MeshId mesh = world.add_mesh(
+        "sheet", scenes::grid(layers.width, layers.depth, layers.along, layers.across));
     std::vector<BodyId> bodies;
     for (std::uint32_t s = 0; s < layers.sheets; ++s) {
-        const std::span<const Vec3f> of_sheet{positions.data() + s * layers.vertex_count(), layers.vertex_count()};
+        const std::span<const Vec3f> of_sheet{positions.data() + s * layers.vertex_count(),
+                                              layers.vertex_count()};
         bodies.push_back(world.add_deforming_body(mesh, of_sheet));
         world.set_collision(bodies.back(), {SelfCollision::on, true, layers.thickness});
     }
@@ -53,7 +58,8 @@ void run(const scenes::Layers& layers, const Options& options) {
         for (std::uint32_t s = 0; s < layers.sheets; ++s)
             layers.positions(s, f * frame_time, {frames[f].data() + s * vertices, vertices});
         device[f].resize(static_cast<std::uint32_t>(frames[f].size()));
-        cuda::check(cudaMemcpy(device[f].data(), frames[f].data(), frames[f].size() * sizeof(Vec3f), cudaMemcpyHostToDevice),
+        cuda::check(cudaMemcpy(device[f].data(), frames[f].data(), frames[f].size() * sizeof(Vec3f),
+                               cudaMemcpyHostToDevice),
                     "a frame's positions");
     }
 
@@ -65,7 +71,8 @@ void run(const scenes::Layers& layers, const Options& options) {
     StepStats last;
     for (std::uint32_t i = 0; i < options.steps; ++i) {
         for (std::uint32_t s = 0; s < layers.sheets; ++s)
-            gpu.set_device_motion(bodies[s], device[i].data() + s * vertices, device[i + 1].data() + s * vertices);
+            gpu.set_device_motion(bodies[s], device[i].data() + s * vertices,
+                                  device[i + 1].data() + s * vertices);
         last = gpu.detect();
         if (i < options.checks) hashes.push_back(contact_hash(gpu.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
@@ -89,11 +96,13 @@ void run(const scenes::Layers& layers, const Options& options) {
             differ += contact_hash(cpu.contacts()) != hashes[i];
         }
     }
-    std::printf("%u,%u,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", layers.sheets, layers.sheets * layers.triangle_count(),
-                options.stages ? "stages" : "graph", last.triangle_pairs, last.feature_pairs, last.contacts, last.crossings,
+    std::printf("%u,%u,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", layers.sheets,
+                layers.sheets * layers.triangle_count(), options.stages ? "stages" : "graph",
+                last.triangle_pairs, last.feature_pairs, last.contacts, last.crossings,
                 median(on_device), median(wall), median(embree), options.checks, differ);
     if (options.stages)
-        for (const auto& [stage, times] : by_stage) std::printf("# %s %.4f ms\n", stage.c_str(), median(times));
+        for (const auto& [stage, times] : by_stage)
+            std::printf("# %s %.4f ms\n", stage.c_str(), median(times));
     std::fflush(stdout);
 }
 
@@ -105,7 +114,9 @@ int main(int argc, char** argv) {
     std::uint32_t sheets = 50;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
-        const auto number = [&] { return i + 1 < argc ? static_cast<std::uint32_t>(std::stoul(argv[++i])) : 0; };
+        const auto number = [&] {
+            return i + 1 < argc ? static_cast<std::uint32_t>(std::stoul(argv[++i])) : 0;
+        };
         if (argument == "--steps") options.steps = number();
         if (argument == "--check") options.checks = number();
         if (argument == "--nodes") options.nodes = number();
@@ -114,7 +125,8 @@ int main(int argc, char** argv) {
     }
     options.checks = std::min(options.checks, options.steps);
     std::puts(
-        "sheets,triangles,mode,triangle_pairs,feature_pairs,contacts,crossings,device_ms,wall_ms,embree_ms,checked,differ");
+        "sheets,triangles,mode,triangle_pairs,feature_pairs,contacts,crossings,device_ms,wall_ms,"
+        "embree_ms,checked,differ");
     pierce::scenes::Layers layers = pierce::scenes::layers_with(options.nodes);
     layers.sheets = sheets;
     pierce::run(layers, options);

@@ -1,6 +1,8 @@
-// Steps on the GPU, positions already there: times beside what was found, and Embree's answer to the same frames.
+// Steps on the GPU, positions already there: times beside what was found, and Embree's answer to
+// the same frames.
 //   pierce_gpu_steps RECORDING|lattice:COUNT... [--steps N] [--check N] [--stages] [--builder NAME]
-// A recording's frames are replayed; a lattice is COUNT soft tori that touch their neighbours and wobble. Prints CSV.
+// A recording's frames are replayed; a lattice is COUNT soft tori that touch their neighbours and
+// wobble. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -23,7 +25,8 @@ namespace {
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    std::nth_element(values.begin(),
+                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
     return values[values.size() / 2];
 }
 
@@ -41,11 +44,13 @@ scenes::Recording lattice(std::uint32_t count, std::uint32_t frames) {
         const double phase = 0.7 * i;
         for (std::uint32_t f = 0; f < frames; ++f) {
             const double t = 0.05 * f + phase;
-            const Frame at = frame_of({{4.2 * (i % side), 4.2 * (i / side % side), 1.7 * (i / side / side)},
-                                       {0.2 * std::sin(t), 0.2 * std::cos(1.3 * t), 0.1 * std::sin(phase), 0.9}});
+            const Frame at = frame_of(
+                {{4.2 * (i % side), 4.2 * (i / side % side), 1.7 * (i / side / side)},
+                 {0.2 * std::sin(t), 0.2 * std::cos(1.3 * t), 0.1 * std::sin(phase), 0.9}});
             for (const Vec3f& p : shape) {
                 const double squeeze = 1 + 0.03 * std::sin(2 * t + p.x);
-                const Vec3f q = to_float(at.to_parent({p.x * squeeze, p.y / squeeze, p.z * squeeze}));
+                const Vec3f q = to_float(
+                    at.to_parent({p.x * squeeze, p.y / squeeze, p.z * squeeze}));
                 body.values.insert(body.values.end(), {q.x, q.y, q.z});
             }
         }
@@ -62,7 +67,8 @@ struct Player {
     Player(const scenes::Recording& played, std::unique_ptr<Backend> backend)
         : recording(played), world(std::move(backend)) {
         std::vector<MeshId> meshes;
-        for (const auto& mesh : recording.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+        for (const auto& mesh : recording.meshes)
+            meshes.push_back(world.add_mesh(mesh.name, mesh.data));
         for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
             const MeshId mesh = meshes[recording.bodies[b].mesh];
             if (deforms(b))
@@ -74,11 +80,14 @@ struct Player {
         }
     }
 
-    bool deforms(std::uint32_t body) const { return recording.bodies[body].motion == Motion::deforming; }
+    bool deforms(std::uint32_t body) const {
+        return recording.bodies[body].motion == Motion::deforming;
+    }
 
     void put_rigid(std::uint32_t frame) {
         for (std::uint32_t b = 0; b < bodies.size(); ++b)
-            if (recording.bodies[b].motion == Motion::rigid) world.set_pose(bodies[b], recording.pose(b, frame));
+            if (recording.bodies[b].motion == Motion::rigid)
+                world.set_pose(bodies[b], recording.pose(b, frame));
     }
     void put(std::uint32_t frame) {
         put_rigid(frame);
@@ -127,10 +136,12 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
             if (gpu.deforms(b))
                 std::ranges::copy(recording.positions(b, frame_of_step(i)),
                                   staged.begin() + static_cast<std::ptrdiff_t>(first[b]));
-        cuda::check(cudaMemcpy(device[i % 2].data(), staged.data(), vertices * sizeof(Vec3f), cudaMemcpyHostToDevice),
+        cuda::check(cudaMemcpy(device[i % 2].data(), staged.data(), vertices * sizeof(Vec3f),
+                               cudaMemcpyHostToDevice),
                     "a frame's positions");
         for (std::uint32_t b = 0; b < recording.bodies.size(); ++b)
-            if (gpu.deforms(b)) gpu.world.set_device_positions(gpu.bodies[b], device[i % 2].data() + first[b]);
+            if (gpu.deforms(b))
+                gpu.world.set_device_positions(gpu.bodies[b], device[i % 2].data() + first[b]);
         last = gpu.world.detect();
         if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
@@ -152,11 +163,13 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
             differ += contact_hash(cpu.world.contacts()) != hashes[i];
         }
     }
-    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", name.c_str(), recording.bodies.size(), triangles,
-                builder.c_str(), stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
-                last.touching_pairs, median(on_device), median(wall), median(embree), checks, differ);
+    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", name.c_str(),
+                recording.bodies.size(), triangles, builder.c_str(), stages ? "stages" : "graph",
+                last.pairs, last.rays + last.own_rays, last.contacts, last.touching_pairs,
+                median(on_device), median(wall), median(embree), checks, differ);
     if (stages)
-        for (const std::string& stage : order) std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
+        for (const std::string& stage : order)
+            std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
     std::fflush(stdout);
 }
 
@@ -181,14 +194,16 @@ int main(int argc, char** argv) {
     }
     options.checks = std::min(options.checks, options.steps);
     std::puts(
-        "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,embree_ms,checked,"
+        "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,"
+        "embree_ms,checked,"
         "differ");
     for (const std::string& scene : scenes) {
         if (scene.starts_with("lattice:")) {
             const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(8)));
             pierce::run(scene, pierce::lattice(count, count > 2000 ? 4 : 16), options);
         } else {
-            const auto recording = pierce::scenes::as_deforming(pierce::scenes::read_recording(scene));
+            const auto recording = pierce::scenes::as_deforming(
+                pierce::scenes::read_recording(scene));
             pierce::run(scene.substr(scene.find_last_of('/') + 1), recording, options);
         }
     }

@@ -1,8 +1,10 @@
-// Trees on the GPU: how fast they are built, refitted and traced, and how good they are. Prints CSV.
-//   pierce_gpu_trees COUNT...      COUNT tori of 600 triangles, out of shape, a tree each; rest:COUNT of such at rest, whose
-//                                  rays leave through a vertex each; or mesh:LEVELS for one sphere
-// `inward` traces the inward rays of all vertices; `predicted` those that look outward, too, in the same thread, and
-// `apart` the same as two rays, in two launches. Floors: the fewest bytes each must move, over what a copy moves.
+// Trees on the GPU: how fast they are built, refitted and traced, and how good they are.
+//   pierce_gpu_trees COUNT...    COUNT tori of 600 triangles, out of shape, a tree each
+//   pierce_gpu_trees rest:COUNT  the same at rest; rays leave through a vertex each
+//   pierce_gpu_trees mesh:LEVELS one sphere
+// `inward` traces the inward rays of all vertices. `predicted` traces outward rays, too, in the
+// same thread; `apart` traces them as two rays, in two launches. Floors: the fewest bytes each must
+// move, over what a copy moves. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -10,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "core/trace/bvh/sah.hpp"
@@ -22,7 +24,8 @@
 namespace pierce {
 namespace {
 
-/// Per vertex of a torus or sphere in its own space: the inward ray into its own body; or, `against` it, the outward one.
+/// Per vertex of a torus or sphere in its own space: the inward ray into its own body; or,
+/// `against` it, the outward one.
 struct AimInward {
     View<const BodyView> bodies;
     std::uint32_t vertices_per_body;
@@ -95,7 +98,9 @@ double copy_rate(CudaExecutor& executor, Timer& time) {
     cuda::DeviceBuffer<float4> from, to;
     from.resize(words);
     to.resize(words);
-    const double ms = time(20, [&] { executor.for_each("copy", words, CopyWord{from.data(), to.data()}); });
+    const double ms = time(20, [&] {
+        executor.for_each("copy", words, CopyWord{from.data(), to.data()});
+    });
     return 2.0 * words * sizeof(float4) / (ms * 1e-3);
 }
 
@@ -111,8 +116,8 @@ std::vector<Vec3f> out_of_shape(const std::vector<Vec3f>& shape, std::uint32_t b
     return bent;
 }
 
-void run(const std::string& name, const MeshData& data, std::uint32_t count, bool bent, double bytes_per_second,
-         CudaExecutor& executor, Timer& time) {
+void run(const std::string& name, const MeshData& data, std::uint32_t count, bool bent,
+         double bytes_per_second, CudaExecutor& executor, Timer& time) {
     const Mesh mesh("mesh", data);
     const MeshView host = mesh.view();
     const std::uint32_t vertices = host.positions.size, triangles = host.triangles.size;
@@ -161,28 +166,34 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, boo
 
     const double all_triangles = static_cast<double>(count) * triangles;
     const double all_leaves = static_cast<double>(count) * host.leaves.size;
-    for (const auto& [builder, label] : {std::pair{TreeBuilder::lbvh, "lbvh"}, std::pair{TreeBuilder::hlbvh, "hlbvh"},
-                                         std::pair{TreeBuilder::trbvh, "trbvh"}, std::pair{TreeBuilder::ploc, "ploc"}}) {
+    for (const auto& [builder, label] :
+         {std::pair{TreeBuilder::lbvh, "lbvh"}, std::pair{TreeBuilder::hlbvh, "hlbvh"},
+          std::pair{TreeBuilder::trbvh, "trbvh"}, std::pair{TreeBuilder::ploc, "ploc"}}) {
         BvhTracer<CudaExecutor> tracer(builder);
         tracer.arrange(executor, view_of(std::as_const(bodies)));
         const double build = time(9, [&] { tracer.build(executor, views); });
         const double refit = time(
             9, [&] { tracer.update(executor, views, view_of(std::as_const(wanted))); }, send);
         const auto trace_all = [&] {
-            tracer.closest_hits(executor, "trace", views, ray_count, view_of(std::as_const(rays)), view_of(hits));
+            tracer.closest_hits(executor, "trace", views, ray_count, view_of(std::as_const(rays)),
+                                view_of(hits));
         };
         const auto time_of = [&](bool predicts, bool against) {
-            executor.for_each("aim", ray_count, AimInward{views, vertices, view_of(rays), predicts, against});
+            executor.for_each("aim", ray_count,
+                              AimInward{views, vertices, view_of(rays), predicts, against});
             return time(9, trace_all);
         };
         const double trace = time_of(false, false), predicted = time_of(true, false);
         const double apart = trace + time_of(false, true);
-        // A triangle: half a vertex. A leaf: a node; its corners are its mesh's. A ray: itself and its hit.
+        // A triangle: half a vertex. A leaf: a node; its corners are its mesh's. A ray: itself and
+        // its hit.
         const double bytes = all_triangles * 0.5 * sizeof(Vec3f) + all_leaves * sizeof(bvh::Node);
         const double build_floor = bytes / bytes_per_second * 1e3;
-        const double trace_floor = ray_count * static_cast<double>(sizeof(Ray) + sizeof(Hit)) / bytes_per_second * 1e3;
-        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f,%.4f,%.4f\n", name.c_str(), all_triangles, label,
-                    build, all_triangles / build * 1e-3, build_floor, refit, all_triangles / refit * 1e-3, ray_count, trace,
+        const double trace_floor = ray_count * static_cast<double>(sizeof(Ray) + sizeof(Hit)) /
+                                   bytes_per_second * 1e3;
+        std::printf("%s,%.0f,%s,%.4f,%.1f,%.4f,%.4f,%.1f,%u,%.4f,%.3f,%.4f,%.4f,%.4f\n",
+                    name.c_str(), all_triangles, label, build, all_triangles / build * 1e-3,
+                    build_floor, refit, all_triangles / refit * 1e-3, ray_count, trace,
                     ray_count / trace * 1e-6, trace_floor, predicted, apart);
         std::fflush(stdout);
     }
@@ -198,17 +209,19 @@ int main(int argc, char** argv) {
     const double rate = pierce::copy_rate(executor, time);
     std::printf("# a copy moves %.2f TB/s\n", rate * 1e-12);
     std::puts(
-        "scene,triangles,builder,build_ms,build_mtri_s,build_floor_ms,refit_ms,refit_mtri_s,rays,inward_ms,inward_gray_s,"
+        "scene,triangles,builder,build_ms,build_mtri_s,build_floor_ms,refit_ms,refit_mtri_s,rays,"
+        "inward_ms,inward_gray_s,"
         "inward_floor_ms,predicted_ms,apart_ms");
     for (int i = 1; i < argc; ++i) {
         const std::string scene = argv[i];
         if (scene.starts_with("mesh:"))
-            pierce::run(scene, pierce::scenes::sphere(1, std::stoi(scene.substr(5))), 1, false, rate, executor, time);
+            pierce::run(scene, pierce::scenes::sphere(1, std::stoi(scene.substr(5))), 1, false,
+                        rate, executor, time);
         else {
             const bool rests = scene.starts_with("rest:");
             pierce::run(rests ? scene : "tori:" + scene, pierce::scenes::torus(2, 0.5, 30, 10),
-                        static_cast<std::uint32_t>(std::stoul(rests ? scene.substr(5) : scene)), !rests, rate, executor,
-                        time);
+                        static_cast<std::uint32_t>(std::stoul(rests ? scene.substr(5) : scene)),
+                        !rests, rate, executor, time);
         }
     }
 }

@@ -1,8 +1,10 @@
-// Meetings of two layers of cloth that shake: what decides each candidate, and how long it takes. Prints CSV.
+// Meetings of two layers of cloth that shake: what decides each candidate, and how long it takes.
+// Prints CSV.
 //   pierce_meetings [cells a side]
-// Candidates are a vertex and a face, or two edges, of different layers whose boxes over the whole step overlap. "axis",
-// "start" and "end" are the shares that an axis and the directions between the closest points at the start and at the end
-// prove apart; "apart" and "meet" are left for the search, which takes "advances" for one that meets.
+// Candidates are a vertex and a face, or two edges, of different layers whose boxes over the whole
+// step overlap. "axis", "start" and "end" are the shares that an axis and the directions between
+// the closest points at the start and at the end prove apart; "apart" and "meet" are left for the
+// search, which takes "advances" for one that meets.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -36,16 +38,21 @@ struct Element {
 };
 
 /// A layer's elements with so many corners.
-std::vector<Element> elements(int cells, std::size_t corners, double height, double rise, const Layers& layers,
-                              std::uint32_t seed) {
+std::vector<Element> elements(int cells, std::size_t corners, double height, double rise,
+                              const Layers& layers, std::uint32_t seed) {
     std::mt19937 engine(seed);
-    const auto within = [&](double half) { return std::uniform_real_distribution<double>(-half, half)(engine); };
+    const auto within = [&](double half) {
+        return std::uniform_real_distribution<double>(-half, half)(engine);
+    };
     std::vector<MovingPoint> grid;
     for (int i = 0; i <= cells; ++i)
         for (int j = 0; j <= cells; ++j) {
-            const Vec3d rest{i + 0.37 * seed, j + 0.21 * seed, height + 0.8 * std::sin(0.2 * i) * std::cos(0.15 * j)};
-            const Vec3d start = rest + Vec3d{within(layers.rough), within(layers.rough), 0.3 * within(layers.rough)};
-            const Vec3d by{within(layers.shake) + layers.together, within(layers.shake), within(layers.shake) + rise};
+            const Vec3d rest{i + 0.37 * seed, j + 0.21 * seed,
+                             height + 0.8 * std::sin(0.2 * i) * std::cos(0.15 * j)};
+            const Vec3d start = rest + Vec3d{within(layers.rough), within(layers.rough),
+                                             0.3 * within(layers.rough)};
+            const Vec3d by{within(layers.shake) + layers.together, within(layers.shake),
+                           within(layers.shake) + rise};
             grid.push_back({to_double(to_float(start)), to_double(to_float(start + by))});
         }
     std::vector<Element> result;
@@ -73,11 +80,14 @@ std::vector<Element> elements(int cells, std::size_t corners, double height, dou
     return result;
 }
 
-std::vector<Candidate> candidates(int cells, std::size_t first, std::size_t second, const Layers& layers) {
+std::vector<Candidate> candidates(int cells, std::size_t first, std::size_t second,
+                                  const Layers& layers) {
     const auto low = elements(cells, first, 0, layers.approach / 2, layers, 0);
     const auto high = elements(cells, second, layers.apart, -layers.approach / 2, layers, 1);
-    std::vector<std::vector<const Element*>> at(static_cast<std::size_t>((cells + 1) * (cells + 1)));
-    for (const Element& e : high) at[static_cast<std::size_t>(e.column * (cells + 1) + e.row)].push_back(&e);
+    std::vector<std::vector<const Element*>> at(
+        static_cast<std::size_t>((cells + 1) * (cells + 1)));
+    for (const Element& e : high)
+        at[static_cast<std::size_t>(e.column * (cells + 1) + e.row)].push_back(&e);
     std::vector<Candidate> result;
     for (const Element& a : low)
         for (int i = std::max(a.column - 4, 0); i <= std::min(a.column + 4, cells); ++i)
@@ -85,7 +95,8 @@ std::vector<Candidate> candidates(int cells, std::size_t first, std::size_t seco
                 for (const Element* b : at[static_cast<std::size_t>(i * (cells + 1) + j)]) {
                     if (!overlap(a.box, b->box)) continue;
                     Candidate c;
-                    std::copy(b->corners.begin(), b->corners.end(), std::copy(a.corners.begin(), a.corners.end(), c.corner));
+                    std::copy(b->corners.begin(), b->corners.end(),
+                              std::copy(a.corners.begin(), a.corners.end(), c.corner));
                     result.push_back(c);
                 }
     return result;
@@ -105,7 +116,8 @@ double time_of(const std::vector<Candidate>& list) {
             meetings += continuous::Question<Features>(c[0], c[1], c[2], c[3]).meets(impact);
         }
         sink = meetings;
-        const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
+        const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() -
+                                                              begin;
         best = std::min(best, took.count() / static_cast<double>(list.size()));
     }
     static_cast<void>(sink);
@@ -144,8 +156,10 @@ void measure(const char* kind, const Layers& layers, const std::vector<Candidate
     }
     std::printf("%s,%s,%zu", layers.name, kind, list.size());
     for (const auto& part : decided)
-        std::printf(",%.4f", static_cast<double>(part.size()) / static_cast<double>(std::max<std::size_t>(list.size(), 1)));
-    std::printf(",%.1f,%d,%.0f", advances / std::max(1.0, static_cast<double>(decided[meet].size())), most,
+        std::printf(",%.4f", static_cast<double>(part.size()) /
+                                 static_cast<double>(std::max<std::size_t>(list.size(), 1)));
+    std::printf(",%.1f,%d,%.0f",
+                advances / std::max(1.0, static_cast<double>(decided[meet].size())), most,
                 time_of<Features>(list));
     for (const auto& part : decided) std::printf(",%.0f", time_of<Features>(part));
     std::puts("");
@@ -156,12 +170,15 @@ void measure(const char* kind, const Layers& layers, const std::vector<Candidate
 int main(int argc, char** argv) {
     const int cells = argc > 1 ? std::atoi(argv[1]) : 100;
     std::puts(
-        "layers,kind,candidates,axis,start,end,apart,meet,advances,most advances,ns,ns axis,ns start,ns end,ns apart,ns "
+        "layers,kind,candidates,axis,start,end,apart,meet,advances,most advances,ns,ns axis,ns "
+        "start,ns end,ns apart,ns "
         "meet");
-    for (const Layers& layers :
-         {Layers{"approaching", 0.3, 0.1, 0.1, 0.1, 0}, Layers{"through each other", 0.1, 0.2, 0.2, 0.1, 0},
-          Layers{"falling together", 0.3, 0.1, 0, 0.1, 1}, Layers{"resting", 0.05, 0.01, 0, 0, 0}}) {
-        measure<continuous::VertexAndFace>("vertex and face", layers, candidates(cells, 1, 3, layers));
+    for (const Layers& layers : {Layers{"approaching", 0.3, 0.1, 0.1, 0.1, 0},
+                                 Layers{"through each other", 0.1, 0.2, 0.2, 0.1, 0},
+                                 Layers{"falling together", 0.3, 0.1, 0, 0.1, 1},
+                                 Layers{"resting", 0.05, 0.01, 0, 0, 0}}) {
+        measure<continuous::VertexAndFace>("vertex and face", layers,
+                                           candidates(cells, 1, 3, layers));
         measure<continuous::TwoEdges>("edges", layers, candidates(cells, 2, 2, layers));
     }
 }

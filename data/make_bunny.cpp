@@ -1,5 +1,6 @@
-// Makes the bunny of the bunnies scene: reduces a mesh to 453 vertices, centres and scales it, and cuts it into convex
-// pieces. Run once, when the project is built.   make_bunny INPUT.off BUNNY.off PIECES.json
+// Makes the bunny of the bunnies scene: reduces a mesh to 453 vertices, centres and scales it, and
+// cuts it into convex pieces. Run once, when the project is built.   make_bunny INPUT.off BUNNY.off
+// PIECES.json
 #include <HACD/hacdHACD.h>
 
 #include <OpenMesh/Core/IO/MeshIO.hh>
@@ -17,8 +18,9 @@ constexpr std::size_t vertex_count = 453;
 constexpr float height = 4.0f;
 constexpr double largest_turn = 60;  // [degrees]
 
-/// Quadric edge collapses (Garland and Heckbert 1997) until `vertex_count` are left. Collapses that turn a face by more than
-/// `largest_turn` are left out: without that the ears end up crossing themselves.
+/// Quadric edge collapses (Garland and Heckbert 1997) until `vertex_count` are left. Collapses that
+/// turn a face by more than `largest_turn` are left out: without that the ears end up crossing
+/// themselves.
 void reduce(Mesh& mesh) {
     mesh.request_face_normals();
     mesh.update_face_normals();
@@ -34,7 +36,8 @@ void reduce(Mesh& mesh) {
     mesh.garbage_collection();
 }
 
-/// Puts the middle of the bounding box at the origin, stands the bunny up along z and gives it its height.
+/// Puts the middle of the bounding box at the origin, stands the bunny up along z and gives it its
+/// height.
 void place(Mesh& mesh) {
     auto low = mesh.point(*mesh.vertices_begin()), high = low;
     for (auto v : mesh.vertices()) {
@@ -52,7 +55,8 @@ void place(Mesh& mesh) {
 nlohmann::json convex_pieces(const Mesh& mesh) {
     std::vector<HACD::Vec3<HACD::Real>> points;
     std::vector<HACD::Vec3<long>> triangles;
-    for (auto v : mesh.vertices()) points.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
+    for (auto v : mesh.vertices())
+        points.emplace_back(mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]);
     for (auto f : mesh.faces()) {
         long corner[3];
         int k = 0;
@@ -95,10 +99,12 @@ int main(int argc, char** argv) {
     reduce(mesh);
     place(mesh);
     if (mesh.n_vertices() != vertex_count || mesh.n_faces() != 2 * vertex_count - 4) {
-        std::cerr << "make_bunny: got " << mesh.n_vertices() << " vertices and " << mesh.n_faces() << " triangles\n";
+        std::cerr << "make_bunny: got " << mesh.n_vertices() << " vertices and " << mesh.n_faces()
+                  << " triangles\n";
         return 1;
     }
     if (!OpenMesh::IO::write_mesh(mesh, argv[2], OpenMesh::IO::Options::Default, 9)) return 1;
     std::ofstream(argv[3]) << convex_pieces(mesh);
-    std::cout << "bunny: " << mesh.n_vertices() << " vertices, " << mesh.n_faces() << " triangles\n";
+    std::cout << "bunny: " << mesh.n_vertices() << " vertices, " << mesh.n_faces()
+              << " triangles\n";
 }

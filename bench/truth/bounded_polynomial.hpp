@@ -8,8 +8,9 @@
 
 namespace pierce::truth {
 
-/// A polynomial of time in a stretch of it, by its Bernstein coefficients, each known within bounds: the first and the last
-/// are the values at both ends, and no value is beyond the smallest and the largest.
+/// A polynomial of time in a stretch of it, by its Bernstein coefficients, each known within
+/// bounds: the first and the last are the values at both ends, and no value is beyond the smallest
+/// and the largest.
 template <std::size_t degree>
 struct BoundedPolynomial {
     std::array<Interval, degree + 1> at;

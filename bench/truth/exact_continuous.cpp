@@ -37,7 +37,9 @@ public:
         for (std::size_t k = 0; k < b.c_.size(); ++k) sum[k] += b.c_[k];
         return Polynomial(sum);
     }
-    friend Polynomial operator-(const Polynomial& a, const Polynomial& b) { return a + Polynomial({-1}) * b; }
+    friend Polynomial operator-(const Polynomial& a, const Polynomial& b) {
+        return a + Polynomial({-1}) * b;
+    }
     friend Polynomial operator*(const Polynomial& a, const Polynomial& b) {
         if (a.is_zero() || b.is_zero()) return {};
         std::vector<mpq_class> product(a.c_.size() + b.c_.size() - 1);
@@ -75,11 +77,14 @@ public:
         const Polynomial simple = divided(p, common_divisor(p, p.derivative())).first;
         chain_ = {simple, simple.derivative()};
         while (!chain_.back().is_zero())
-            chain_.push_back(Polynomial() - divided(chain_[chain_.size() - 2], chain_.back()).second);
+            chain_.push_back(Polynomial() -
+                             divided(chain_[chain_.size() - 2], chain_.back()).second);
     }
 
     /// Different roots in (low, high].
-    int count(const mpq_class& low, const mpq_class& high) const { return changes(low) - changes(high); }
+    int count(const mpq_class& low, const mpq_class& high) const {
+        return changes(low) - changes(high);
+    }
 
 private:
     int changes(const mpq_class& t) const {
@@ -122,15 +127,15 @@ struct Root {
 std::vector<Root> roots_of(const Polynomial& p) {
     const RootCounter counter(p);
     std::vector<Root> roots;
-    const std::function<void(const mpq_class&, const mpq_class&)> isolate = [&](const mpq_class& low,
-                                                                                const mpq_class& high) {
-        const int count = counter.count(low, high);
-        if (count == 1) roots.push_back({p, counter, low, high});
-        if (count < 2) return;
-        const mpq_class middle = (low + high) / 2;
-        isolate(low, middle);
-        isolate(middle, high);
-    };
+    const std::function<void(const mpq_class&, const mpq_class&)> isolate =
+        [&](const mpq_class& low, const mpq_class& high) {
+            const int count = counter.count(low, high);
+            if (count == 1) roots.push_back({p, counter, low, high});
+            if (count < 2) return;
+            const mpq_class middle = (low + high) / 2;
+            isolate(low, middle);
+            isolate(middle, high);
+        };
     isolate(-1, 1);
     std::erase_if(roots, [](Root& root) { return root.sign_of(Polynomial({0, 1})) < 0; });
     return roots;
@@ -138,7 +143,9 @@ std::vector<Root> roots_of(const Polynomial& p) {
 
 using Vector = std::array<Polynomial, 3>;
 
-Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vector operator-(const Vector& a, const Vector& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 Polynomial dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vector cross(const Vector& a, const Vector& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -176,8 +183,9 @@ Conditions on_segment(const Vector& p, const Vector& a, const Vector& b) {
     return {{n[0], n[1], n[2]}, {dot(p - a, b - p)}};
 }
 
-/// The first time at which the answer is yes. The times at which it is are a closed set; it ends where the sign of one of
-/// the polynomials changes, so the first of them is 0 or a root of one of those.
+/// The first time at which the answer is yes. The times at which it is are a closed set; it ends
+/// where the sign of one of the polynomials changes, so the first of them is 0 or a root of one of
+/// those.
 std::optional<ExactTime> first_time(const Question& question) {
     std::vector<Root> candidates = roots_of(Polynomial({0, 1}));
     const auto add = [&](const Polynomial& p) {
@@ -198,9 +206,10 @@ std::optional<ExactTime> first_time(const Question& question) {
     std::optional<ExactTime> first;
     for (Root& time : candidates) {
         if (time.sign_of(question.coplanar) != 0) continue;
-        const bool meets = no_normal.hold(time) ? std::any_of(question.flat.begin(), question.flat.end(),
-                                                              [&](const Conditions& c) { return c.hold(time); })
-                                                : question.regular.hold(time);
+        const bool meets = no_normal.hold(time)
+                               ? std::any_of(question.flat.begin(), question.flat.end(),
+                                             [&](const Conditions& c) { return c.hold(time); })
+                               : question.regular.hold(time);
         if (!meets) continue;
         while (time.upper - time.lower > mpq_class(1) / (mpz_class(1) << 64)) time.refine();
         if (!first || time.upper < first->upper) first = {time.lower, time.upper};
@@ -221,26 +230,31 @@ ExactCorners exact(const std::array<MovingPoint, 4>& corners) {
 }
 
 std::optional<ExactTime> first_meeting_of_vertex_and_face(const ExactCorners& corners) {
-    const Vector p = path(corners[0]), a = path(corners[1]), b = path(corners[2]), c = path(corners[3]);
+    const Vector p = path(corners[0]), a = path(corners[1]), b = path(corners[2]),
+                 c = path(corners[3]);
     Question question;
     question.normal = cross(b - a, c - a);
     question.coplanar = dot(question.normal, p - a);
-    question.regular.not_negative = {dot(question.normal, cross(b - a, p - a)), dot(question.normal, cross(c - b, p - b)),
+    question.regular.not_negative = {dot(question.normal, cross(b - a, p - a)),
+                                     dot(question.normal, cross(c - b, p - b)),
                                      dot(question.normal, cross(a - c, p - c))};
     question.flat = {on_segment(p, a, b), on_segment(p, b, c), on_segment(p, c, a)};
     return first_time(question);
 }
 
 std::optional<ExactTime> first_meeting_of_edges(const ExactCorners& corners) {
-    const Vector a0 = path(corners[0]), a1 = path(corners[1]), b0 = path(corners[2]), b1 = path(corners[3]);
+    const Vector a0 = path(corners[0]), a1 = path(corners[1]), b0 = path(corners[2]),
+                 b1 = path(corners[3]);
     const Vector a = a1 - a0, b = b1 - b0, between = b0 - a0;
     Question question;
     question.normal = cross(a, b);
     question.coplanar = dot(question.normal, between);
     const Polynomial size = dot(question.normal, question.normal);
-    const Polynomial first = dot(question.normal, cross(between, b)), second = dot(question.normal, cross(between, a));
+    const Polynomial first = dot(question.normal, cross(between, b)),
+                     second = dot(question.normal, cross(between, a));
     question.regular.not_negative = {first, size - first, second, size - second};
-    question.flat = {on_segment(a0, b0, b1), on_segment(a1, b0, b1), on_segment(b0, a0, a1), on_segment(b1, a0, a1)};
+    question.flat = {on_segment(a0, b0, b1), on_segment(a1, b0, b1), on_segment(b0, a0, a1),
+                     on_segment(b1, a0, a1)};
     return first_time(question);
 }
 

@@ -24,8 +24,8 @@ struct ExactTime {
     mpq_class lower, upper;
 };
 
-/// When a moving vertex first meets a moving face, decided without rounding; nothing if it does not up to time 1. The face
-/// may lack area, and all may stay in one plane.
+/// When a moving vertex first meets a moving face, decided without rounding; nothing if it does not
+/// up to time 1. The face may lack area, and all may stay in one plane.
 std::optional<ExactTime> first_meeting_of_vertex_and_face(const ExactCorners& corners);
 
 /// When two moving edges first meet, likewise. They may be parallel, or points.

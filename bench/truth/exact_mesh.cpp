@@ -29,17 +29,19 @@ Vec3d plain(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
 void check(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
     for (std::size_t v = 0; v < positions.size(); ++v)
-        if (!is_finite(positions[v])) throw InputError("position " + std::to_string(v) + " is not finite");
+        if (!is_finite(positions[v]))
+            throw InputError("position " + std::to_string(v) + " is not finite");
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::uint32_t v : triangles[t].vertex)
             if (v >= positions.size())
-                throw InputError("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
-                                 std::to_string(positions.size()));
+                throw InputError("triangle " + std::to_string(t) + " names vertex " +
+                                 std::to_string(v) + " of " + std::to_string(positions.size()));
 }
 
 std::vector<std::uint32_t> used_vertices(std::span<const Triangle> triangles) {
     std::vector<std::uint32_t> ids;
-    for (const Triangle& t : triangles) ids.insert(ids.end(), std::begin(t.vertex), std::end(t.vertex));
+    for (const Triangle& t : triangles)
+        ids.insert(ids.end(), std::begin(t.vertex), std::end(t.vertex));
     std::ranges::sort(ids);
     ids.erase(std::ranges::unique(ids).begin(), ids.end());
     return ids;
@@ -60,7 +62,8 @@ bool is_closed(std::span<const Triangle> triangles) {
 }
 
 /// The lowest vertex of each set of triangles that are connected by common vertices.
-std::vector<std::uint32_t> connected_parts(std::size_t vertex_count, std::span<const Triangle> triangles,
+std::vector<std::uint32_t> connected_parts(std::size_t vertex_count,
+                                           std::span<const Triangle> triangles,
                                            std::span<const std::uint32_t> used) {
     std::vector<std::uint32_t> parent(vertex_count);
     std::iota(parent.begin(), parent.end(), 0u);
@@ -74,7 +77,8 @@ std::vector<std::uint32_t> connected_parts(std::size_t vertex_count, std::span<c
             parent[std::max(v, w)] = std::min(v, w);
         }
     std::vector<std::uint32_t> parts;
-    std::ranges::copy_if(used, std::back_inserter(parts), [&](std::uint32_t v) { return parent[v] == v; });
+    std::ranges::copy_if(used, std::back_inserter(parts),
+                         [&](std::uint32_t v) { return parent[v] == v; });
     return parts;
 }
 
@@ -93,13 +97,16 @@ Vec3d point_outside(const Box& box, Vec3d p, Engine& engine) {
     return end;
 }
 
-/// How a segment that meets a triangle crosses it: 1 against its normal's side first, -1 the other way; nothing if it
-/// touches the triangle's plane with an end or passes through its border.
-std::optional<int> crossing(const Kernel::Point_3& from, const Kernel::Point_3& to, const Kernel::Triangle_3& t) {
+/// How a segment that meets a triangle crosses it: 1 against its normal's side first, -1 the other
+/// way; nothing if it touches the triangle's plane with an end or passes through its border.
+std::optional<int> crossing(const Kernel::Point_3& from, const Kernel::Point_3& to,
+                            const Kernel::Triangle_3& t) {
     const CGAL::Orientation side = CGAL::orientation(t[0], t[1], t[2], from);
-    if (side == CGAL::COPLANAR || CGAL::orientation(t[0], t[1], t[2], to) == CGAL::COPLANAR) return std::nullopt;
+    if (side == CGAL::COPLANAR || CGAL::orientation(t[0], t[1], t[2], to) == CGAL::COPLANAR)
+        return std::nullopt;
     for (int k = 0; k < 3; ++k)
-        if (CGAL::orientation(from, to, t[k], t[(k + 1) % 3]) == CGAL::COPLANAR) return std::nullopt;
+        if (CGAL::orientation(from, to, t[k], t[(k + 1) % 3]) == CGAL::COPLANAR)
+            return std::nullopt;
     return side == CGAL::NEGATIVE ? 1 : -1;
 }
 
@@ -112,14 +119,17 @@ struct ExactMesh::Tree {
 };
 
 ExactMesh::ExactMesh(std::span<const Vec3d> positions, std::span<const Triangle> triangles)
-    : positions_(positions.begin(), positions.end()), vertices_(used_vertices(triangles)), tree_(std::make_unique<Tree>()) {
+    : positions_(positions.begin(), positions.end()),
+      vertices_(used_vertices(triangles)),
+      tree_(std::make_unique<Tree>()) {
     check(positions, triangles);
     closed_ = is_closed(triangles);
     parts_ = connected_parts(positions.size(), triangles, vertices_);
     for (std::uint32_t v : vertices_) box_.extend(positions_[v]);
     for (std::uint32_t i = 0; i < triangles.size(); ++i) {
         const auto& v = triangles[i].vertex;
-        const Kernel::Triangle_3 t(exact(positions[v[0]]), exact(positions[v[1]]), exact(positions[v[2]]));
+        const Kernel::Triangle_3 t(exact(positions[v[0]]), exact(positions[v[1]]),
+                                   exact(positions[v[2]]));
         if (t.is_degenerate()) continue;
         tree_->triangles.push_back(t);
         tree_->ids.push_back(i);
@@ -137,11 +147,13 @@ Where ExactMesh::where(Vec3d point) const {
     const Kernel::Point_3 from = exact(point);
     std::minstd_rand engine;
     std::vector<Triangles::const_iterator> met;
-    // Almost every segment crosses the surface only inside of triangles; the first one nearly always does.
+    // Almost every segment crosses the surface only inside of triangles; the first one nearly
+    // always does.
     for (;;) {
         const Kernel::Point_3 to = exact(point_outside(box_, point, engine));
         met.clear();
-        tree_->boxes.all_intersected_primitives(Kernel::Segment_3(from, to), std::back_inserter(met));
+        tree_->boxes.all_intersected_primitives(Kernel::Segment_3(from, to),
+                                                std::back_inserter(met));
         if (std::ranges::any_of(met, [&](auto t) { return t->has_on(from); })) return Where::on;
         if (!closed_) return Where::outside;
         std::optional<int> winding = 0;
@@ -177,13 +189,15 @@ bool ExactMesh::surfaces_intersect(const ExactMesh& other, const Frame& placemen
 }
 
 bool ExactMesh::contains_part(const ExactMesh& other, const Frame& placement) const {
-    return std::ranges::any_of(
-        other.parts_, [&](std::uint32_t v) { return where(placement.to_parent(other.positions_[v])) == Where::inside; });
+    return std::ranges::any_of(other.parts_, [&](std::uint32_t v) {
+        return where(placement.to_parent(other.positions_[v])) == Where::inside;
+    });
 }
 
 bool ExactMesh::overlaps(const ExactMesh& other, const Frame& placement) const {
     if (surfaces_intersect(other, placement)) return true;
-    return closed_ && other.closed_ && (contains_part(other, placement) || other.contains_part(*this, placement.inverse()));
+    return closed_ && other.closed_ &&
+           (contains_part(other, placement) || other.contains_part(*this, placement.inverse()));
 }
 
 }  // namespace pierce::truth

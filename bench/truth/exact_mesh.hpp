@@ -9,7 +9,8 @@
 #include "pierce/mesh.hpp"
 #include "pierce/pose.hpp"
 
-/// What is true of placed meshes, by exact predicates and with none of the library's detection code.
+/// What is true of placed meshes, by exact predicates and with none of the library's detection
+/// code.
 namespace pierce::truth {
 
 enum class Where : std::uint8_t { inside, on, outside };
@@ -21,8 +22,8 @@ struct Nearest {
     double distance = 0;
 };
 
-/// A triangle mesh that answers exactly for the coordinates it is asked about. Triangles without area are left out; a
-/// mesh is closed as in MeshTraits. Queries may run at the same time.
+/// A triangle mesh that answers exactly for the coordinates it is asked about. Triangles without
+/// area are left out; a mesh is closed as in MeshTraits. Queries may run at the same time.
 class ExactMesh {
 public:
     /// Throws InputError for an index out of range or a position that is not finite.
@@ -37,18 +38,21 @@ public:
     const Box& box() const { return box_; }
     bool closed() const { return closed_; }
 
-    /// Inside is where the surface winds around a point at least once, either way; nowhere for an open mesh.
+    /// Inside is where the surface winds around a point at least once, either way; nowhere for an
+    /// open mesh.
     Where where(Vec3d point) const;
 
     /// Constructed in double. A surface without triangles is infinitely far away.
     Nearest nearest(Vec3d point) const;
 
-    // `placement` takes the other mesh's points into this mesh's space, each with a rounding to double.
+    // `placement` takes the other mesh's points into this mesh's space, each with a rounding to
+    // double.
 
     /// True if two triangles share a point.
     bool surfaces_intersect(const ExactMesh& other, const Frame& placement = {}) const;
 
-    /// True if a connected part of the other, given that the surfaces do not intersect, is inside this mesh.
+    /// True if a connected part of the other, given that the surfaces do not intersect, is inside
+    /// this mesh.
     bool contains_part(const ExactMesh& other, const Frame& placement = {}) const;
 
     /// True if the surfaces intersect or, both being closed, one mesh contains a part of the other.

@@ -56,8 +56,8 @@ void add_inside(const Placed& source, const Placed& target, std::vector<InsideVe
         const Vec3d p = placement.to_parent(source.mesh->positions()[v]);
         if (target.mesh->where(p) != Where::inside) continue;
         const Nearest nearest = target.mesh->nearest(p);
-        inside.push_back(
-            {source.body, target.body, v, nearest.distance, normalized(target.frame.rotation * (nearest.point - p))});
+        inside.push_back({source.body, target.body, v, nearest.distance,
+                          normalized(target.frame.rotation * (nearest.point - p))});
     }
 }
 
@@ -77,7 +77,8 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
         if (body.motion == Motion::deforming) {
             const std::span<const Vec3f> positions = recording_.positions(b, frame);
             if (!is_usable(positions)) continue;
-            placed.mesh = &deformed.emplace_back(in_double(positions), recording_.meshes[body.mesh].data.triangles);
+            placed.mesh = &deformed.emplace_back(in_double(positions),
+                                                 recording_.meshes[body.mesh].data.triangles);
         } else {
             const Pose pose = recording_.pose(b, frame);
             if (!is_usable(pose)) continue;
@@ -89,17 +90,21 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
 
     FrameTruth truth{frame, {}, {}};
     for (const auto& [a, b] : candidates(bodies)) {
-        const Frame a_in_b = relative_frame(a->frame, b->frame), b_in_a = relative_frame(b->frame, a->frame);
+        const Frame a_in_b = relative_frame(a->frame, b->frame),
+                    b_in_a = relative_frame(b->frame, a->frame);
         const bool meet = a->mesh->surfaces_intersect(*b->mesh, b_in_a);
         const bool a_enters = meet || b->mesh->contains_part(*a->mesh, a_in_b);
         const bool b_enters = meet || a->mesh->contains_part(*b->mesh, b_in_a);
         const bool solid = a->mesh->closed() && b->mesh->closed();
-        if (meet || (solid && (a_enters || b_enters))) truth.overlapping.emplace_back(a->body, b->body);
+        if (meet || (solid && (a_enters || b_enters)))
+            truth.overlapping.emplace_back(a->body, b->body);
         if (vertices && a_enters) add_inside(*a, *b, truth.inside);
         if (vertices && b_enters) add_inside(*b, *a, truth.inside);
     }
     std::ranges::sort(truth.overlapping);
-    std::ranges::sort(truth.inside, {}, [](const InsideVertex& i) { return std::tuple(i.source, i.target, i.vertex); });
+    std::ranges::sort(truth.inside, {}, [](const InsideVertex& i) {
+        return std::tuple(i.source, i.target, i.vertex);
+    });
     return truth;
 }
 

@@ -20,11 +20,12 @@ struct InsideVertex {
 struct FrameTruth {
     std::uint32_t frame = 0;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> overlapping;  ///< sorted, lower body first
-    std::vector<InsideVertex> inside;                                  ///< by source, target, vertex
+    std::vector<InsideVertex> inside;  ///< by source, target, vertex
 };
 
-/// The truth about a recording. Two fixed bodies are no pair; nothing is inside an open body, whose pairs overlap only if
-/// the surfaces intersect; a body that is not finite in a frame is left out of it.
+/// The truth about a recording. Two fixed bodies are no pair; nothing is inside an open body, whose
+/// pairs overlap only if the surfaces intersect; a body that is not finite in a frame is left out
+/// of it.
 class RecordingTruth {
 public:
     /// The recording must stay.

@@ -33,18 +33,23 @@ json to_json(const truth::FrameTruth& frame, bool pairs_only) {
     if (pairs_only) return result;
     json& inside = result["inside"] = json::array();
     for (const truth::InsideVertex& v : frame.inside)
-        inside.push_back({v.source, v.target, v.vertex, v.depth, v.normal.x, v.normal.y, v.normal.z});
+        inside.push_back(
+            {v.source, v.target, v.vertex, v.depth, v.normal.x, v.normal.y, v.normal.z});
     return result;
 }
 
 void write_truth(const Options& options) {
     const scenes::Recording recording = scenes::read_recording(options.folder);
     const truth::RecordingTruth truth(recording);
-    json result{{"format", "pierce-truth"}, {"version", 1}, {"every", options.every}, {"frames", json::array()}};
+    json result{{"format", "pierce-truth"},
+                {"version", 1},
+                {"every", options.every},
+                {"frames", json::array()}};
     app::Progress progress("truth", recording.frame_count);
     for (std::uint64_t f = 0; f < recording.frame_count; f += options.every) {
         const auto frame = static_cast<std::uint32_t>(f);
-        result["frames"].push_back(to_json(truth.at(frame, !options.pairs_only), options.pairs_only));
+        result["frames"].push_back(
+            to_json(truth.at(frame, !options.pairs_only), options.pairs_only));
         progress.show(frame + 1);
     }
     const fs::path file = options.out.empty() ? options.folder / "truth.json" : options.out;
@@ -53,11 +58,13 @@ void write_truth(const Options& options) {
     if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
 }
 
-json to_json(std::span<const truth::SheetMeeting> meetings, std::span<const truth::Piercing> piercings) {
+json to_json(std::span<const truth::SheetMeeting> meetings,
+             std::span<const truth::Piercing> piercings) {
     json result{{"meetings", json::array()}, {"piercings", json::array()}};
     for (const truth::SheetMeeting& m : meetings)
         result["meetings"].push_back({static_cast<int>(m.features), m.a, m.item, m.b, m.other});
-    for (const truth::Piercing& p : piercings) result["piercings"].push_back({p.a, p.edge, p.b, p.triangle, p.depth});
+    for (const truth::Piercing& p : piercings)
+        result["piercings"].push_back({p.a, p.edge, p.b, p.triangle, p.depth});
     return result;
 }
 
@@ -68,7 +75,8 @@ void write_sheets(const Options& options) {
     const fs::path file = options.out.empty() ? options.folder / "sheets.json" : options.out;
     std::ofstream out(file);
     truth::MeetingCounts counts;
-    out << "{\"format\":\"pierce-sheet-truth\",\"version\":1,\"every\":" << options.every << ",\"frames\":[";
+    out << "{\"format\":\"pierce-sheet-truth\",\"version\":1,\"every\":" << options.every
+        << ",\"frames\":[";
     app::Progress progress("sheets", recording.frame_count);
     for (std::uint64_t f = 0; f < recording.frame_count; f += options.every) {
         const auto frame = static_cast<std::uint32_t>(f);
@@ -78,7 +86,10 @@ void write_sheets(const Options& options) {
         progress.show(frame + 1);
     }
     out << "],\"decided\":"
-        << json{{"apart", counts.apart}, {"bounded", counts.bounded}, {"ends", counts.ends}, {"exact", counts.exact}}
+        << json{{"apart", counts.apart},
+                {"bounded", counts.bounded},
+                {"ends", counts.ends},
+                {"exact", counts.exact}}
         << "}\n";
     if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
 }
@@ -93,9 +104,11 @@ int main(int argc, char** argv) {
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
     app.add_flag("--pairs-only", options.pairs_only, "leave out inside vertices");
-    app.add_flag("--sheets", options.sheets, "what sheets meet from frame to frame, and edges through triangles")
+    app.add_flag("--sheets", options.sheets,
+                 "what sheets meet from frame to frame, and edges through triangles")
         ->excludes("--pairs-only");
-    app.add_option("--out", options.out, "write to FILE instead of truth.json, or sheets.json, in the folder")
+    app.add_option("--out", options.out,
+                   "write to FILE instead of truth.json, or sheets.json, in the folder")
         ->type_name("FILE");
     try {
         app.parse(argc, argv);

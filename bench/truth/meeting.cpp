@@ -12,7 +12,8 @@
 namespace pierce::truth {
 namespace {
 
-/// How often a stretch of time is halved before rational numbers decide: bounds of rounding are reached long before.
+/// How often a stretch of time is halved before rational numbers decide: bounds of rounding are
+/// reached long before.
 constexpr int most_halvings = 40;
 
 using Line = BoundedPolynomial<1>;
@@ -22,7 +23,8 @@ using Vector = std::array<BoundedPolynomial<degree>, 3>;
 Vector<1> operator-(const MovingPoint& a, const MovingPoint& b) {
     Vector<1> v;
     for (int k = 0; k < 3; ++k)
-        v[static_cast<std::size_t>(k)] = Line{{Interval(a.start[k]) - b.start[k], Interval(a.end[k]) - b.end[k]}};
+        v[static_cast<std::size_t>(k)] = Line{
+            {Interval(a.start[k]) - b.start[k], Interval(a.end[k]) - b.end[k]}};
     return v;
 }
 
@@ -36,8 +38,8 @@ BoundedPolynomial<m + n> dot(const Vector<m>& a, const Vector<n>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Two features meet when they lie in one plane, their volume being zero, and no place is negative. All places are zero
-/// where they have no common normal; what is then is not said here.
+/// Two features meet when they lie in one plane, their volume being zero, and no place is negative.
+/// All places are zero where they have no common normal; what is then is not said here.
 struct Question {
     BoundedPolynomial<3> volume;
     std::array<BoundedPolynomial<4>, 4> places;
@@ -51,13 +53,15 @@ Question question(Features features, const std::array<MovingPoint, 4>& c) {
         const Vector<1> ap = c[0] - c[1], bp = c[0] - c[2], cp = c[0] - c[3];
         const Vector<2> normal = cross(bc, ca);
         q.volume = dot(normal, ap);
-        q.places = {dot(normal, cross(ab, ap)), dot(normal, cross(bc, bp)), dot(normal, cross(ca, cp)), {}};
+        q.places = {
+            dot(normal, cross(ab, ap)), dot(normal, cross(bc, bp)), dot(normal, cross(ca, cp)), {}};
         q.place_count = 3;
     } else {
         const Vector<1> a = c[1] - c[0], b = c[3] - c[2], between = c[2] - c[0];
         const Vector<2> normal = cross(a, b);
         q.volume = dot(normal, between);
-        const BoundedPolynomial<4> size = dot(normal, normal), first = dot(normal, cross(between, b)),
+        const BoundedPolynomial<4> size = dot(normal, normal),
+                                   first = dot(normal, cross(between, b)),
                                    second = dot(normal, cross(between, a));
         q.places = {first, size - first, second, size - second};
         q.place_count = 4;
@@ -75,13 +79,15 @@ std::optional<bool> answer(const Question& q, int halvings) {
         all_positive = all_positive && q.places[k].is_positive();
     }
     const Interval from = q.volume.first(), to = q.volume.last();
-    const bool turns = (from.is_positive() && to.is_negative()) || (from.is_negative() && to.is_positive());
+    const bool turns = (from.is_positive() && to.is_negative()) ||
+                       (from.is_negative() && to.is_positive());
     if (all_positive && turns) return true;
     if (halvings == 0) return std::nullopt;
 
     Question low{{}, {}, q.place_count}, high = low;
     std::tie(low.volume, high.volume) = q.volume.halves();
-    for (std::size_t k = 0; k < q.place_count; ++k) std::tie(low.places[k], high.places[k]) = q.places[k].halves();
+    for (std::size_t k = 0; k < q.place_count; ++k)
+        std::tie(low.places[k], high.places[k]) = q.places[k].halves();
     const std::optional<bool> first = answer(low, halvings - 1);
     if (first && *first) return true;
     // What the first half hides would be lost in more halves of halves.
@@ -97,15 +103,16 @@ bool is_ahead(Vec3d n, int firsts, const std::array<MovingPoint, 4>& c) {
         for (auto j = static_cast<std::size_t>(firsts); j < 4; ++j)
             for (const auto when : {&MovingPoint::start, &MovingPoint::end}) {
                 const Vec3d &p = c[i].*when, &q = c[j].*when;
-                const Interval d(Number(n.x) * (Number(p.x) - q.x) + Number(n.y) * (Number(p.y) - q.y) +
+                const Interval d(Number(n.x) * (Number(p.x) - q.x) +
+                                 Number(n.y) * (Number(p.y) - q.y) +
                                  Number(n.z) * (Number(p.z) - q.z));
                 if (!d.is_positive()) return false;
             }
     return true;
 }
 
-/// True if along `n` one feature is ahead of the other at the start and at the end: and so it is in between, as differences
-/// of corners move in straight lines.
+/// True if along `n` one feature is ahead of the other at the start and at the end: and so it is in
+/// between, as differences of corners move in straight lines.
 bool separates(Vec3d n, int firsts, const std::array<MovingPoint, 4>& c) {
     if (pierce::dot(n, c[0].start - c[3].start) < 0) n = -n;
     return is_ahead<double>(n, firsts, c) && is_ahead<Interval>(n, firsts, c);
@@ -118,13 +125,14 @@ bool are_apart(Features features, const std::array<MovingPoint, 4>& c) {
         if (separates(axis, firsts, c)) return true;
     for (const auto when : {&MovingPoint::start, &MovingPoint::end}) {
         const auto at = [&](std::size_t k) { return c[k].*when; };
-        const Vec3d normal =
-            firsts == 1 ? pierce::cross(at(2) - at(1), at(3) - at(1)) : pierce::cross(at(1) - at(0), at(3) - at(2));
+        const Vec3d normal = firsts == 1 ? pierce::cross(at(2) - at(1), at(3) - at(1))
+                                         : pierce::cross(at(1) - at(0), at(3) - at(2));
         if (separates(normal, firsts, c)) return true;
         // In the plane of a face, across its sides; of edges, across each.
         if (firsts == 1) {
             for (std::size_t k = 1; k < 4; ++k)
-                if (separates(pierce::cross(normal, at(k == 3 ? 1 : k + 1) - at(k)), firsts, c)) return true;
+                if (separates(pierce::cross(normal, at(k == 3 ? 1 : k + 1) - at(k)), firsts, c))
+                    return true;
         } else {
             for (std::size_t k : {0u, 2u}) {
                 const Vec3d along = at(k + 1) - at(k), between = at(k == 0 ? 2 : 0) - at(k);
@@ -137,7 +145,8 @@ bool are_apart(Features features, const std::array<MovingPoint, 4>& c) {
     return false;
 }
 
-/// True if they share a point at the start or at the end; those that lack an extent are not looked at.
+/// True if they share a point at the start or at the end; those that lack an extent are not looked
+/// at.
 bool share_point_at_an_end(Features features, const std::array<MovingPoint, 4>& c) {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
     for (const auto when : {&MovingPoint::start, &MovingPoint::end}) {
@@ -158,7 +167,8 @@ bool share_point_at_an_end(Features features, const std::array<MovingPoint, 4>& 
 
 }  // namespace
 
-bool features_meet(Features features, const std::array<MovingPoint, 4>& corners, MeetingCounts* counts) {
+bool features_meet(Features features, const std::array<MovingPoint, 4>& corners,
+                   MeetingCounts* counts) {
     MeetingCounts ignored;
     MeetingCounts& count = counts != nullptr ? *counts : ignored;
     if (are_apart(features, corners)) {
@@ -175,8 +185,9 @@ bool features_meet(Features features, const std::array<MovingPoint, 4>& corners,
     }
     ++count.exact;
     const ExactCorners exactly = exact(corners);
-    return features == Features::vertex_and_face ? first_meeting_of_vertex_and_face(exactly).has_value()
-                                                 : first_meeting_of_edges(exactly).has_value();
+    return features == Features::vertex_and_face
+               ? first_meeting_of_vertex_and_face(exactly).has_value()
+               : first_meeting_of_edges(exactly).has_value();
 }
 
 }  // namespace pierce::truth

@@ -12,7 +12,9 @@ std::vector<Vec3d> edges(Convex body) {
     for (const Triangle& t : body.triangles)
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
-            if (v < w) result.push_back(body.positions[w] - body.positions[v]);  // its other triangle has w < v
+            if (v < w)
+                result.push_back(body.positions[w] - body.positions[v]);  // its other triangle has
+                                                                          // w < v
         }
     return result;
 }
@@ -32,7 +34,8 @@ Translation minimum_translation(Convex a, Convex b) {
         const double way = support(a, u) + support(b, -u);
         if (way < best.length) best = {way, u};
     };
-    // Any direction's way takes b out of a: one that rounding has turned is never too short, only not the shortest.
+    // Any direction's way takes b out of a: one that rounding has turned is never too short, only
+    // not the shortest.
     const auto try_both = [&](Vec3d direction) {
         const Vec3d u = normalized(direction);
         if (u == Vec3d{}) return;
@@ -42,7 +45,8 @@ Translation minimum_translation(Convex a, Convex b) {
     for (Convex body : {a, b})
         for (const Triangle& t : body.triangles) {
             const Vec3d corner = body.positions[t.vertex[0]];
-            try_both(cross(body.positions[t.vertex[1]] - corner, body.positions[t.vertex[2]] - corner));
+            try_both(
+                cross(body.positions[t.vertex[1]] - corner, body.positions[t.vertex[2]] - corner));
         }
     const std::vector<Vec3d> edges_of_b = edges(b);
     for (Vec3d of_a : edges(a))

@@ -28,19 +28,22 @@ std::string places_text(const MeshFinding& finding) {
     if (text.empty()) return text;
     constexpr const char* elements[] = {"", "vertex", "triangle", "edge", "triangles"};
     const bool all = finding.places.size() == std::size_t{step} * finding.count;
-    return fmt::format(" ({} {}{})", elements[static_cast<int>(element(finding.kind))], text, all ? "" : ", ...");
+    return fmt::format(" ({} {}{})", elements[static_cast<int>(element(finding.kind))], text,
+                       all ? "" : ", ...");
 }
 
 void print(const std::string& file, const MeshReport& report) {
     const Vec3d size = report.box.empty() ? Vec3d{} : report.box.upper - report.box.lower;
-    fmt::print("{}: {}, {}; {} vertices, {} triangles, {} component{}, volume {:.6g}, size {:.6g} x {:.6g} x {:.6g}, ", file,
-               report.sound() ? "sound" : "defective", report.closed ? "closed" : "not closed", report.vertices,
-               report.triangles, report.components, report.components == 1 ? "" : "s", report.traits.volume, size.x, size.y,
-               size.z);
+    fmt::print(
+        "{}: {}, {}; {} vertices, {} triangles, {} component{}, volume {:.6g}, size {:.6g} x "
+        "{:.6g} x {:.6g}, ",
+        file, report.sound() ? "sound" : "defective", report.closed ? "closed" : "not closed",
+        report.vertices, report.triangles, report.components, report.components == 1 ? "" : "s",
+        report.traits.volume, size.x, size.y, size.z);
     fmt::print("mean edge {:.6g}\n", report.traits.mean_edge_length);
     for (const MeshFinding& finding : report.findings)
-        fmt::print("  {} {}: {}{}\n      {}\n", changes_detection(finding.kind) ? "!" : "-", name(finding.kind),
-                   finding.count, places_text(finding), meaning(finding.kind));
+        fmt::print("  {} {}: {}{}\n      {}\n", changes_detection(finding.kind) ? "!" : "-",
+                   name(finding.kind), finding.count, places_text(finding), meaning(finding.kind));
 }
 
 json to_json(const std::string& file, const MeshReport& report) {
@@ -50,7 +53,8 @@ json to_json(const std::string& file, const MeshReport& report) {
         json places = json::array();
         const std::uint32_t step = ids_per_place(element(finding.kind));
         for (std::size_t i = 0; i < finding.places.size(); i += step)
-            places.push_back(step == 1 ? json(finding.places[i]) : json{finding.places[i], finding.places[i + 1]});
+            places.push_back(step == 1 ? json(finding.places[i])
+                                       : json{finding.places[i], finding.places[i + 1]});
         findings.push_back({{"defect", name(finding.kind)},
                             {"count", finding.count},
                             {"places", places},
@@ -78,7 +82,8 @@ int check(const CheckOptions& options) {
     int worst = sound;
     for (const std::filesystem::path& file : options.meshes) {
         try {
-            const MeshReport report = check_mesh(scenes::read_mesh(file), {options.self_intersections});
+            const MeshReport report = check_mesh(scenes::read_mesh(file),
+                                                 {options.self_intersections});
             print(file.string(), report);
             meshes.push_back(to_json(file.string(), report));
             worst = std::max(worst, report.sound() ? sound : has_findings);
@@ -88,7 +93,8 @@ int check(const CheckOptions& options) {
             worst = unreadable;
         }
     }
-    if (!options.json.empty()) write_json_file(options.json, {{"versions", versions_json()}, {"meshes", meshes}});
+    if (!options.json.empty())
+        write_json_file(options.json, {{"versions", versions_json()}, {"meshes", meshes}});
     return worst;
 }
 

@@ -11,8 +11,8 @@ struct CheckOptions {
     std::filesystem::path json;  ///< empty: none
 };
 
-/// What is wrong with mesh files. Returns 0 if nothing changes what detection finds, 1 if something does, 2 if a file cannot
-/// be read; the other files are checked all the same.
+/// What is wrong with mesh files. Returns 0 if nothing changes what detection finds, 1 if something
+/// does, 2 if a file cannot be read; the other files are checked all the same.
 int check(const CheckOptions& options);
 
 }  // namespace pierce::app

@@ -20,13 +20,16 @@ int report_cloth(const ClothReportOptions& options) {
     page.line("Seed {}. Threads for detection: {}.\n", options.seed, options.threads);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
-    const auto wanted = [&](const char* part) { return std::ranges::find(options.parts, part) != options.parts.end(); };
+    const auto wanted = [&](const char* part) {
+        return std::ranges::find(options.parts, part) != options.parts.end();
+    };
     if (wanted("accuracy")) cloth_accuracy_figure(options, page);
     if (wanted("penetration")) cloth_penetration_figure(options, page);
     if (wanted("size")) cloth_size_figure(options, page);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     page.line(
-        "\nAll this took {:.0f} s, {:.0f} s of them this process' own; the rest waited for the truth and for other work, "
+        "\nAll this took {:.0f} s, {:.0f} s of them this process' own; the rest waited for the "
+        "truth and for other work, "
         "which",
         wall.count(), static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC);
     page.line("makes frames longer.");

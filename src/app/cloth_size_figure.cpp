@@ -24,9 +24,11 @@ using scenes::SheetPairs;
 
 /// Steps that are timed, evenly over a motion.
 constexpr std::uint32_t timed_steps = 120;
-/// The exact truth is made of as many of these as this allows [vertices, over all steps], and of one at least.
+/// The exact truth is made of as many of these as this allows [vertices, over all steps], and of
+/// one at least.
 constexpr std::size_t truth_vertices = 200'000;
-/// Bullet makes its clusters in a time that grows with the square of a sheet's vertices: beyond this, minutes.
+/// Bullet makes its clusters in a time that grows with the square of a sheet's vertices: beyond
+/// this, minutes.
 constexpr std::size_t most_cluster_nodes = 20'000;
 /// Of the layers [s].
 constexpr double layers_seconds = 0.5;
@@ -41,7 +43,8 @@ struct Motion {
     std::string name;
     std::uint32_t nodes = 0;
     double dt = 0, seconds = 0;
-    Steps tried, kept;            ///< ends where Bullet has put the sheet; and where contacts have. `tried` may be empty.
+    Steps tried, kept;  ///< ends where Bullet has put the sheet; and where contacts have. `tried`
+                        ///< may be empty.
     double self_penetration = 0;  ///< the deepest, over all steps
     std::uint32_t pulled_back = 0, all_steps = 0;
     std::vector<double> simulation_ms;  ///< per step, what keeping the sheet apart took
@@ -50,7 +53,8 @@ struct Motion {
 std::uint32_t stride_of(std::uint32_t steps) { return std::max(1u, steps / timed_steps); }
 
 Motion capsule_motion(std::uint32_t nodes, const ClothReportOptions& options) {
-    const scenes::SceneSetup scene = scenes::make_scene("cloth-capsule", {.seed = options.seed, .nodes = nodes});
+    const scenes::SceneSetup scene = scenes::make_scene("cloth-capsule",
+                                                        {.seed = options.seed, .nodes = nodes});
     scenes::Simulation simulation(scene, Method::rays, {"embree", options.threads, {}});
     Motion motion{"cloth-capsule", nodes, scene.dt, options.size_seconds, {}, {}, 0, 0, 0, {}};
     for (Recording* r : {&motion.tried.starts, &motion.tried.ends, &motion.kept.ends})
@@ -86,7 +90,8 @@ Motion layers_motion(std::uint32_t nodes) {
         for (std::uint32_t f = 0; f < motion.all_steps; ++f)
             for (std::uint32_t b = 0; b < layers.sheets; ++b) {
                 layers.positions(b, (f + later) * scene.dt, at);
-                for (Vec3f p : at) frames.bodies[b].values.insert(frames.bodies[b].values.end(), {p.x, p.y, p.z});
+                for (Vec3f p : at)
+                    frames.bodies[b].values.insert(frames.bodies[b].values.end(), {p.x, p.y, p.z});
             }
         frames.frame_count = motion.all_steps;
     }
@@ -103,7 +108,8 @@ void append_frame(const Recording& from, std::uint32_t frame, Recording& to) {
     ++to.frame_count;
 }
 
-/// Every `stride`th step, as frames from 1 on: where it begins, where it ends, where the next one begins, and so on.
+/// Every `stride`th step, as frames from 1 on: where it begins, where it ends, where the next one
+/// begins, and so on.
 Recording interleaved(const Steps& steps, std::uint32_t stride) {
     Recording result = steps.starts;
     for (scenes::RecordedBody& body : result.bodies) body.values.clear();
@@ -152,14 +158,17 @@ void put(scenes::Detector& detector, const Steps& steps, std::uint32_t step) {
     // A World gives out handles in order, and a scene never removes a body.
     for (std::uint32_t b = 0; b < steps.ends.bodies.size(); ++b)
         if (steps.ends.bodies[b].motion == pierce::Motion::deforming)
-            world->set_motion({b, 1}, steps.starts.positions(b, step), steps.ends.positions(b, step));
+            world->set_motion({b, 1}, steps.starts.positions(b, step),
+                              steps.ends.positions(b, step));
     world->forget_sides();
 }
 
 /// Ways of looking take turns step by step.
-std::vector<Row> look(const Motion& motion, const Steps& steps, const std::string& ends, int threads) {
+std::vector<Row> look(const Motion& motion, const Steps& steps, const std::string& ends,
+                      int threads) {
     const std::size_t vertices = sheet_vertices(steps.ends, false);
-    const auto truths = std::clamp<std::size_t>(truth_vertices / vertices, 1, steps.ends.frame_count);
+    const auto truths = std::clamp<std::size_t>(truth_vertices / vertices, 1,
+                                                steps.ends.frame_count);
     const auto stride = static_cast<std::uint32_t>(steps.ends.frame_count / truths);
     const Recording judged = interleaved(steps, stride);
     const std::vector<scenes::TrueSheetFrame> truth = sheet_truth_of(judged, 2);
@@ -176,9 +185,11 @@ std::vector<Row> look(const Motion& motion, const Steps& steps, const std::strin
         row = {motion.name, ends, name, motion.nodes, count, triangles, {}, {}, {}, 0, 0, {}};
     };
     for (const int count : std::set<int>{1, threads}) add("continuous", Method::rays, count);
-    if (sheet_vertices(steps.ends, true) <= most_cluster_nodes) add("bullet-clusters", Method::bullet_clusters, 1);
+    if (sheet_vertices(steps.ends, true) <= most_cluster_nodes)
+        add("bullet-clusters", Method::bullet_clusters, 1);
 
-    Progress progress(fmt::format("looking at {} {}, {}", motion.name, motion.nodes, ends), steps.ends.frame_count);
+    Progress progress(fmt::format("looking at {} {}, {}", motion.name, motion.nodes, ends),
+                      steps.ends.frame_count);
     for (std::uint32_t s = 0; s < steps.ends.frame_count; ++s) {
         const bool known = (s + 1) % stride == 0;
         for (Looked& l : all) {
@@ -189,11 +200,12 @@ std::vector<Row> look(const Motion& motion, const Steps& steps, const std::strin
             l.row.crossings.push_back(result.crossings);
             if (!known) continue;
             ++l.row.truth_steps;
-            l.row.exact_self_penetration =
-                std::max(l.row.exact_self_penetration, truth[(s + 1) / stride].self_penetration());
+            l.row.exact_self_penetration = std::max(l.row.exact_self_penetration,
+                                                    truth[(s + 1) / stride].self_penetration());
             if (l.detector->world() == nullptr) continue;
             for (const SheetPairs pairs : {SheetPairs::self, SheetPairs::others})
-                l.row.accuracy += judge.judge(truth[(s + 1) / stride], l.detector->world()->contacts(), pairs);
+                l.row.accuracy += judge.judge(truth[(s + 1) / stride],
+                                              l.detector->world()->contacts(), pairs);
         }
         progress.show(s + 1);
     }
@@ -238,16 +250,21 @@ json row_json(const Row& r, const Motion& motion) {
 }
 
 void print_row(const json& r, Page& page) {
-    const auto count = [&](const char* key) { return r.contains(key) ? std::to_string(r[key].get<std::uint64_t>()) : "-"; };
+    const auto count = [&](const char* key) {
+        return r.contains(key) ? std::to_string(r[key].get<std::uint64_t>()) : "-";
+    };
     const auto share = [&](const char* key, const char* of) {
         return r.contains(of) && r[of] != 0 ? fmt::format("{:.4f}", r[key].get<double>()) : "-";
     };
-    page.line("| {} {} | {} | {} | {} | {} | {:.2f}, {:.2f} | {:.0f} | {} | {:.4g} | {} of {} | {} | {} of {} | {} |",
-              r["scene"].get<std::string>(), count("nodes"), count("triangles"), r["ends"].get<std::string>(),
-              r["method"].get<std::string>(), count("threads"), r["ms_median"].get<double>(), r["ms_p95"].get<double>(),
-              r["contacts_median"].get<double>(), count("truth_steps"), r["exact_self_penetration"].get<double>(),
-              count("missed"), count("meet"), share("recall", "meet"), count("wrong"), count("reported"),
-              share("precision", "reported"));
+    page.line(
+        "| {} {} | {} | {} | {} | {} | {:.2f}, {:.2f} | {:.0f} | {} | {:.4g} | {} of {} | {} | {} "
+        "of {} | {} |",
+        r["scene"].get<std::string>(), count("nodes"), count("triangles"),
+        r["ends"].get<std::string>(), r["method"].get<std::string>(), count("threads"),
+        r["ms_median"].get<double>(), r["ms_p95"].get<double>(), r["contacts_median"].get<double>(),
+        count("truth_steps"), r["exact_self_penetration"].get<double>(), count("missed"),
+        count("meet"), share("recall", "meet"), count("wrong"), count("reported"),
+        share("precision", "reported"));
 }
 
 }  // namespace
@@ -255,48 +272,57 @@ void print_row(const json& r, Page& page) {
 void cloth_size_figure(const ClothReportOptions& options, Page& page) {
     page.line("## Time and error as sheets get finer\n");
     page.line(
-        "Sheets that fall on the capsule for {:g} s and are kept off themselves, and layers that never meet. At most {} of "
-        "the steps, evenly over the motion, are looked at again, each from where it began, by all methods in turn; the "
+        "Sheets that fall on the capsule for {:g} s and are kept off themselves, and layers that "
+        "never meet. At most {} of "
+        "the steps, evenly over the motion, are looked at again, each from where it began, by all "
+        "methods in turn; the "
         "exact "
-        "truth is made of as many of these as have {} vertices together. *Tried* steps end where Bullet has put the sheet, "
-        "*kept* ones where its contacts have. Missed, wrong: of crossings, with itself and with others. Bullet's clusters "
+        "truth is made of as many of these as have {} vertices together. *Tried* steps end where "
+        "Bullet has put the sheet, "
+        "*kept* ones where its contacts have. Missed, wrong: of crossings, with itself and with "
+        "others. Bullet's clusters "
         "are "
-        "looked for on one thread, whatever it is given, name nothing that could be judged, and are not made for sheets of "
+        "looked for on one thread, whatever it is given, name nothing that could be judged, and "
+        "are not made for sheets of "
         "more than {} vertices.\n",
         options.size_seconds, 2 * timed_steps, truth_vertices, most_cluster_nodes);
     json rows = json::array();
     std::vector<std::string> motions;
     page.line(
-        "| scene | triangles | steps | method | threads | ms a detection: median, p95 | contacts | steps with truth | "
+        "| scene | triangles | steps | method | threads | ms a detection: median, p95 | contacts | "
+        "steps with truth | "
         "deepest through itself, exact | "
         "missed "
         "| recall | wrong | precision |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     const auto measure = [&](const Motion& motion) {
         for (const bool tried : {true, false}) {
             if (tried && motion.tried.ends.frame_count == 0) continue;
-            for (const Row& row :
-                 look(motion, tried ? motion.tried : motion.kept, tried ? "tried" : "kept", options.threads)) {
+            for (const Row& row : look(motion, tried ? motion.tried : motion.kept,
+                                       tried ? "tried" : "kept", options.threads)) {
                 rows.push_back(row_json(row, motion));
                 print_row(rows.back(), page);
             }
         }
         if (motion.simulation_ms.empty()) return;
         const Spread ms = spread_of(motion.simulation_ms);
-        motions.push_back(fmt::format("| {} {} | {:.5g} | {} | {:.5g} | {} | {:.2f}, {:.2f} |", motion.name, motion.nodes,
-                                      motion.dt, motion.all_steps, motion.self_penetration, motion.pulled_back, ms.median,
+        motions.push_back(fmt::format("| {} {} | {:.5g} | {} | {:.5g} | {} | {:.2f}, {:.2f} |",
+                                      motion.name, motion.nodes, motion.dt, motion.all_steps,
+                                      motion.self_penetration, motion.pulled_back, ms.median,
                                       ms.p95));
     };
     for (const std::uint32_t nodes : options.sizes) measure(capsule_motion(nodes, options));
     measure(layers_motion(options.layers_nodes));
     page.line(
-        "\n| motion | s a step | steps | self_penetration_max | vertices pulled back | ms a step, all detections and "
+        "\n| motion | s a step | steps | self_penetration_max | vertices pulled back | ms a step, "
+        "all detections and "
         "response: median, p95 |\n|---|---|---|---|---|---|");
     for (const std::string& line : motions) page.line("{}", line);
     page.line("");
-    write_json_file(options.out / "size.json", {{"machine", machine_json()},
-                                                {"versions", versions_json()},
-                                                {"settings", {{"seed", options.seed}, {"threads", options.threads}}},
-                                                {"rows", rows}});
+    write_json_file(options.out / "size.json",
+                    {{"machine", machine_json()},
+                     {"versions", versions_json()},
+                     {"settings", {{"seed", options.seed}, {"threads", options.threads}}},
+                     {"rows", rows}});
 }
 
 }  // namespace pierce::app

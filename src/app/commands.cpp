@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using scenes::FrameResult;
 
-constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo short
+constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo
+                                          // short
 
 json detection_json(const DetectionOptions& options) {
     json result = rays_json(options.rays);
@@ -42,15 +43,18 @@ std::vector<BodyId> ground_of(const scenes::SceneSetup& scene) {
 }
 
 void require_rays(World* world, const fs::path& png) {
-    if (world == nullptr && !png.empty()) throw InputError("--png needs --method rays: the picture is traced by them");
+    if (world == nullptr && !png.empty())
+        throw InputError("--png needs --method rays: the picture is traced by them");
 }
 
 scenes::SceneSetup scene_of(const RunOptions& options) {
-    return scenes::make_scene(options.scene, {options.count, options.soft, options.seed, options.nodes});
+    return scenes::make_scene(options.scene,
+                              {options.count, options.soft, options.seed, options.nodes});
 }
 
 bool has_own_size(const scenes::SceneSetup& scene) {
-    return std::ranges::any_of(scene.bodies, [](const scenes::SceneBody& b) { return b.collision != Collision{}; });
+    return std::ranges::any_of(
+        scene.bodies, [](const scenes::SceneBody& b) { return b.collision != Collision{}; });
 }
 
 std::uint32_t step_count(double seconds, double dt) {
@@ -69,7 +73,8 @@ void check_writable(const fs::path& file) {
 }
 
 int list_scenes() {
-    for (const scenes::SceneInfo& info : scenes::scene_list()) fmt::print("{:<13} {}\n", info.name, info.description);
+    for (const scenes::SceneInfo& info : scenes::scene_list())
+        fmt::print("{:<13} {}\n", info.name, info.description);
     return 0;
 }
 
@@ -77,16 +82,21 @@ int show_plan(const RunOptions& options) {
     const scenes::SceneSetup setup = scene_of(options);
     scenes::SceneWorld scene(setup, options.detection.rays);
     const Plan& plan = scene.world.plan();
-    fmt::print("bodies    {} fixed, {} rigid, {} deforming; {} of them open\n", plan.fixed_bodies, plan.rigid_bodies,
-               plan.deforming_bodies, plan.open_bodies);
+    fmt::print("bodies    {} fixed, {} rigid, {} deforming; {} of them open\n", plan.fixed_bodies,
+               plan.rigid_bodies, plan.deforming_bodies, plan.open_bodies);
     fmt::print("stages   ");
     for (const std::string& stage : plan.stages) fmt::print(" {}", stage);
-    fmt::print("\nbounds    {}\n", plan.measures_deformation ? "poses of rigid bodies, vertices of deforming ones"
-                                                             : "poses only: no vertex is looked at");
-    fmt::print("update    {}\n", plan.measures_deformation ? "one static tree per mesh, one refitted tree per deforming body"
-                                                           : "one static tree per mesh, built once");
-    fmt::print("classify  {}\n", plan.traces_own_exits ? "own exits traced for contacts of deforming sources and of edges"
-                                                       : "own exits looked up: they were traced once per mesh");
+    fmt::print("\nbounds    {}\n", plan.measures_deformation
+                                       ? "poses of rigid bodies, vertices of deforming ones"
+                                       : "poses only: no vertex is looked at");
+    fmt::print("update    {}\n",
+               plan.measures_deformation
+                   ? "one static tree per mesh, one refitted tree per deforming body"
+                   : "one static tree per mesh, built once");
+    fmt::print("classify  {}\n",
+               plan.traces_own_exits
+                   ? "own exits traced for contacts of deforming sources and of edges"
+                   : "own exits looked up: they were traced once per mesh");
     fmt::print("remembers {}\n", plan.temporal == Temporal::off ? "nothing: every step stands alone"
                                  : plan.temporal == Temporal::paper
                                      ? "hits, and walks on from them between full passes"
@@ -98,7 +108,8 @@ int show_plan(const RunOptions& options) {
 int run(const RunOptions& options) {
     const scenes::SceneSetup scene = scene_of(options);
     const double dt = options.dt > 0 ? options.dt : scene.dt;
-    scenes::Simulation simulation(scene, scenes::method_named(options.detection.method), options.detection.rays);
+    scenes::Simulation simulation(scene, scenes::method_named(options.detection.method),
+                                  options.detection.rays);
     require_rays(simulation.world(), options.png);
     check_writable(options.png);
     check_writable(options.detection.json);
@@ -114,10 +125,11 @@ int run(const RunOptions& options) {
             progress.show(i + 1);
         }
     }
-    const std::string bodies = has_own_size(scene)
-                                   ? fmt::format("{} bodies", scene.bodies.size())
-                                   : fmt::format("{} {} bodies", options.count, options.soft ? "soft" : "rigid");
-    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt, options.detection.method);
+    const std::string bodies = has_own_size(scene) ? fmt::format("{} bodies", scene.bodies.size())
+                                                   : fmt::format("{} {} bodies", options.count,
+                                                                 options.soft ? "soft" : "rigid");
+    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt,
+               options.detection.method);
     fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
     log.print();
 
@@ -158,8 +170,8 @@ int replay(const ReplayOptions& options) {
             progress.show(f + 1);
         }
     }
-    fmt::print("{}: {} bodies, {} frames, method {}", options.folder.string(), recording.bodies.size(),
-               recording.frame_count, options.detection.method);
+    fmt::print("{}: {} bodies, {} frames, method {}", options.folder.string(),
+               recording.bodies.size(), recording.frame_count, options.detection.method);
     fmt::print("{}\n", detector->world() != nullptr ? ", " + detector->world()->backend() : "");
     log.print();
 
@@ -191,20 +203,25 @@ int detect(const DetectOptions& options) {
     const auto contacts = world.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
         double deepest = 0, sum = 0;
-        for (; end < contacts.size() && contacts[end].a == contacts[begin].a && contacts[end].b == contacts[begin].b;
+        for (; end < contacts.size() && contacts[end].a == contacts[begin].a &&
+               contacts[end].b == contacts[begin].b;
              ++end) {
             deepest = std::max(deepest, contacts[end].penetration_depth());
             sum += contacts[end].penetration_depth();
         }
-        fmt::print("{} and {}: {} contacts, depth mean {:.6g}, max {:.6g}\n", names[contacts[begin].a.index],
-                   names[contacts[begin].b.index], end - begin, sum / static_cast<double>(end - begin), deepest);
+        fmt::print("{} and {}: {} contacts, depth mean {:.6g}, max {:.6g}\n",
+                   names[contacts[begin].a.index], names[contacts[begin].b.index], end - begin,
+                   sum / static_cast<double>(end - begin), deepest);
     }
     for (const Contact& c : contacts) list.push_back(contact_json(c));
-    fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n", stats.contacts, stats.touching_pairs,
-               stats.pairs, stats.rays, stats.milliseconds, world.backend());
+    fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n",
+               stats.contacts, stats.touching_pairs, stats.pairs, stats.rays, stats.milliseconds,
+               world.backend());
     if (!options.detection.json.empty())
-        write_json_file(options.detection.json,
-                        {{"machine", machine_json()}, {"versions", versions_json()}, {"bodies", names}, {"contacts", list}});
+        write_json_file(options.detection.json, {{"machine", machine_json()},
+                                                 {"versions", versions_json()},
+                                                 {"bodies", names},
+                                                 {"contacts", list}});
     return 0;
 }
 

@@ -40,10 +40,12 @@ struct DetectOptions {
     DetectionOptions detection;
 };
 
-/// Throws InputError if a file that is to be written at the end, empty for none, cannot be: a long run shall not end so.
+/// Throws InputError if a file that is to be written at the end, empty for none, cannot be: a long
+/// run shall not end so.
 void check_writable(const std::filesystem::path& file);
 
-/// The commands. Each returns the process's exit code and throws InputError for what the user can mend.
+/// The commands. Each returns the process's exit code and throws InputError for what the user can
+/// mend.
 int list_scenes();
 int show_plan(const RunOptions& options);
 int run(const RunOptions& options);

@@ -21,7 +21,8 @@ struct ComparedMethod {
     Settings settings;
 };
 
-/// All there are: full, walk, walk-predict, certified, complete, reprojected, gjk-hull, gjk-epa, gimpact.
+/// All there are: full, walk, walk-predict, certified, complete, reprojected, gjk-hull, gjk-epa,
+/// gimpact.
 std::span<const ComparedMethod> compared_methods();
 
 /// Throws InputError for an unknown name.
@@ -37,13 +38,16 @@ struct Comparison {
     double median_ms() const;
 };
 
-/// All methods on the same frames, taking turns frame by frame, against the truth in the frames it knows. Methods that
-/// cannot serve the recording are left out, and named in `left_out`.
-std::vector<Comparison> compare(const scenes::Recording& recording, std::span<const scenes::TrueFrame> truth,
-                                std::span<const ComparedMethod> methods, int threads, const std::string& what,
+/// All methods on the same frames, taking turns frame by frame, against the truth in the frames it
+/// knows. Methods that cannot serve the recording are left out, and named in `left_out`.
+std::vector<Comparison> compare(const scenes::Recording& recording,
+                                std::span<const scenes::TrueFrame> truth,
+                                std::span<const ComparedMethod> methods, int threads,
+                                const std::string& what,
                                 std::vector<std::string>* left_out = nullptr);
 
-/// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and size.
+/// Convex pieces are not part of a recording; those of the named scenes are known by mesh name and
+/// size.
 void add_convex_pieces(scenes::SceneSetup& scene);
 
 /// The main plot, F1: time per frame against the part of the depth that was missed.

@@ -10,7 +10,8 @@
 
 namespace pierce::app {
 
-/// Which vertex is asked about: of one of two mesh files, or of one of two bodies in a frame of a recording.
+/// Which vertex is asked about: of one of two mesh files, or of one of two bodies in a frame of a
+/// recording.
 struct ExplainOptions {
     std::vector<std::filesystem::path> inputs;  ///< two meshes, or a recording's folder
     std::uint32_t vertex = 0;
@@ -21,7 +22,8 @@ struct ExplainOptions {
     std::filesystem::path json;  ///< empty: none
 };
 
-/// Why a vertex has, or has not, a contact with another body. Returns the process's exit code, which is 0 for either.
+/// Why a vertex has, or has not, a contact with another body. Returns the process's exit code,
+/// which is 0 for either.
 int explain(const ExplainOptions& options);
 
 }  // namespace pierce::app

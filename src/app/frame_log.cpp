@@ -72,28 +72,29 @@ struct Count {
     bool always;  ///< in the table even if it is zero throughout
 };
 
-constexpr Count counts[] = {{"pairs", "pairs", &FrameResult::pairs, true},
-                            {"full rays", "rays", &FrameResult::rays, true},
-                            {"hits", "hits", &FrameResult::hits, true},
-                            {"edges cast", "edges", &FrameResult::edges, false},
-                            {"chords", "chords", &FrameResult::chords, false},
-                            {"edge contacts", "edge_contacts", &FrameResult::edge_contacts, false},
-                            {"separated pairs", "separated_pairs", &FrameResult::separated_pairs, false},
-                            {"reprojected", "reprojected", &FrameResult::reprojected, false},
-                            {"certified", "certified", &FrameResult::certified, false},
-                            {"walks", "walks", &FrameResult::walks, false},
-                            {"walk steps", "walk_steps", &FrameResult::walk_steps, false},
-                            {"lost walks", "lost_walks", &FrameResult::lost_walks, false},
-                            {"predictions", "predictions", &FrameResult::predictions, false},
-                            {"predictions true", "predictions_true", &FrameResult::predictions_true, false},
-                            {"contacts", "contacts", &FrameResult::contacts, true},
-                            {"crossings", "crossings", &FrameResult::crossings, false},
-                            {"remembered", "remembered", &FrameResult::remembered, false},
-                            {"tangled", "tangled", &FrameResult::tangled, false},
-                            {"rounds", "rounds", &FrameResult::rounds, false},
-                            {"pulled back", "pulled_back", &FrameResult::pulled_back, false},
-                            {"crossings left", "crossings_left", &FrameResult::crossings_left, false},
-                            {"self crossings", "self_crossings", &FrameResult::self_crossings, false}};
+constexpr Count counts[] = {
+    {"pairs", "pairs", &FrameResult::pairs, true},
+    {"full rays", "rays", &FrameResult::rays, true},
+    {"hits", "hits", &FrameResult::hits, true},
+    {"edges cast", "edges", &FrameResult::edges, false},
+    {"chords", "chords", &FrameResult::chords, false},
+    {"edge contacts", "edge_contacts", &FrameResult::edge_contacts, false},
+    {"separated pairs", "separated_pairs", &FrameResult::separated_pairs, false},
+    {"reprojected", "reprojected", &FrameResult::reprojected, false},
+    {"certified", "certified", &FrameResult::certified, false},
+    {"walks", "walks", &FrameResult::walks, false},
+    {"walk steps", "walk_steps", &FrameResult::walk_steps, false},
+    {"lost walks", "lost_walks", &FrameResult::lost_walks, false},
+    {"predictions", "predictions", &FrameResult::predictions, false},
+    {"predictions true", "predictions_true", &FrameResult::predictions_true, false},
+    {"contacts", "contacts", &FrameResult::contacts, true},
+    {"crossings", "crossings", &FrameResult::crossings, false},
+    {"remembered", "remembered", &FrameResult::remembered, false},
+    {"tangled", "tangled", &FrameResult::tangled, false},
+    {"rounds", "rounds", &FrameResult::rounds, false},
+    {"pulled back", "pulled_back", &FrameResult::pulled_back, false},
+    {"crossings left", "crossings_left", &FrameResult::crossings_left, false},
+    {"self crossings", "self_crossings", &FrameResult::self_crossings, false}};
 
 }  // namespace
 
@@ -104,7 +105,8 @@ void FrameLog::print() const {
     const auto count = [](const std::string& name, Spread s) {
         fmt::print("  {:<20} {:>10.0f} {:>10.0f} {:>10.0f}\n", name, s.median, s.p95, s.max);
     };
-    fmt::print("  {:<20} {:>10} {:>10} {:>10}\n", fmt::format("{} frames", size()), "median", "p95", "max");
+    fmt::print("  {:<20} {:>10} {:>10} {:>10}\n", fmt::format("{} frames", size()), "median", "p95",
+               "max");
     for (const std::string& name : stage_names()) row(name + " [ms]", spread_of(stage(name)));
     row("total [ms]", spread_of(column(&FrameResult::total_ms)));
     for (const Count& c : counts) {
@@ -114,10 +116,14 @@ void FrameLog::print() const {
     count("colliding pairs", spread_of(touching_pairs()));
     row("penetration mean", spread_of(column(&FrameResult::penetration_mean)));
     row("penetration max", spread_of(column(&FrameResult::penetration_max)));
-    if (const Spread self = spread_of(column(&FrameResult::self_penetration)); self.max > 0) row("self-penetration", self);
-    const auto excluded = std::ranges::count_if(frames_, [](const FrameResult& f) { return f.status != 0; });
+    if (const Spread self = spread_of(column(&FrameResult::self_penetration)); self.max > 0)
+        row("self-penetration", self);
+    const auto excluded = std::ranges::count_if(frames_,
+                                                [](const FrameResult& f) { return f.status != 0; });
     if (excluded > 0)
-        fmt::print("  warning: in {} frames bodies were left out because their motion is not finite\n", excluded);
+        fmt::print(
+            "  warning: in {} frames bodies were left out because their motion is not finite\n",
+            excluded);
 }
 
 namespace {
@@ -158,7 +164,8 @@ void write_json_file(const std::filesystem::path& file, const json& content) {
 
 void FrameLog::write_json(const std::filesystem::path& file, const json& settings) const {
     json summary;
-    for (const std::string& name : stage_names()) summary["ms"][name] = spread_json(spread_of(stage(name)));
+    for (const std::string& name : stage_names())
+        summary["ms"][name] = spread_json(spread_of(stage(name)));
     summary["ms"]["total"] = spread_json(spread_of(column(&FrameResult::total_ms)));
     for (const Count& c : counts) summary[c.key] = spread_json(spread_of(column(c.member)));
     summary["colliding_pairs"] = spread_json(spread_of(touching_pairs()));

@@ -34,7 +34,8 @@ public:
 
     /// The table on standard output.
     void print() const;
-    /// `machine`, `versions`, `settings`, `summary` and `frames`; throws InputError if the file cannot be written.
+    /// `machine`, `versions`, `settings`, `summary` and `frames`; throws InputError if the file
+    /// cannot be written.
     void write_json(const std::filesystem::path& file, const nlohmann::json& settings) const;
 
 private:

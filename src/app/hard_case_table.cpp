@@ -66,19 +66,23 @@ double rounding_of(const HardBodies& bodies) {
 
 /// The deepest contact, or none.
 double answer_of(const HardBodies& bodies, const ComparedMethod& method) {
-    const scenes::SceneSetup scene{"hard case",
-                                   {{"first", bodies.a, {}}, {"second", bodies.b, {}}},
-                                   {{"first", 0, Motion::rigid, {}, false}, {"second", 1, Motion::rigid, {}, false}}};
-    const auto detector = scenes::make_detector(scene, method.method, {"embree", 1, method.settings});
+    const scenes::SceneSetup scene{
+        "hard case",
+        {{"first", bodies.a, {}}, {"second", bodies.b, {}}},
+        {{"first", 0, Motion::rigid, {}, false}, {"second", 1, Motion::rigid, {}, false}}};
+    const auto detector = scenes::make_detector(scene, method.method,
+                                                {"embree", 1, method.settings});
     detector->detect();
     double deepest = none;
-    for (const scenes::MethodContact& c : detector->contacts()) deepest = std::max(deepest, c.depth);
+    for (const scenes::MethodContact& c : detector->contacts())
+        deepest = std::max(deepest, c.depth);
     return deepest;
 }
 
 Verdict judge(const HardBodies& bodies, double answer) {
     if ((answer < 0) != (bodies.parting < 0)) return Verdict::wrong;
-    if (answer < 0 || std::abs(answer - bodies.parting) <= rounding_of(bodies)) return Verdict::right;
+    if (answer < 0 || std::abs(answer - bodies.parting) <= rounding_of(bodies))
+        return Verdict::right;
     return Verdict::other_depth;
 }
 
@@ -119,12 +123,14 @@ void hard_case_table(Page& page) {
     for (const HardCase& hard : scenes::hard_cases()) {
         double question = 0;
         const auto begin_row = [&](const std::string& situation) {
-            row = fmt::format("| {} | {}{}{} |", hard.number, hard.name, situation.empty() ? "" : ", ", situation);
+            row = fmt::format("| {} | {}{}{} |", hard.number, hard.name,
+                              situation.empty() ? "" : ", ", situation);
             table.rows.push_back({static_cast<double>(hard.number), ++question});
         };
         for (const HardRay& ray : hard.rays) {
             const scenes::Met met = probe.meet(ray.mesh, ray.origin, ray.direction);
-            const Verdict verdict = ray.differs || met.how != ray.meets ? Verdict::wrong : Verdict::right;
+            const Verdict verdict = ray.differs || met.how != ray.meets ? Verdict::wrong
+                                                                        : Verdict::right;
             scores["a ray"].add(verdict);
             begin_row("");
             add_cell(ray.differs ? "see below" : ray_text(ray.meets, ray.t),
@@ -149,11 +155,14 @@ void hard_case_table(Page& page) {
             }
             page.line("{}", row);
         }
-        if (!hard.differs.empty()) notes += fmt::format("* {} {}: {}.\n", hard.number, hard.name, hard.differs);
+        if (!hard.differs.empty())
+            notes += fmt::format("* {} {}: {}.\n", hard.number, hard.name, hard.differs);
     }
-    page.line("\n| | asked | right | in contact, at another depth | wrong |\n|---|---|---|---|---|");
+    page.line(
+        "\n| | asked | right | in contact, at another depth | wrong |\n|---|---|---|---|---|");
     for (const auto& [name, score] : scores)
-        page.line("| {} | {} | {} | {} | {} |", name, score.asked, score.right, score.other_depth, score.wrong);
+        page.line("| {} | {} | {} | {} | {} |", name, score.asked, score.right, score.other_depth,
+                  score.wrong);
     page.line("\nWhere Pierce's rules answer something else than the exact answer:\n\n{}", notes);
     page.csv(table, "hard_cases");
 }

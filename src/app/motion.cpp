@@ -8,9 +8,12 @@
 #include "scenes/simulation.hpp"
 
 namespace pierce::app {
-std::uint32_t Timing::steps() const { return static_cast<std::uint32_t>(std::max(1L, std::lround(seconds / dt))); }
+std::uint32_t Timing::steps() const {
+    return static_cast<std::uint32_t>(std::max(1L, std::lround(seconds / dt)));
+}
 
-ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, const Settings& rays, Timing timing) {
+ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, const Settings& rays,
+                    Timing timing) {
     scenes::Simulation simulation(scene, method, {"embree", 0, rays});
     ClosedLoop loop{scenes::start_recording(scene, timing.dt), {}};
     Progress progress("simulating " + scene.name, timing.steps());
@@ -22,8 +25,8 @@ ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, cons
     return loop;
 }
 
-FrameLog watch(const scenes::SceneSetup& scene, const scenes::Recording& recording, scenes::Method method,
-               const Settings& rays) {
+FrameLog watch(const scenes::SceneSetup& scene, const scenes::Recording& recording,
+               scenes::Method method, const Settings& rays) {
     const auto detector = scenes::make_detector(scene, method, {"embree", 0, rays});
     FrameLog log;
     Progress progress("watching " + scene.name, recording.frame_count);

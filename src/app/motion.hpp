@@ -17,16 +17,18 @@ struct Timing {
     std::uint32_t steps() const;
 };
 
-/// The closed loop: a motion that a method's own contacts brought about, and what the method found in it.
+/// The closed loop: a motion that a method's own contacts brought about, and what the method found
+/// in it.
 struct ClosedLoop {
     scenes::Recording recording;
     FrameLog log;
 };
 
-ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, const Settings& rays, Timing timing);
+ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, const Settings& rays,
+                    Timing timing);
 
 /// The open loop: what a method finds along a motion of the same scene, wherever that came from.
-FrameLog watch(const scenes::SceneSetup& scene, const scenes::Recording& recording, scenes::Method method,
-               const Settings& rays);
+FrameLog watch(const scenes::SceneSetup& scene, const scenes::Recording& recording,
+               scenes::Method method, const Settings& rays);
 
 }  // namespace pierce::app

@@ -14,7 +14,9 @@ Page::Page(const fs::path& folder) : folder_(folder) {
     if (!out_) throw InputError("cannot write '" + file().string() + "'");
 }
 
-void Page::csv(const Table& table, const std::string& name) const { table.write_csv(folder_ / (name + ".csv")); }
+void Page::csv(const Table& table, const std::string& name) const {
+    table.write_csv(folder_ / (name + ".csv"));
+}
 
 void Page::close() {
     if (!out_.flush()) throw InputError("cannot write '" + file().string() + "'");

@@ -8,8 +8,9 @@ void depth_table(const std::vector<Judged>& judged, Page& page) {
     page.line("| | mean depth | truth | in the last quarter | truth |");
     page.line("|---|---|---|---|---|");
     for (const auto& [found, truth] : judged)
-        page.line("| {} | {:.5f} | {:.5f} | {:.5f} | {:.5f} |", found.name, mean(found.depth), mean(truth.depth),
-                  mean(last_quarter(found.depth)), mean(last_quarter(truth.depth)));
+        page.line("| {} | {:.5f} | {:.5f} | {:.5f} | {:.5f} |", found.name, mean(found.depth),
+                  mean(truth.depth), mean(last_quarter(found.depth)),
+                  mean(last_quarter(truth.depth)));
 }
 
 }  // namespace
@@ -19,19 +20,27 @@ void average_depth(const Quality& quality, int figure, Page& page) {
     const auto section = [&](const char* loop, const std::vector<Judged>& judged) {
         page.line("");
         depth_table(judged, page);
-        page.plot(Curves{fmt::format("Average penetration depth, {} {}, loop {}", quality.count, quality.scene, loop),
-                         "time [s]", "mean depth", over_time(quality.time, columns_of(judged, &Sight::depth), depth_window)},
+        page.plot(Curves{fmt::format("Average penetration depth, {} {}, loop {}", quality.count,
+                                     quality.scene, loop),
+                         "time [s]", "mean depth",
+                         over_time(quality.time, columns_of(judged, &Sight::depth), depth_window)},
                   name + "_" + loop);
     };
-    page.line("## Figure {}: average penetration depth, {} {}\n", figure, quality.count, quality.scene);
+    page.line("## Figure {}: average penetration depth, {} {}\n", figure, quality.count,
+              quality.scene);
     page.line(
-        "The paper: rays' depth is \"just a little larger\" than GJK/EPA's. Mean over a method's contacts in a frame, those "
-        "that only touch with depth zero; for the truth over the vertices strictly inside a body, their depth being the "
-        "distance to its surface; then over frames. GJK/EPA's contacts are of crossing edges, too, which lie deeper.\n");
-    page.line("Loop open: all on the motion that rays brought about, GJK/EPA without Bullet's margin.");
+        "The paper: rays' depth is \"just a little larger\" than GJK/EPA's. Mean over a method's "
+        "contacts in a frame, those "
+        "that only touch with depth zero; for the truth over the vertices strictly inside a body, "
+        "their depth being the "
+        "distance to its surface; then over frames. GJK/EPA's contacts are of crossing edges, too, "
+        "which lie deeper.\n");
+    page.line(
+        "Loop open: all on the motion that rays brought about, GJK/EPA without Bullet's margin.");
     section("open", quality.open);
     page.line(
-        "Loop closed, as in the paper: each method on the motion it brought about. GJK/EPA's depths count from Bullet's "
+        "Loop closed, as in the paper: each method on the motion it brought about. GJK/EPA's "
+        "depths count from Bullet's "
         "margins; the truth's from the meshes.");
     section("closed", quality.closed);
 }

@@ -21,14 +21,15 @@ void threshold_map(const NamedRecording& named, Page& page) {
     Curves curves{"What the walk threshold costs, " + name,
                   "displacement allowed since the last full ray [edges]",
                   "per cent, steps, ratio",
-                  {{"threshold", "missed depth [%]", "wrong triangle [%]", "lost walks [%]", "steps per walk",
-                    "off / this, narrow phase"},
+                  {{"threshold", "missed depth [%]", "wrong triangle [%]", "lost walks [%]",
+                    "steps per walk", "off / this, narrow phase"},
                    {}},
                   true};
     for (std::size_t m = 1; m < modes.size(); ++m) {
         const ContactError& e = modes[m].comparison.error();
         const auto walks = static_cast<double>(std::max<std::uint64_t>(modes[m].walks, 1));
-        curves.table.rows.push_back({thresholds[m - 1], 100 * e.missed_share(), 100 * e.wrong_share(),
+        curves.table.rows.push_back({thresholds[m - 1], 100 * e.missed_share(),
+                                     100 * e.wrong_share(),
                                      100 * static_cast<double>(modes[m].lost) / walks,
                                      static_cast<double>(modes[m].walk_steps) / walks,
                                      modes[0].median_ms() / modes[m].median_ms()});
@@ -45,7 +46,9 @@ void period_map(const NamedRecording& named, Page& page) {
         const scenes::SceneSetup scene = scenes::scene_of(recording);
         for (const scenes::SceneBody& body : scene.bodies)
             if (!body.ground)
-                edge = Mesh(scene.meshes[body.mesh].name, scene.meshes[body.mesh].data).traits().mean_edge_length;
+                edge = Mesh(scene.meshes[body.mesh].name, scene.meshes[body.mesh].data)
+                           .traits()
+                           .mean_edge_length;
     }
     std::vector<Mode> modes;
     modes.push_back(mode("off", Temporal::off, false));
@@ -72,7 +75,8 @@ void period_map(const NamedRecording& named, Page& page) {
             const ContactError& e = modes[m].comparison.error();
             missed.table.rows.push_back(
                 {period, reach,
-                 100 * static_cast<double>(e.first_missed) / static_cast<double>(std::max<std::uint64_t>(e.first, 1))});
+                 100 * static_cast<double>(e.first_missed) /
+                     static_cast<double>(std::max<std::uint64_t>(e.first, 1))});
             time.table.rows.push_back({period, reach, modes[0].median_ms() / modes[m].median_ms()});
             ++m;
         }

@@ -16,15 +16,18 @@ Mode mode(std::string name, Temporal temporal, bool predict) {
     return m;
 }
 
-void measure(const scenes::Recording& recording, std::vector<Mode>& modes, const std::string& what) {
+void measure(const scenes::Recording& recording, std::vector<Mode>& modes,
+             const std::string& what) {
     for (Mode& m : modes)
-        m.detector = scenes::make_detector(scenes::scene_of(recording), scenes::Method::rays, {"embree", 1, m.settings});
+        m.detector = scenes::make_detector(scenes::scene_of(recording), scenes::Method::rays,
+                                           {"embree", 1, m.settings});
     Progress progress(what, recording.frame_count);
     for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
         for (Mode& m : modes) {
             scenes::put_frame(*m.detector, recording, f);
             const scenes::FrameResult result = m.detector->detect();
-            m.comparison.add(modes[0].detector->world()->contacts(), m.detector->world()->contacts());
+            m.comparison.add(modes[0].detector->world()->contacts(),
+                             m.detector->world()->contacts());
             if (f < recording.frame_count / 2) {
                 m.moving_ms.push_back(result.narrow_ms);
                 m.moving_contacts += result.contacts;

@@ -19,7 +19,8 @@ struct Mode {
     std::vector<double> moving_ms;  ///< narrow phase in the first half of the recording
     std::vector<double> narrow_ms;  ///< and in the second one
     std::uint64_t moving_contacts = 0;
-    std::uint64_t rays = 0, walks = 0, walk_steps = 0, lost = 0, contacts = 0;  ///< in the second half
+    std::uint64_t rays = 0, walks = 0, walk_steps = 0, lost = 0, contacts = 0;  ///< in the second
+                                                                                ///< half
 
     double median_ms() const;
     double moving_median_ms() const;
@@ -27,8 +28,8 @@ struct Mode {
 
 Mode mode(std::string name, Temporal temporal, bool predict);
 
-/// All modes on the same frames, taking turns frame by frame on one thread; counts are of its second half,
-/// errors of all of it. The first mode is the truth of the others.
+/// All modes on the same frames, taking turns frame by frame on one thread; counts are of its
+/// second half, errors of all of it. The first mode is the truth of the others.
 void measure(const scenes::Recording& recording, std::vector<Mode>& modes, const std::string& what);
 
 }  // namespace pierce::app

@@ -59,7 +59,8 @@ double Sight::missed_share(const Sight& truth) const { return share(missed, trut
 double Sight::added_share() const { return share(added, pairs); }
 
 Quality measure_quality(const scenes::SceneSetup& scene, Timing timing, std::uint32_t truth_every) {
-    const ClosedLoop rays = simulate(scene, Method::rays, {}, timing), gjk = simulate(scene, Method::gjk_epa, {}, timing);
+    const ClosedLoop rays = simulate(scene, Method::rays, {}, timing),
+                     gjk = simulate(scene, Method::gjk_epa, {}, timing);
     const FrameLog gjk_watching = watch(scene, rays.recording, Method::gjk_epa, {});
     const std::vector<TrueFrame> rays_truth = truth_of(rays.recording, truth_every),
                                  gjk_truth = truth_of(gjk.recording, truth_every);
@@ -70,14 +71,17 @@ Quality measure_quality(const scenes::SceneSetup& scene, Timing timing, std::uin
     const Sight truth = sight_of("truth", rays_truth);
     quality.open = {{rays_sight, truth}, {sight_of("GJK/EPA", gjk_watching, rays_truth), truth}};
     quality.closed = {{rays_sight, sight_of("truth of the rays' motion", rays_truth)},
-                      {sight_of("GJK/EPA", gjk.log, gjk_truth), sight_of("truth of GJK/EPA's motion", gjk_truth)}};
+                      {sight_of("GJK/EPA", gjk.log, gjk_truth),
+                       sight_of("truth of GJK/EPA's motion", gjk_truth)}};
     return quality;
 }
 
-std::vector<TimeColumn> columns_of(const std::vector<Judged>& judged, std::vector<double> Sight::*number) {
+std::vector<TimeColumn> columns_of(const std::vector<Judged>& judged,
+                                   std::vector<double> Sight::*number) {
     std::vector<TimeColumn> columns;
     const auto add = [&](const Sight& sight) {
-        if (columns.empty() || columns.back().name != sight.name) columns.push_back({sight.name, sight.*number});
+        if (columns.empty() || columns.back().name != sight.name)
+            columns.push_back({sight.name, sight.*number});
     };
     for (const Judged& j : judged) add(j.found);
     for (const Judged& j : judged) add(j.truth);

@@ -13,7 +13,8 @@ struct Sight {
     std::string name;
     std::vector<double> pairs;       ///< that collide
     std::vector<double> deep_pairs;  ///< of these, by some depth
-    std::vector<double> depth;       ///< [length] mean over the contacts, or of the vertices truly inside
+    std::vector<double> depth;       ///< [length] mean over the contacts, or of the vertices truly
+                                     ///< inside
     std::uint64_t missed = 0;        ///< pairs that overlap and do not collide, over all frames
     std::uint64_t added = 0;         ///< pairs that collide by some depth and do not overlap
 
@@ -39,6 +40,7 @@ struct Quality {
 Quality measure_quality(const scenes::SceneSetup& scene, Timing timing, std::uint32_t truth_every);
 
 /// What all of them see, and each truth once.
-std::vector<TimeColumn> columns_of(const std::vector<Judged>& judged, std::vector<double> Sight::*number);
+std::vector<TimeColumn> columns_of(const std::vector<Judged>& judged,
+                                   std::vector<double> Sight::*number);
 
 }  // namespace pierce::app

@@ -20,9 +20,10 @@ struct PaperReportOptions {
     std::vector<std::string> parts{"times", "curves", "prediction", "quality", "time-step"};
 };
 
-/// Runs the paper's experiments and writes one page, report.md, with our figures beside the paper's, and for each experiment
-/// a CSV file and, if gnuplot is installed, an SVG picture. Returns the exit code; throws InputError if the folder cannot be
-/// written, and as check_truth_program() does.
+/// Runs the paper's experiments and writes one page, report.md, with our figures beside the
+/// paper's, and for each experiment a CSV file and, if gnuplot is installed, an SVG picture.
+/// Returns the exit code; throws InputError if the folder cannot be written, and as
+/// check_truth_program() does.
 int report_paper(const PaperReportOptions& options);
 
 }  // namespace pierce::app

@@ -23,7 +23,8 @@ void threshold_map(const NamedRecording& named, Page& page);
 /// F12: full passes every K steps against how far predictions look.
 void period_map(const NamedRecording& named, Page& page);
 
-/// The loop closed, with and without prediction. Depths are those of all contacts there are, traced anew in every frame.
+/// The loop closed, with and without prediction. Depths are those of all contacts there are, traced
+/// anew in every frame.
 void figure_9(const PaperReportOptions& options, Page& page);
 
 /// Figures 10 and 12: colliding pairs in each frame.

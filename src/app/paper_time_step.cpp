@@ -43,7 +43,8 @@ Depth mean_of(std::span<const Depth> frames) {
 /// Mean depths of a run: while bodies land, and in the seconds the paper looked at.
 struct Run {
     Depth landing, paper_seconds;
-    double begin = 0, end = 0;  ///< [s] of the landing: from the first contact to the last body's first one
+    double begin = 0, end = 0;  ///< [s] of the landing: from the first contact to the last body's
+                                ///< first one
 };
 
 Run run(const scenes::SceneSetup& scene, double dt) {
@@ -67,21 +68,23 @@ Run run(const scenes::SceneSetup& scene, double dt) {
 }
 
 /// Depths by time step, their lines of least squares, and the picture of both.
-void write_phase(const char* phase, const std::string& name, std::span<const double> dts, std::span<const Depth> depths,
-                 Page& page) {
+void write_phase(const char* phase, const std::string& name, std::span<const double> dts,
+                 std::span<const Depth> depths, Page& page) {
     Table table{{"dt"}, {}};
     for (double dt : dts) table.rows.push_back({dt});
     page.line("| {} | slope [1/s] | offset | R² |\n|---|---|---|---|", phase);
     for (std::size_t n = 0; n < std::size(depth_numbers); ++n) {
         const std::vector<double> values = column(depths, depth_numbers[n]);
         const LinearFit fit = linear_fit(dts, values);
-        page.line("| {} | {:.4f} | {:.4f} | {:.4f} |", depth_names[n], fit.slope, fit.offset, fit.r2);
-        table.names.insert(table.names.end(), {depth_names[n], fmt::format("{} (line)", depth_names[n])});
+        page.line("| {} | {:.4f} | {:.4f} | {:.4f} |", depth_names[n], fit.slope, fit.offset,
+                  fit.r2);
+        table.names.insert(table.names.end(),
+                           {depth_names[n], fmt::format("{} (line)", depth_names[n])});
         for (std::size_t i = 0; i < dts.size(); ++i)
             table.rows[i].insert(table.rows[i].end(), {values[i], fit.offset + fit.slope * dts[i]});
     }
-    page.plot(Curves{fmt::format("Penetration against the time step, tori, loop closed, {}", phase), "time step [s]",
-                     "mean over frames of a frame's depth", table},
+    page.plot(Curves{fmt::format("Penetration against the time step, tori, loop closed, {}", phase),
+                     "time step [s]", "mean over frames of a frame's depth", table},
               name);
 }
 
@@ -96,7 +99,8 @@ void figure_14(const PaperReportOptions& options, Page& page) {
         std::vector<Depth> of_landing, of_paper_seconds;  // by run
         dts.push_back(k / 120.0);
         for (std::uint32_t r = 0; r < options.runs; ++r) {
-            const Run made = run(scenes::make_scene("tori", {options.count, false, options.seed + r}), dts.back());
+            const Run made = run(
+                scenes::make_scene("tori", {options.count, false, options.seed + r}), dts.back());
             of_landing.push_back(made.landing);
             of_paper_seconds.push_back(made.paper_seconds);
             begins.push_back(made.begin);
@@ -109,20 +113,28 @@ void figure_14(const PaperReportOptions& options, Page& page) {
 
     page.line("## Figure 14: penetration against the time step\n");
     page.line(
-        "{} tori, the loop closed by rays, mean of {} runs with seeds from {}. Of the depths of a frame's contacts the "
+        "{} tori, the loop closed by rays, mean of {} runs with seeds from {}. Of the depths of a "
+        "frame's contacts the "
         "mean, "
-        "the maximum and the standard deviation, each averaged over the frames while tori land: from the first contact of "
-        "any to the first contact of the last one. In the paper this is from 3 to 10 s, here from {:.2f} to {:.2f} s. The "
+        "the maximum and the standard deviation, each averaged over the frames while tori land: "
+        "from the first contact of "
+        "any to the first contact of the last one. In the paper this is from 3 to 10 s, here from "
+        "{:.2f} to {:.2f} s. The "
         "frames from 3 to 10 s are shown, too.\n",
         options.count, options.runs, options.seed, mean(begins), mean(ends));
-    page.line("| step [s] | mean | maximum | standard deviation | 3 to 10 s: mean | maximum | standard deviation |");
+    page.line(
+        "| step [s] | mean | maximum | standard deviation | 3 to 10 s: mean | maximum | standard "
+        "deviation |");
     page.line("|---|---|---|---|---|---|---|");
     for (std::size_t i = 0; i < dts.size(); ++i) {
         const Depth &a = landing[i], &b = paper_seconds[i];
-        page.line("| {}/120 | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |", least_step + static_cast<int>(i),
-                  a.mean, a.max, a.deviation, b.mean, b.max, b.deviation);
+        page.line("| {}/120 | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |",
+                  least_step + static_cast<int>(i), a.mean, a.max, a.deviation, b.mean, b.max,
+                  b.deviation);
     }
-    page.line("\nThe paper: \"all three lines show a near linear change with the time-step\". Lines of least squares:\n");
+    page.line(
+        "\nThe paper: \"all three lines show a near linear change with the time-step\". Lines of "
+        "least squares:\n");
     write_phase("while tori land", "figure_14", dts, landing, page);
     write_phase("3 to 10 s", "figure_14_3_to_10_s", dts, paper_seconds, page);
 }

@@ -14,7 +14,8 @@ namespace {
 
 constexpr int width = 960, height = 600;
 constexpr double field_of_view = 0.6;  // [rad] vertical
-constexpr Vec3d ground_color{0.86, 0.87, 0.88}, sky_color{0.97, 0.98, 1.0}, calm_color{0.62, 0.66, 0.72};
+constexpr Vec3d ground_color{0.86, 0.87, 0.88}, sky_color{0.97, 0.98, 1.0},
+    calm_color{0.62, 0.66, 0.72};
 constexpr Vec3d shallow_color{1.0, 0.80, 0.20}, deep_color{0.80, 0.05, 0.10};
 
 Vec3d mix(Vec3d a, Vec3d b, double part) { return (1 - part) * a + part * b; }
@@ -32,14 +33,18 @@ struct Camera {
 
     Vec3d direction(int x, int y) const {
         const double scale = 2 * std::tan(field_of_view / 2) / height;
-        return forward + (scale * (x + 0.5 - width / 2.0)) * right + (scale * (height / 2.0 - y - 0.5)) * up;
+        return forward + (scale * (x + 0.5 - width / 2.0)) * right +
+               (scale * (height / 2.0 - y - 0.5)) * up;
     }
 };
 
 }  // namespace
 
-void write_picture(World& world, std::span<const BodyId> ground, const std::filesystem::path& file) {
-    const auto is_ground = [&](BodyId body) { return std::ranges::find(ground, body) != ground.end(); };
+void write_picture(World& world, std::span<const BodyId> ground,
+                   const std::filesystem::path& file) {
+    const auto is_ground = [&](BodyId body) {
+        return std::ranges::find(ground, body) != ground.end();
+    };
     Box box;
     for (const World::BodyBox& b : world.body_boxes())
         if (!is_ground(b.body)) box.extend(b.box);
@@ -65,11 +70,13 @@ void write_picture(World& world, std::span<const BodyId> ground, const std::file
             const bool touches = depth.contains(hit->body);
             color = is_ground(hit->body) ? ground_color
                     : !touches           ? calm_color
-                                         : mix(shallow_color, deep_color, deepest > 0 ? depth[hit->body] / deepest : 0);
+                                         : mix(shallow_color, deep_color,
+                                     deepest > 0 ? depth[hit->body] / deepest : 0);
             color = (0.35 + 0.65 * std::max(dot(hit->normal, light), 0.0)) * color;
         }
         for (int k = 0; k < 3; ++k)
-            pixels.push_back(static_cast<png_byte>(std::lround(255 * std::clamp(color[k], 0.0, 1.0))));
+            pixels.push_back(
+                static_cast<png_byte>(std::lround(255 * std::clamp(color[k], 0.0, 1.0))));
     }
 
     png_image image{};

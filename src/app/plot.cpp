@@ -17,7 +17,8 @@ void Table::write_csv(const fs::path& file) const {
     for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << names[c];
     out << '\n';
     for (const auto& row : rows) {
-        for (std::size_t c = 0; c < row.size(); ++c) out << (c > 0 ? "," : "") << fmt::format("{:.6g}", row[c]);
+        for (std::size_t c = 0; c < row.size(); ++c)
+            out << (c > 0 ? "," : "") << fmt::format("{:.6g}", row[c]);
         out << '\n';
     }
     if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
@@ -43,10 +44,12 @@ bool run_gnuplot(const std::string& script) {
     return pclose(pipe) == 0;
 }
 
-std::string head(const std::string& title, const std::string& x, const std::string& y, const fs::path& svg) {
-    return "set terminal svg size 720,440 font 'sans,13' background 'white'\nset output " + quoted(svg.string()) +
-           "\nset datafile separator ','\nset title " + quoted(title) + " noenhanced\nset xlabel " + quoted(x) +
-           " noenhanced\nset ylabel " + quoted(y) + " noenhanced\n";
+std::string head(const std::string& title, const std::string& x, const std::string& y,
+                 const fs::path& svg) {
+    return "set terminal svg size 720,440 font 'sans,13' background 'white'\nset output " +
+           quoted(svg.string()) + "\nset datafile separator ','\nset title " + quoted(title) +
+           " noenhanced\nset xlabel " + quoted(x) + " noenhanced\nset ylabel " + quoted(y) +
+           " noenhanced\n";
 }
 
 }  // namespace
@@ -68,8 +71,9 @@ bool write_plot(const Curves& curves, const fs::path& folder, const std::string&
     }
     script += fmt::format("set yrange [{:g}:*]\nplot ", bottom);
     for (std::size_t c = 1; c < curves.table.names.size(); ++c)
-        script += fmt::format("{0}{1} using 1:(${2} > {3:g} ? ${2} : {3:g}) with lines lw 2 title {4}", c > 1 ? ", " : "",
-                              quoted(csv.string()), c + 1, bottom, quoted(curves.table.names[c]));
+        script += fmt::format(
+            "{0}{1} using 1:(${2} > {3:g} ? ${2} : {3:g}) with lines lw 2 title {4}",
+            c > 1 ? ", " : "", quoted(csv.string()), c + 1, bottom, quoted(curves.table.names[c]));
     return run_gnuplot(script + "\n");
 }
 
@@ -82,9 +86,10 @@ bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& n
         if (xs.empty() || row[1] == map.table.rows[0][1]) xs.push_back(row[0]);
         if (row[0] == map.table.rows[0][0]) ys.push_back(row[1]);
     }
-    std::string script =
-        head(map.title, map.x, map.y, folder / (name + ".svg")) + "set cblabel " + quoted(map.value) +
-        " noenhanced\nset palette defined (0 'white', 1 'orange', 2 'dark-red')\nset cbrange [0:*]\nunset key\n";
+    std::string script = head(map.title, map.x, map.y, folder / (name + ".svg")) + "set cblabel " +
+                         quoted(map.value) +
+                         " noenhanced\nset palette defined (0 'white', 1 'orange', 2 "
+                         "'dark-red')\nset cbrange [0:*]\nunset key\n";
     const auto ticks = [&](const char* axis, const std::vector<double>& values) {
         script += fmt::format("set {}tics (", axis);
         for (std::size_t i = 0; i < values.size(); ++i)
@@ -96,7 +101,9 @@ bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& n
     script += "$map << EOD\n";
     for (std::size_t i = 0; i < map.table.rows.size(); ++i)
         script += fmt::format("{},{},{:.6g}\n", i % xs.size(), i / xs.size(), map.table.rows[i][2]);
-    script += "EOD\nplot $map using 1:2:3 with image pixels, $map using 1:2:(sprintf('%.3g', $3)) with labels\n";
+    script +=
+        "EOD\nplot $map using 1:2:3 with image pixels, $map using 1:2:(sprintf('%.3g', $3)) with "
+        "labels\n";
     return run_gnuplot(script);
 }
 
@@ -116,10 +123,12 @@ bool write_plot(const Scatter& scatter, const fs::path& folder, const std::strin
     }
     if (!out.flush()) throw InputError("cannot write '" + csv.string() + "'");
     const double bottom = least / 10;
-    std::string script = head(scatter.title, scatter.x, scatter.y + " (bottom: none)", folder / (name + ".svg")) +
+    std::string script = head(scatter.title, scatter.x, scatter.y + " (bottom: none)",
+                              folder / (name + ".svg")) +
                          "unset key\nset grid\nset logscale xy\n" +
-                         fmt::format("set yrange [{:g}:{:g}]\nset offsets graph 0.15, graph 0.15, 0, 0\n", bottom / 2,
-                                     std::max(2 * most, 10 * bottom)) +
+                         fmt::format(
+                             "set yrange [{:g}:{:g}]\nset offsets graph 0.15, graph 0.15, 0, 0\n",
+                             bottom / 2, std::max(2 * most, 10 * bottom)) +
                          "set format y '%g'\n";
     script += fmt::format(
         "plot {0} skip 1 using 2:($3 > 0 ? $3 : {1:g}) with points pt 7 ps 1.2, {0} skip 1 using "

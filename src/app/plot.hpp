@@ -29,7 +29,8 @@ struct HeatMap {
     Table table;
 };
 
-/// Named points; x is the first number of each, y the second, both on logarithmic axes. A y of zero stands at the bottom.
+/// Named points; x is the first number of each, y the second, both on logarithmic axes. A y of zero
+/// stands at the bottom.
 struct Scatter {
     std::string title, x, y;
     std::vector<std::string> columns;
@@ -40,9 +41,11 @@ struct Scatter {
     std::vector<Point> points;
 };
 
-/// Writes NAME.csv and, if gnuplot is installed, NAME.svg into `folder`. Returns true if there is a picture.
+/// Writes NAME.csv and, if gnuplot is installed, NAME.svg into `folder`. Returns true if there is a
+/// picture.
 bool write_plot(const Curves& curves, const std::filesystem::path& folder, const std::string& name);
 bool write_plot(const HeatMap& map, const std::filesystem::path& folder, const std::string& name);
-bool write_plot(const Scatter& scatter, const std::filesystem::path& folder, const std::string& name);
+bool write_plot(const Scatter& scatter, const std::filesystem::path& folder,
+                const std::string& name);
 
 }  // namespace pierce::app

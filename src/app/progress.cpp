@@ -9,7 +9,10 @@
 namespace pierce::app {
 
 Progress::Progress(std::string what, std::uint32_t total)
-    : what_(std::move(what)), total_(total), visible_(isatty(STDERR_FILENO) != 0), begin_(Clock::now()) {}
+    : what_(std::move(what)),
+      total_(total),
+      visible_(isatty(STDERR_FILENO) != 0),
+      begin_(Clock::now()) {}
 
 Progress::~Progress() {
     if (visible_) fmt::print(stderr, "\r\033[K");
@@ -25,8 +28,8 @@ void Progress::show(std::uint32_t done) {
     const auto filled = static_cast<std::uint32_t>(std::uint64_t{width} * done / total_);
     const double elapsed = std::chrono::duration<double>(now - begin_).count();
     const auto left = std::lround(elapsed / done * (total_ - done));
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {:d}:{:02d} left", what_, "", filled, "", width - filled, done,
-               total_, left / 60, left % 60);
+    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {:d}:{:02d} left", what_, "", filled, "",
+               width - filled, done, total_, left / 60, left % 60);
     std::fflush(stderr);
 }
 

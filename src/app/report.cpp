@@ -8,18 +8,21 @@ namespace pierce::app {
 namespace {
 
 void row(const char* name, double rays, double gjk, const char* paper_rays, const char* paper_gjk) {
-    fmt::print("  {:<28} {:>10.3f} {:>10.3f}    {:>10} {:>10}\n", name, rays, gjk, paper_rays, paper_gjk);
+    fmt::print("  {:<28} {:>10.3f} {:>10.3f}    {:>10} {:>10}\n", name, rays, gjk, paper_rays,
+               paper_gjk);
 }
 
 }  // namespace
 
 void print_table_4(const FrameLog& rays, const FrameLog& gjk_epa) {
     using scenes::FrameResult;
-    const auto ms = [&](const char* name, double FrameResult::*member, const char* paper_rays, const char* paper_gjk) {
+    const auto ms = [&](const char* name, double FrameResult::*member, const char* paper_rays,
+                        const char* paper_gjk) {
         row(name, mean(rays.column(member)), mean(gjk_epa.column(member)), paper_rays, paper_gjk);
     };
     fmt::print("  {:<28} {:^21}    {:^21}\n", "", "measured now", "paper (2013 laptop)");
-    fmt::print("  {:<28} {:>10} {:>10}    {:>10} {:>10}\n", "mean per frame [ms]", "rays", "GJK/EPA", "rays", "GJK/EPA");
+    fmt::print("  {:<28} {:>10} {:>10}    {:>10} {:>10}\n", "mean per frame [ms]", "rays",
+               "GJK/EPA", "rays", "GJK/EPA");
     ms("updating data structures", &FrameResult::update_ms, "3.1", "-");
     ms("narrow phase", &FrameResult::narrow_ms, "56.7", "70.3");
     ms("physical response", &FrameResult::response_ms, "1.2", "6.6");
@@ -28,9 +31,11 @@ void print_table_4(const FrameLog& rays, const FrameLog& gjk_epa) {
     row("penetration, mean", mean(rays.column(&FrameResult::penetration_mean)),
         mean(gjk_epa.column(&FrameResult::penetration_mean)), "", "");
     fmt::print(
-        "  GJK/EPA sees each torus as 30 convex pieces, and the same motion as rays; its pairs and depths are of the "
+        "  GJK/EPA sees each torus as 30 convex pieces, and the same motion as rays; its pairs and "
+        "depths are of the "
         "pieces\n  without Bullet's margin. Its update holds Bullet's boxes and broad\n"
-        "  phase. Rays from vertices miss pairs whose edges alone cross; the pairs found stand beside each time for "
+        "  phase. Rays from vertices miss pairs whose edges alone cross; the pairs found stand "
+        "beside each time for "
         "that.\n");
 }
 

@@ -24,8 +24,8 @@ struct LinearFit {
 /// Of as many x as y; without a slope if x does not vary.
 LinearFit linear_fit(std::span<const double> x, std::span<const double> y);
 
-/// How well two curves agree in shape and in value, 1 at best [1]: Lin, A concordance correlation coefficient to evaluate
-/// reproducibility, 1989. Of as many a as b; zero if neither varies.
+/// How well two curves agree in shape and in value, 1 at best [1]: Lin, A concordance correlation
+/// coefficient to evaluate reproducibility, 1989. Of as many a as b; zero if neither varies.
 double concordance(std::span<const double> a, std::span<const double> b);
 
 }  // namespace pierce::app

@@ -20,7 +20,8 @@ using nlohmann::json;
 using scenes::Validation;
 using scenes::WrongContact;
 
-/// Vertices times triangles that brute force takes in its stride: more than 100 bunnies of 902 triangles have.
+/// Vertices times triangles that brute force takes in its stride: more than 100 bunnies of 902
+/// triangles have.
 constexpr double reference_limit = 1e8;
 /// So many wrong contacts are printed; all of them are in the JSON file.
 constexpr std::size_t printed_contacts = 20;
@@ -28,11 +29,12 @@ constexpr std::size_t printed_contacts = 20;
 scenes::Recording simulate(const ValidateOptions& options) {
     constexpr double dt = 1.0 / 60;
     const RunOptions defaults;
-    const scenes::SceneSetup scene =
-        scenes::make_scene(options.input, {options.count.value_or(defaults.count), options.soft, defaults.seed});
+    const scenes::SceneSetup scene = scenes::make_scene(
+        options.input, {options.count.value_or(defaults.count), options.soft, defaults.seed});
     scenes::Simulation simulation(scene, scenes::Method::rays);
     scenes::Recording recording = scenes::start_recording(scene, dt);
-    const auto steps = static_cast<std::uint32_t>(std::max(1.0, options.seconds.value_or(defaults.seconds) / dt + 0.5));
+    const auto steps = static_cast<std::uint32_t>(
+        std::max(1.0, options.seconds.value_or(defaults.seconds) / dt + 0.5));
     Progress progress("simulating", steps);
     for (std::uint32_t i = 0; i < steps; ++i) {
         simulation.record(recording);
@@ -43,10 +45,12 @@ scenes::Recording simulate(const ValidateOptions& options) {
 }
 
 scenes::Recording frames_of(const ValidateOptions& options) {
-    if (std::ranges::find(scenes::scene_list(), options.input, &scenes::SceneInfo::name) != scenes::scene_list().end())
+    if (std::ranges::find(scenes::scene_list(), options.input, &scenes::SceneInfo::name) !=
+        scenes::scene_list().end())
         return simulate(options);
     if (!fs::is_directory(options.input))
-        throw InputError("'" + options.input + "' is neither a scene, see 'pierce scenes', nor a recording's folder");
+        throw InputError("'" + options.input +
+                         "' is neither a scene, see 'pierce scenes', nor a recording's folder");
     if (options.count || options.soft || options.seconds)
         throw InputError("--count, --soft and --seconds are for scenes, not for recordings");
     return scenes::read_recording(options.input);
@@ -64,16 +68,20 @@ bool is_small(const scenes::Recording& recording) {
 
 std::vector<scenes::Candidate> asked_for(const std::vector<std::string>& backends) {
     std::vector<scenes::Candidate> candidates;
-    for (const std::string& name : backends) candidates.push_back({name, scenes::make_backend({name})});
+    for (const std::string& name : backends)
+        candidates.push_back({name, scenes::make_backend({name})});
     return candidates;
 }
 
 /// The backends that can run here, and the reasons for those left out.
-std::vector<scenes::Candidate> all_for(const scenes::Recording& recording, std::vector<std::string>& left_out) {
+std::vector<scenes::Candidate> all_for(const scenes::Recording& recording,
+                                       std::vector<std::string>& left_out) {
     std::vector<scenes::Candidate> candidates;
     for (const std::string name : {"reference", "bvh", "embree", "cuda"}) {
         if (name == "reference" && !is_small(recording)) {
-            left_out.push_back(name + ": brute force takes long on a scene of this size; --backends runs it all the same");
+            left_out.push_back(name +
+                               ": brute force takes long on a scene of this size; --backends runs "
+                               "it all the same");
             continue;
         }
         try {
@@ -87,24 +95,28 @@ std::vector<scenes::Candidate> all_for(const scenes::Recording& recording, std::
 
 std::string describe(const std::optional<Contact>& contact) {
     if (!contact) return "no contact";
-    return fmt::format("triangle {}, depth {:.9g}", contact->triangle, contact->penetration_depth());
+    return fmt::format("triangle {}, depth {:.9g}", contact->triangle,
+                       contact->penetration_depth());
 }
 
 void print(const WrongContact& wrong, const Validation& validation) {
     const Contact& c = wrong.difference.subject();
-    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index, target = (c.source == Side::a ? c.b : c.a).index;
-    fmt::print("  frame {}, {} {} of body {} against body {}: {} has {}; right is {}{}\n", wrong.frame,
-               c.is_edge() ? "edge" : "vertex", c.is_edge() ? c.edge : c.vertex, source, target,
-               validation.results[wrong.candidate].name, describe(wrong.difference.found), describe(wrong.difference.right),
+    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index,
+                        target = (c.source == Side::a ? c.b : c.a).index;
+    fmt::print("  frame {}, {} {} of body {} against body {}: {} has {}; right is {}{}\n",
+               wrong.frame, c.is_edge() ? "edge" : "vertex", c.is_edge() ? c.edge : c.vertex,
+               source, target, validation.results[wrong.candidate].name,
+               describe(wrong.difference.found), describe(wrong.difference.right),
                wrong.near_tie ? " (a near tie)" : "");
 }
 
 void print(const Validation& validation) {
-    fmt::print("  {:<11}{:>8}{:>12}{:>14}{:>16}{:>11}\n", "backend", "frames", "contacts", "wrong frames", "wrong contacts",
-               "ms median");
+    fmt::print("  {:<11}{:>8}{:>12}{:>14}{:>16}{:>11}\n", "backend", "frames", "contacts",
+               "wrong frames", "wrong contacts", "ms median");
     for (const Validation::Result& r : validation.results)
-        fmt::print("  {:<11}{:>8}{:>12}{:>14}{:>16}{:>11.3f}  {}\n", r.name, validation.frames, r.contacts, r.wrong_frames,
-                   r.wrong_contacts, spread_of(r.ms).median, r.description);
+        fmt::print("  {:<11}{:>8}{:>12}{:>14}{:>16}{:>11.3f}  {}\n", r.name, validation.frames,
+                   r.contacts, r.wrong_frames, r.wrong_contacts, spread_of(r.ms).median,
+                   r.description);
     for (std::size_t i = 0; i < std::min(validation.wrong.size(), printed_contacts); ++i)
         print(validation.wrong[i], validation);
     if (validation.wrong.size() > printed_contacts)
@@ -112,16 +124,20 @@ void print(const Validation& validation) {
 }
 
 std::string verdict(const Validation& validation) {
-    if (validation.differing_frames == 0) return "all backends have the same contacts in every frame";
-    std::string text = fmt::format("backends differ in {} of {} frames", validation.differing_frames, validation.frames);
+    if (validation.differing_frames == 0)
+        return "all backends have the same contacts in every frame";
+    std::string text = fmt::format("backends differ in {} of {} frames",
+                                   validation.differing_frames, validation.frames);
     for (const Validation::Result& r : validation.results)
         if (r.wrong_contacts > 0)
-            text +=
-                fmt::format("; {} is wrong about {} contacts, {} of them near ties", r.name, r.wrong_contacts, r.near_ties);
+            text += fmt::format("; {} is wrong about {} contacts, {} of them near ties", r.name,
+                                r.wrong_contacts, r.near_ties);
     return text;
 }
 
-json to_json(const std::optional<Contact>& contact) { return contact ? contact_json(*contact) : json(); }
+json to_json(const std::optional<Contact>& contact) {
+    return contact ? contact_json(*contact) : json();
+}
 
 json to_json(const Validation& validation) {
     json backends = json::array(), wrong = json::array();
@@ -158,11 +174,12 @@ int validate(const ValidateOptions& options) {
     Validation validation;
     {
         Progress progress("validating", recording.frame_count);
-        validation = scenes::validate(recording, std::move(candidates), options.world, options.every,
+        validation = scenes::validate(recording, std::move(candidates), options.world,
+                                      options.every,
                                       [&](std::uint32_t done) { progress.show(done); });
     }
-    fmt::print("{}: {} bodies, {} of {} frames\n", options.input, recording.bodies.size(), validation.frames,
-               recording.frame_count);
+    fmt::print("{}: {} bodies, {} of {} frames\n", options.input, recording.bodies.size(),
+               validation.frames, recording.frame_count);
     print(validation);
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
     fmt::print("{}\n", verdict(validation));
@@ -170,7 +187,8 @@ int validate(const ValidateOptions& options) {
         json result = to_json(validation);
         json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
         settings.erase("backend");
-        settings.update({{"command", "validate"}, {"input", options.input}, {"every", options.every}});
+        settings.update(
+            {{"command", "validate"}, {"input", options.input}, {"every", options.every}});
         result.update({{"machine", machine_json()},
                        {"versions", versions_json()},
                        {"settings", settings},

@@ -21,7 +21,8 @@ struct ValidateOptions {
     std::filesystem::path json;  ///< empty: none
 };
 
-/// Gives the same frames to several backends. Returns 0 if all of them find the same contacts, bit for bit, and 1 otherwise.
+/// Gives the same frames to several backends. Returns 0 if all of them find the same contacts, bit
+/// for bit, and 1 otherwise.
 int validate(const ValidateOptions& options);
 
 }  // namespace pierce::app

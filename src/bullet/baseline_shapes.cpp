@@ -41,8 +41,10 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
             margin_ = shape_->getMargin();
             break;
         case Baseline::gjk_epa: {
-            if (convex_pieces.empty()) throw InputError("mesh '" + name + "' has no convex pieces for gjk-epa");
-            auto compound = std::make_unique<btCompoundShape>(true, static_cast<int>(convex_pieces.size()));
+            if (convex_pieces.empty())
+                throw InputError("mesh '" + name + "' has no convex pieces for gjk-epa");
+            auto compound = std::make_unique<btCompoundShape>(
+                true, static_cast<int>(convex_pieces.size()));
             for (const std::vector<Vec3f>& piece : convex_pieces) {
                 parts_.push_back(hull_of(piece));
                 compound->addChildShape(btTransform::getIdentity(), parts_.back().get());
@@ -57,8 +59,9 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
             for (const Triangle& t : mesh.triangles)
                 for (std::uint32_t v : t.vertex) triangles_->indices.push_back(static_cast<int>(v));
             triangles_->array = std::make_unique<btTriangleIndexVertexArray>(
-                static_cast<int>(mesh.triangles.size()), triangles_->indices.data(), static_cast<int>(3 * sizeof(int)),
-                static_cast<int>(mesh.positions.size()), &triangles_->positions[0][0], static_cast<int>(sizeof(btVector3)));
+                static_cast<int>(mesh.triangles.size()), triangles_->indices.data(),
+                static_cast<int>(3 * sizeof(int)), static_cast<int>(mesh.positions.size()),
+                &triangles_->positions[0][0], static_cast<int>(sizeof(btVector3)));
             auto gimpact = std::make_unique<btGImpactMeshShape>(triangles_->array.get());
             gimpact->setMargin(gimpact_margin);
             gimpact->updateBound();
@@ -82,7 +85,8 @@ BaselineShape::BaselineShape(BaselineShape&&) noexcept = default;
 
 void BaselineShape::set_positions(std::span<const Vec3f> positions) {
     if (triangles_ == nullptr) throw InputError("only a gimpact shape can take new positions");
-    std::ranges::transform(positions, triangles_->positions.begin(), [](Vec3f p) { return to_bullet(p); });
+    std::ranges::transform(positions, triangles_->positions.begin(),
+                           [](Vec3f p) { return to_bullet(p); });
     auto& gimpact = static_cast<btGImpactMeshShape&>(*shape_);
     gimpact.postUpdate();
     gimpact.updateBound();
@@ -93,13 +97,16 @@ namespace {
 /// EPA with a clock.
 class TimedEpa : public btGjkEpaPenetrationDepthSolver {
 public:
-    bool calcPenDepth(btSimplexSolverInterface& simplex, const btConvexShape* a, const btConvexShape* b,
-                      const btTransform& transform_a, const btTransform& transform_b, btVector3& v, btVector3& on_a,
+    bool calcPenDepth(btSimplexSolverInterface& simplex, const btConvexShape* a,
+                      const btConvexShape* b, const btTransform& transform_a,
+                      const btTransform& transform_b, btVector3& v, btVector3& on_a,
                       btVector3& on_b, btIDebugDraw* draw) override {
         const auto begin = std::chrono::steady_clock::now();
-        const bool found =
-            btGjkEpaPenetrationDepthSolver::calcPenDepth(simplex, a, b, transform_a, transform_b, v, on_a, on_b, draw);
-        milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        const bool found = btGjkEpaPenetrationDepthSolver::calcPenDepth(
+            simplex, a, b, transform_a, transform_b, v, on_a, on_b, draw);
+        milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                                  begin)
+                            .count();
         return found;
     }
 
@@ -113,11 +120,14 @@ struct TimedConfiguration::Clock {
 };
 
 TimedConfiguration::TimedConfiguration() : clock_(std::make_unique<Clock>()) {
-    static_cast<btConvexConvexAlgorithm::CreateFunc*>(m_convexConvexCreateFunc)->m_pdSolver = &clock_->epa;
+    static_cast<btConvexConvexAlgorithm::CreateFunc*>(m_convexConvexCreateFunc)
+        ->m_pdSolver = &clock_->epa;
 }
 
 TimedConfiguration::~TimedConfiguration() = default;
 
-double TimedConfiguration::take_epa_milliseconds() { return std::exchange(clock_->epa.milliseconds, 0.0); }
+double TimedConfiguration::take_epa_milliseconds() {
+    return std::exchange(clock_->epa.milliseconds, 0.0);
+}
 
 }  // namespace pierce::bullet

@@ -33,10 +33,12 @@ struct PairManifolds {
 
 using Pairs = std::map<std::pair<BodyId, BodyId>, PairManifolds>;
 
-btManifoldPoint make_point(const FramedContact& contact, const btCollisionObject& a, const btCollisionObject& b) {
+btManifoldPoint make_point(const FramedContact& contact, const btCollisionObject& a,
+                           const btCollisionObject& b) {
     const btVector3 on_a = to_bullet(contact.point_a), on_b = to_bullet(contact.point_b);
-    btManifoldPoint point(a.getWorldTransform().invXform(on_a), b.getWorldTransform().invXform(on_b),
-                          to_bullet(contact.normal_on_b), static_cast<btScalar>(contact.distance));
+    btManifoldPoint point(a.getWorldTransform().invXform(on_a),
+                          b.getWorldTransform().invXform(on_b), to_bullet(contact.normal_on_b),
+                          static_cast<btScalar>(contact.distance));
     point.m_positionWorldOnA = on_a;
     point.m_positionWorldOnB = on_b;
     point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(&a, &b);
@@ -63,7 +65,8 @@ struct Dispatcher::State {
     void bind(btCollisionObject& object, btSoftBody* soft, BodyId body);
     void read_bodies();
     void write_contacts(Dispatcher& dispatcher);
-    void write_manifolds(Dispatcher& dispatcher, const Binding& a, const Binding& b, std::span<const Contact> contacts);
+    void write_manifolds(Dispatcher& dispatcher, const Binding& a, const Binding& b,
+                         std::span<const Contact> contacts);
     void release_untouched(Dispatcher& dispatcher);
 };
 
@@ -87,7 +90,8 @@ void Dispatcher::State::read_bodies() {
     }
 }
 
-/// Fills one pair's manifolds anew; points of a vertex that was in contact before keep their impulses.
+/// Fills one pair's manifolds anew; points of a vertex that was in contact before keep their
+/// impulses.
 void Dispatcher::State::write_manifolds(Dispatcher& dispatcher, const Binding& a, const Binding& b,
                                         std::span<const Contact> contacts) {
     std::vector<FramedContact> framed;
@@ -102,13 +106,16 @@ void Dispatcher::State::write_manifolds(Dispatcher& dispatcher, const Binding& a
         dispatcher.releaseManifold(pair.manifolds.back());
         pair.manifolds.pop_back();
     }
-    while (pair.manifolds.size() < needed) pair.manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
+    while (pair.manifolds.size() < needed)
+        pair.manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
 
     pair.last_points.clear();
     for (btPersistentManifold* manifold : pair.manifolds) {
         for (int i = 0; i < manifold->getNumContacts(); ++i) {
             const btManifoldPoint& point = manifold->getContactPoint(i);
-            const auto feature = static_cast<std::uint64_t>(static_cast<std::uint32_t>(point.m_index0)) << 32 |
+            const auto feature = static_cast<std::uint64_t>(
+                                     static_cast<std::uint32_t>(point.m_index0))
+                                     << 32 |
                                  static_cast<std::uint32_t>(point.m_index1);
             pair.last_points.emplace(feature, point);
         }
@@ -118,7 +125,8 @@ void Dispatcher::State::write_manifolds(Dispatcher& dispatcher, const Binding& a
         btManifoldPoint point = make_point(reduced[i], *a.object, *b.object);
         point.m_index0 = static_cast<int>(reduced[i].feature >> 32);
         point.m_index1 = static_cast<int>(reduced[i].feature & 0xffffffffu);
-        if (const auto last = pair.last_points.find(reduced[i].feature); last != pair.last_points.end()) {
+        if (const auto last = pair.last_points.find(reduced[i].feature);
+            last != pair.last_points.end()) {
             point.m_appliedImpulse = last->second.m_appliedImpulse;
             point.m_appliedImpulseLateral1 = last->second.m_appliedImpulseLateral1;
             point.m_appliedImpulseLateral2 = last->second.m_appliedImpulseLateral2;
@@ -134,7 +142,8 @@ void Dispatcher::State::release_untouched(Dispatcher& dispatcher) {
             ++it;
             continue;
         }
-        for (btPersistentManifold* manifold : it->second.manifolds) dispatcher.releaseManifold(manifold);
+        for (btPersistentManifold* manifold : it->second.manifolds)
+            dispatcher.releaseManifold(manifold);
         it = pairs.erase(it);
     }
 }
@@ -143,9 +152,12 @@ void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
     reduced_contacts = 0;
     const std::span<const Contact> contacts = world.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
-        while (end < contacts.size() && contacts[end].a == contacts[begin].a && contacts[end].b == contacts[begin].b) ++end;
+        while (end < contacts.size() && contacts[end].a == contacts[begin].a &&
+               contacts[end].b == contacts[begin].b)
+            ++end;
         const auto a = by_body.find(contacts[begin].a), b = by_body.find(contacts[begin].b);
-        if (a == by_body.end() || b == by_body.end()) continue;  // a body of the world that Bullet does not know
+        if (a == by_body.end() || b == by_body.end())
+            continue;  // a body of the world that Bullet does not know
         const Binding& binding_a = bindings[a->second];
         const Binding& binding_b = bindings[b->second];
         const std::span<const Contact> of_pair = contacts.subspan(begin, end - begin);
@@ -168,10 +180,14 @@ void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
     release_untouched(dispatcher);
 }
 
-Dispatcher::Dispatcher(btCollisionConfiguration* configuration, World& world, ReductionSettings reduction)
-    : btCollisionDispatcher(configuration), state_(new State{world, reduction, {}, {}, {}, {}, {}, 0, 0}) {
-    // Pairs of bound objects are Pierce's. The callback has no user pointer, but it is given this dispatcher.
-    setNearCallback([](btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info) {
+Dispatcher::Dispatcher(btCollisionConfiguration* configuration, World& world,
+                       ReductionSettings reduction)
+    : btCollisionDispatcher(configuration),
+      state_(new State{world, reduction, {}, {}, {}, {}, {}, 0, 0}) {
+    // Pairs of bound objects are Pierce's. The callback has no user pointer, but it is given this
+    // dispatcher.
+    setNearCallback([](btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
+                       const btDispatcherInfo& info) {
         const State& state = *static_cast<Dispatcher&>(dispatcher).state_;
         if (state.is_bound(static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject)) &&
             state.is_bound(static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject)))
@@ -192,21 +208,22 @@ void Dispatcher::bind(btSoftBody& soft, BodyId body) {
     if (soft.m_nodes.size() != static_cast<int>(mesh.positions().size()) ||
         soft.m_faces.size() != static_cast<int>(mesh.triangles().size()))
         throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes and " +
-                         std::to_string(soft.m_faces.size()) + " faces, mesh '" + mesh.name() + "' has " +
-                         std::to_string(mesh.positions().size()) + " vertices and " +
+                         std::to_string(soft.m_faces.size()) + " faces, mesh '" + mesh.name() +
+                         "' has " + std::to_string(mesh.positions().size()) + " vertices and " +
                          std::to_string(mesh.triangles().size()) + " triangles");
     state_->bind(soft, &soft, body);
 }
 
-void Dispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
-                                           btDispatcher* dispatcher) {
+void Dispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs,
+                                           const btDispatcherInfo& info, btDispatcher* dispatcher) {
     btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
     state_->read_bodies();
     state_->world.detect();
     const auto begin = std::chrono::steady_clock::now();
     state_->write_contacts(*this);
-    state_->response_milliseconds =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    state_->response_milliseconds = std::chrono::duration<double, std::milli>(
+                                        std::chrono::steady_clock::now() - begin)
+                                        .count();
 }
 
 double Dispatcher::response_milliseconds() const { return state_->response_milliseconds; }

@@ -5,8 +5,9 @@
 namespace pierce::bullet {
 namespace {
 
-/// How far a body may be from where it was [way that gravity moves a body in its first step]. Contacts that come and go let
-/// a body at rest vibrate by one or two; what falls is further away within a dozen steps, even around the top of a throw.
+/// How far a body may be from where it was [way that gravity moves a body in its first step].
+/// Contacts that come and go let a body at rest vibrate by one or two; what falls is further away
+/// within a dozen steps, even around the top of a throw.
 constexpr btScalar calm_ways = 10;
 
 }  // namespace
@@ -15,7 +16,8 @@ constexpr btScalar calm_ways = 10;
 bool CalmWatch::stays(const btSoftBody& soft, btScalar within) const {
     if (static_cast<int>(places_.size()) != soft.m_nodes.size()) return false;
     btScalar sum = 0;
-    for (int i = 0; i < soft.m_nodes.size(); ++i) sum += soft.m_nodes[i].m_x.distance2(places_[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < soft.m_nodes.size(); ++i)
+        sum += soft.m_nodes[i].m_x.distance2(places_[static_cast<std::size_t>(i)]);
     return sum <= within * within * static_cast<btScalar>(soft.m_nodes.size());
 }
 

@@ -14,11 +14,13 @@ void SheetProjection::add_terms(const Point& point, double sign, Row& row) {
         row.sign = sign;
         if (!(point.body->inverse_mass > 0)) return;
         const Vec3d lever = cross(row.arm, row.out);
-        row.compliance += point.body->inverse_mass + dot(lever, point.body->inverse_inertia * lever);
+        row.compliance += point.body->inverse_mass +
+                          dot(lever, point.body->inverse_inertia * lever);
         // No direction turns a body more easily than the sum of its principal ones.
         const Matrix3& inertia = point.body->inverse_inertia;
-        row.slip_compliance +=
-            point.body->inverse_mass + (inertia.row[0].x + inertia.row[1].y + inertia.row[2].z) * length_squared(row.arm);
+        row.slip_compliance += point.body->inverse_mass +
+                               (inertia.row[0].x + inertia.row[1].y + inertia.row[2].z) *
+                                   length_squared(row.arm);
         return;
     }
     for (int k = 0; k < 3; ++k) {
@@ -48,13 +50,15 @@ void SheetProjection::add(const Point& source, const Point& target, Vec3d out, d
         return;
     }
     const double opened = dot(out, row.start) + settings_.recovery_share * thickness;
-    row.gap = std::clamp(opened, settings_.least_share * thickness, settings_.kept_share * thickness);
+    row.gap = std::clamp(opened, settings_.least_share * thickness,
+                         settings_.kept_share * thickness);
     rows_.push_back(row);
 }
 
 Vec3d SheetProjection::offset(const Row& row) const {
     Vec3d sum = row.given_end;
-    for (std::uint32_t i = row.first; i < row.last; ++i) sum += terms_[i].weight * terms_[i].nodes->end[terms_[i].vertex];
+    for (std::uint32_t i = row.first; i < row.last; ++i)
+        sum += terms_[i].weight * terms_[i].nodes->end[terms_[i].vertex];
     if (row.body != nullptr) sum += row.sign * row.body->way(row.arm);
     return sum;
 }

@@ -62,7 +62,8 @@ struct SheetResponse::State {
     std::unordered_map<BodyId, Sheet*> sheet_of;
     std::unordered_map<BodyId, std::size_t> obstacle_of;
     SheetReport report;
-    /// False as long as nothing can be through anything when a step begins: then what meets is all there is to mend.
+    /// False as long as nothing can be through anything when a step begins: then what meets is all
+    /// there is to mend.
     bool is_crossed = true;
 
     void read_step();
@@ -78,7 +79,9 @@ struct SheetResponse::State {
     void pull_back_around(Sheet& sheet);
     void write_step(double dt);
 
-    bool concerns_sheet(const Contact& c) const { return sheet_of.contains(c.a) || sheet_of.contains(c.b); }
+    bool concerns_sheet(const Contact& c) const {
+        return sheet_of.contains(c.a) || sheet_of.contains(c.b);
+    }
     SheetProjection::Point source_point(const Contact& c);
     SheetProjection::Point target_point(const Contact& c);
     SheetProjection::Point solid_point(BodyId body, Vec3d point);
@@ -100,8 +103,8 @@ void each_vertex(const World& world, const Contact& c, const Visit& visit) {
     if (c.is_edge()) visit(source_of(c), c.edge_end);
     const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
     for (int k = 0; k < 3; ++k)
-        // A meeting at a corner has no weight elsewhere, but the whole triangle counts. Of an edge, what lies opposite does
-        // not.
+        // A meeting at a corner has no weight elsewhere, but the whole triangle counts. Of an edge,
+        // what lies opposite does not.
         if (!c.is_edge() || c.barycentric[k] != 0) visit(target_of(c), t.vertex[k]);
 }
 
@@ -119,13 +122,15 @@ SheetProjection::Point SheetResponse::State::solid_point(BodyId body, Vec3d poin
     SheetProjection::Point p;
     p.start = start_of(body, point);
     p.end = point;
-    if (const auto found = obstacle_of.find(body); found != obstacle_of.end()) p.body = &obstacles[found->second].moving;
+    if (const auto found = obstacle_of.find(body); found != obstacle_of.end())
+        p.body = &obstacles[found->second].moving;
     return p;
 }
 
 SheetProjection::Point SheetResponse::State::source_point(const Contact& c) {
     const auto found = sheet_of.find(source_of(c));
-    if (found == sheet_of.end()) return solid_point(source_of(c), c.source == Side::a ? c.point_a : c.point_b);
+    if (found == sheet_of.end())
+        return solid_point(source_of(c), c.source == Side::a ? c.point_a : c.point_b);
     SheetProjection::Point p;
     p.nodes = &found->second->nodes;
     p.vertex[0] = c.vertex;
@@ -140,7 +145,8 @@ SheetProjection::Point SheetResponse::State::source_point(const Contact& c) {
 
 SheetProjection::Point SheetResponse::State::target_point(const Contact& c) {
     const auto found = sheet_of.find(target_of(c));
-    if (found == sheet_of.end()) return solid_point(target_of(c), c.source == Side::a ? c.point_b : c.point_a);
+    if (found == sheet_of.end())
+        return solid_point(target_of(c), c.source == Side::a ? c.point_b : c.point_a);
     SheetProjection::Point p;
     p.nodes = &found->second->nodes;
     const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
@@ -169,24 +175,29 @@ void SheetResponse::State::read_step() {
         o.moving = {};
         if (o.rigid->isStaticOrKinematicObject() || !o.rigid->isActive()) continue;
         o.moving.inverse_mass = o.rigid->getInvMass();
-        for (int r = 0; r < 3; ++r) o.moving.inverse_inertia.row[r] = from_bullet(o.rigid->getInvInertiaTensorWorld()[r]);
+        for (int r = 0; r < 3; ++r)
+            o.moving.inverse_inertia.row[r] = from_bullet(o.rigid->getInvInertiaTensorWorld()[r]);
     }
 }
 
 void SheetResponse::State::detect() {
     const auto begin = Clock::now();
     for (const auto& sheet : sheets) {
-        std::ranges::transform(sheet->nodes.end, sheet->end.begin(), [](Vec3d p) { return to_float(p); });
-        std::ranges::transform(sheet->end, sheet->nodes.end.begin(), [](Vec3f p) { return to_double(p); });
+        std::ranges::transform(sheet->nodes.end, sheet->end.begin(),
+                               [](Vec3d p) { return to_float(p); });
+        std::ranges::transform(sheet->end, sheet->nodes.end.begin(),
+                               [](Vec3f p) { return to_double(p); });
         world.set_motion(sheet->body, sheet->nodes.start, sheet->end);
     }
     for (const Obstacle& o : obstacles) world.set_motion(o.body, o.start, o.end);
-    // What was through at an end that was tried and given up is not, and to look as far as it was deep takes long.
+    // What was through at an end that was tried and given up is not, and to look as far as it was
+    // deep takes long.
     if (!is_crossed) world.forget_sides();
     const StepStats& stats = world.detect();
     for (const StepStats::Stage& stage : stats.stages) {
-        const auto same = std::ranges::find_if(
-            report.stages, [&](const StepStats::Stage& s) { return std::string_view(s.name) == stage.name; });
+        const auto same = std::ranges::find_if(report.stages, [&](const StepStats::Stage& s) {
+            return std::string_view(s.name) == stage.name;
+        });
         if (same == report.stages.end())
             report.stages.push_back(stage);
         else
@@ -215,18 +226,20 @@ bool SheetResponse::State::has_violation() const {
 
 /// False for what is only remembered, when it is known that nothing is through.
 bool SheetResponse::State::counts(const Contact& c) const {
-    return !c.unknown_side && (is_crossed || !c.of_sheet || c.found == Found::near || c.found == Found::crossing);
+    return !c.unknown_side &&
+           (is_crossed || !c.of_sheet || c.found == Found::near || c.found == Found::crossing);
 }
 
 MovingPoint SheetResponse::State::vertex_motion(BodyId body, std::uint32_t vertex) const {
     if (const auto found = sheet_of.find(body); found != sheet_of.end())
-        return {to_double(found->second->nodes.start[vertex]), to_double(found->second->end[vertex])};
+        return {to_double(found->second->nodes.start[vertex]),
+                to_double(found->second->end[vertex])};
     const Vec3d end = world.vertex_position(body, vertex);
     return {start_of(body, end), end};
 }
 
-/// Which way the contact's source is to go. A vertex that meets a triangle goes back to where it has come from, whatever is
-/// remembered of it: near folds, memory may be of another layer.
+/// Which way the contact's source is to go. A vertex that meets a triangle goes back to where it
+/// has come from, whatever is remembered of it: near folds, memory may be of another layer.
 Vec3d SheetResponse::State::out_of(const Contact& c) const {
     const Vec3d out = c.source == Side::a ? -c.normal : c.normal;
     if (is_crossed || !is_met(c) || c.is_edge()) return out;
@@ -242,10 +255,11 @@ Vec3d SheetResponse::State::out_of(const Contact& c) const {
     const double weight[2] = {dot(n, cross(at[2] - at[1], met - at[1])) / size,
                               dot(n, cross(at[0] - at[2], met - at[2])) / size};
     const auto way = [](const MovingPoint& m) { return m.end - m.start; };
-    const Vec3d motion =
-        way(p) - weight[0] * way(corner[0]) - weight[1] * way(corner[1]) - (1 - weight[0] - weight[1]) * way(corner[2]);
+    const Vec3d motion = way(p) - weight[0] * way(corner[0]) - weight[1] * way(corner[1]) -
+                         (1 - weight[0] - weight[1]) * way(corner[2]);
     const double approach = dot(n, motion);
-    const Vec3d end = normalized(cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end));
+    const Vec3d end = normalized(
+        cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end));
     return approach < 0 ? end : approach > 0 ? -end : out;
 }
 
@@ -259,13 +273,15 @@ bool SheetResponse::State::project() {
     for (const Contact& c : world.contacts()) {
         if (!concerns_sheet(c) || !counts(c)) continue;
         const Vec3d out = out_of(c);
-        double thickness = std::max(world.collision_of(c.a).thickness, world.collision_of(c.b).thickness);
+        double thickness = std::max(world.collision_of(c.a).thickness,
+                                    world.collision_of(c.b).thickness);
         if (c.a == c.b) {
             // Neighbours of a sheet that is finer than it is thick stay as close as they are made.
             const Mesh& mesh = world.mesh(world.mesh_of(c.a));
             const auto rest = [&](std::uint32_t v) { return to_double(mesh.positions()[v]); };
-            Vec3d way =
-                c.is_edge() ? c.source_weight(0) * rest(c.vertex) + c.source_weight(1) * rest(c.edge_end) : rest(c.vertex);
+            Vec3d way = c.is_edge() ? c.source_weight(0) * rest(c.vertex) +
+                                          c.source_weight(1) * rest(c.edge_end)
+                                    : rest(c.vertex);
             const Triangle& t = mesh.triangles()[c.triangle];
             for (int k = 0; k < 3; ++k) way -= c.barycentric[k] * rest(t.vertex[k]);
             thickness = std::min(thickness, 0.5 * length(way));
@@ -324,7 +340,8 @@ bool SheetResponse::State::pull_back(std::uint32_t attempt) {
         // What does not move has not met, it is only as close as two things can be told apart.
         const auto moves = [&](BodyId body) {
             const auto found = obstacle_of.find(body);
-            return found != obstacle_of.end() && !(obstacles[found->second].start == obstacles[found->second].end);
+            return found != obstacle_of.end() &&
+                   !(obstacles[found->second].start == obstacles[found->second].end);
         };
         if (!could && (moves(c.a) || moves(c.b))) ++report.crossings_left;
     }
@@ -351,7 +368,8 @@ void SheetResponse::State::keep_apart() {
     }
     for (std::uint32_t attempt = 0; pull_back(attempt); ++attempt) detect();
     for (const auto& sheet : sheets)
-        report.pulled_back += static_cast<std::uint32_t>(std::ranges::count(sheet->pulled_back, true));
+        report.pulled_back += static_cast<std::uint32_t>(
+            std::ranges::count(sheet->pulled_back, true));
     if (report.crossings_left > 0) is_crossed = true;
 }
 
@@ -361,7 +379,8 @@ void SheetResponse::State::write_step(double dt) {
         for (std::size_t i = 0; i < sheet->end.size(); ++i) {
             btSoftBody::Node& node = sheet->soft->m_nodes[static_cast<int>(i)];
             node.m_x = to_bullet(sheet->end[i]);
-            node.m_v = kept * to_bullet((1 / dt) * (to_double(sheet->end[i]) - to_double(sheet->nodes.start[i])));
+            node.m_v = kept * to_bullet((1 / dt) * (to_double(sheet->end[i]) -
+                                                    to_double(sheet->nodes.start[i])));
         }
         sheet->nodes.start = sheet->end;
         sheet->soft->updateNormals();
@@ -377,20 +396,22 @@ void SheetResponse::State::write_step(double dt) {
             o.end = from_bullet(rigid.getWorldTransform());
         }
         const double speed = length(o.impulse) * static_cast<double>(rigid.getInvMass()) / dt;
-        if (!rigid.isActive() && speed > static_cast<double>(rigid.getLinearSleepingThreshold())) rigid.activate(true);
+        if (!rigid.isActive() && speed > static_cast<double>(rigid.getLinearSleepingThreshold()))
+            rigid.activate(true);
     }
 }
 
 SheetResponse::SheetResponse(World& world, SheetSettings settings)
-    : state_(new State{world, settings, SheetProjection(settings.projection), {}, {}, {}, {}, {}}) {}
+    : state_(new State{world, settings, SheetProjection(settings.projection), {}, {}, {}, {}, {}}) {
+}
 SheetResponse::~SheetResponse() = default;
 
 void SheetResponse::bind(btSoftBody& soft, BodyId body) {
     const Mesh& mesh = state_->world.mesh(state_->world.mesh_of(body));
     const std::size_t count = mesh.positions().size();
     if (static_cast<std::size_t>(soft.m_nodes.size()) != count)
-        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes, mesh '" + mesh.name() + "' has " +
-                         std::to_string(count) + " vertices");
+        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes, mesh '" +
+                         mesh.name() + "' has " + std::to_string(count) + " vertices");
     auto sheet = std::make_unique<Sheet>();
     sheet->soft = &soft;
     sheet->body = body;

@@ -5,13 +5,16 @@
 namespace pierce::bullet {
 namespace {
 
-btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights, btVector3 btSoftBody::Node::*position) {
-    return btSoftBody::BaryEval(face.m_n[0]->*position, face.m_n[1]->*position, face.m_n[2]->*position, weights);
+btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights,
+                   btVector3 btSoftBody::Node::*position) {
+    return btSoftBody::BaryEval(face.m_n[0]->*position, face.m_n[1]->*position,
+                                face.m_n[2]->*position, weights);
 }
 
 }  // namespace
 
-SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RContact& contact, const Grip* grip)
+SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RContact& contact,
+                               const Grip* grip)
     : rigid_(&contact),
       node_(contact.m_node),
       normal_(contact.m_cti.m_normal),
@@ -26,7 +29,8 @@ SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RCont
     held_ = contact.m_cti.m_colObj->getWorldTransform() * grip_.place - carried();
 }
 
-SoftContactRow::SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& target, const Grip* grip)
+SoftContactRow::SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& target,
+                               const Grip* grip)
     : soft_(&contact),
       target_(&target),
       node_(contact.m_node),
@@ -54,7 +58,8 @@ btVector3 SoftContactRow::from_target() const {
 
 btVector3 SoftContactRow::from_grip() const {
     if (rigid_ != nullptr) return node_->m_x - carried() - held_;
-    return node_->m_x - point_of(target_->m_faces[grip_.face], grip_.place, &btSoftBody::Node::m_x) - grip_.gap;
+    return node_->m_x -
+           point_of(target_->m_faces[grip_.face], grip_.place, &btSoftBody::Node::m_x) - grip_.gap;
 }
 
 void SoftContactRow::move(const btVector3& way) {
@@ -67,11 +72,14 @@ void SoftContactRow::move(const btVector3& way) {
         return;
     }
     node_->m_x += way * soft_->m_cfm[0];
-    for (int k = 0; k < 3; ++k) soft_->m_face->m_n[k]->m_x -= way * (soft_->m_cfm[1] * soft_->m_weights[k]);
+    for (int k = 0; k < 3; ++k)
+        soft_->m_face->m_n[k]->m_x -= way * (soft_->m_cfm[1] * soft_->m_weights[k]);
 }
 
 void SoftContactRow::solve() {
-    const btScalar hardness = rigid_ != nullptr ? rigid_->m_c4 : btScalar(1);  // a soft contact's shares have it in them
+    const btScalar hardness = rigid_ != nullptr ? rigid_->m_c4 : btScalar(1);  // a soft contact's
+                                                                               // shares have it in
+                                                                               // them
     const btScalar depth = margin_ - normal_.dot(from_target());
     const btScalar push = btMax(btScalar(0), push_ + hardness * depth);
     move(normal_ * (push - push_));
@@ -89,8 +97,10 @@ void SoftContactRow::solve() {
 
 Grip SoftContactRow::grip() const {
     if (stays_) return grip_;
-    if (rigid_ != nullptr) return {0, rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x), {0, 0, 0}};
-    return {static_cast<int>(soft_->m_face - &target_->m_faces[0]), soft_->m_weights, from_target()};
+    if (rigid_ != nullptr)
+        return {0, rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x), {0, 0, 0}};
+    return {static_cast<int>(soft_->m_face - &target_->m_faces[0]), soft_->m_weights,
+            from_target()};
 }
 
 }  // namespace pierce::bullet

@@ -31,17 +31,21 @@ std::vector<SourceNode> source_nodes(btSoftBody& source, const Contact& c) {
 }
 
 /// Pushes `node` out of the half space below the plane through `through` with unit normal `normal`.
-void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisionObject& object, Vec3d normal,
-                       Vec3d through, Vec3d anchor, btScalar rigid_share) {
+void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisionObject& object,
+                       Vec3d normal, Vec3d through, Vec3d anchor, btScalar rigid_share) {
     if (node.m_im <= 0) return;
     const btRigidBody* rigid = btRigidBody::upcast(&object);
-    const btScalar rigid_mass_inverse = rigid != nullptr ? rigid->getInvMass() * rigid_share : btScalar(0);
+    const btScalar rigid_mass_inverse = rigid != nullptr ? rigid->getInvMass() * rigid_share
+                                                         : btScalar(0);
     const btMatrix3x3 no_inertia(0, 0, 0, 0, 0, 0, 0, 0, 0);
     const btScalar friction = soft.m_cfg.kDF * object.getFriction();
     const btVector3 arm = to_bullet(anchor) - object.getWorldTransform().getOrigin();
-    // Bullet's model: a tangential motion within the friction cone is stopped, a faster one loses its part.
+    // Bullet's model: a tangential motion within the friction cone is stopped, a faster one loses
+    // its part.
     const btVector3 out = to_bullet(normal);
-    const btVector3 carried = rigid != nullptr ? rigid->getVelocityInLocalPoint(arm) * soft.m_sst.sdt : btVector3(0, 0, 0);
+    const btVector3 carried = rigid != nullptr
+                                  ? rigid->getVelocityInLocalPoint(arm) * soft.m_sst.sdt
+                                  : btVector3(0, 0, 0);
     const btVector3 motion = node.m_x - node.m_q - carried;
     const btScalar inward = motion.dot(out);
     const bool sticks = (motion - inward * out).length2() < inward * inward * friction * friction;
@@ -54,7 +58,8 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
     contact.m_cti.m_offset = static_cast<btScalar>(-dot(normal, through));
     contact.m_node = &node;
     contact.m_c0 = ImpulseMatrix(soft.m_sst.sdt, node.m_im, rigid_mass_inverse,
-                                 rigid != nullptr ? rigid->getInvInertiaTensorWorld() : no_inertia, arm);
+                                 rigid != nullptr ? rigid->getInvInertiaTensorWorld() : no_inertia,
+                                 arm);
     contact.m_c1 = arm;
     contact.m_c2 = node.m_im * soft.m_sst.sdt;
     contact.m_c3 = sticks ? btScalar(0) : btScalar(1) - btMin(friction, btScalar(1));
@@ -66,11 +71,13 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
 
 void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contact) {
     btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
-    const btVector3 w = to_bullet(Vec3d{contact.barycentric[0], contact.barycentric[1], contact.barycentric[2]});
+    const btVector3 w = to_bullet(
+        Vec3d{contact.barycentric[0], contact.barycentric[1], contact.barycentric[2]});
     for (const SourceNode& from : source_nodes(source, contact)) {
         btSoftBody::Node& node = *from.node;
         const btScalar node_share = node.m_im;
-        const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] + face.m_n[2]->m_im * w[2];
+        const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] +
+                                    face.m_n[2]->m_im * w[2];
         const btScalar both = node_share + face_share;
         if (both <= 0) continue;
         btSoftBody::SContact soft{};
@@ -102,8 +109,8 @@ void add_rigid_soft(const btCollisionObject& source, btSoftBody& target, const C
     for (int k = 0; k < 3; ++k) {
         if (contact.barycentric[k] <= 0) continue;
         const Vec3d goal = from_bullet(face.m_n[k]->m_x) + way;
-        add_plane_contact(target, *face.m_n[k], source, -contact.face_normal, goal, source_point(contact),
-                          static_cast<btScalar>(contact.barycentric[k]));
+        add_plane_contact(target, *face.m_n[k], source, -contact.face_normal, goal,
+                          source_point(contact), static_cast<btScalar>(contact.barycentric[k]));
     }
 }
 

@@ -26,7 +26,9 @@ public:
         for (int i = 0; i < bodies.size(); ++i)
             if (bodies[i]->m_faces.size() > 0) by_first_.emplace(&bodies[i]->m_faces[0], bodies[i]);
     }
-    btSoftBody& of(const btSoftBody::Face* face) const { return *std::prev(by_first_.upper_bound(face))->second; }
+    btSoftBody& of(const btSoftBody::Face* face) const {
+        return *std::prev(by_first_.upper_bound(face))->second;
+    }
 
 private:
     std::map<const btSoftBody::Face*, btSoftBody*, std::less<>> by_first_;
@@ -37,8 +39,8 @@ void prepare_anchors(btSoftBody& soft) {
         btSoftBody::Anchor& anchor = soft.m_anchors[i];
         btRigidBody& body = *anchor.m_body;
         anchor.m_c1 = body.getWorldTransform().getBasis() * anchor.m_local;
-        anchor.m_c0 = ImpulseMatrix(soft.m_sst.sdt, anchor.m_node->m_im, body.getInvMass(), body.getInvInertiaTensorWorld(),
-                                    anchor.m_c1);
+        anchor.m_c0 = ImpulseMatrix(soft.m_sst.sdt, anchor.m_node->m_im, body.getInvMass(),
+                                    body.getInvInertiaTensorWorld(), anchor.m_c1);
         anchor.m_c2 = soft.m_sst.sdt * anchor.m_node->m_im;
         body.activate();
     }
@@ -53,7 +55,8 @@ void finish(btSoftBody& soft) {
     }
 }
 
-// Islands are made of what moves by itself; what is led wakes what it touches, as it does rigid bodies.
+// Islands are made of what moves by itself; what is led wakes what it touches, as it does rigid
+// bodies.
 bool touches_led_body(const btSoftBody& soft) {
     for (int i = 0; i < soft.m_rcontacts.size(); ++i) {
         const btCollisionObject& object = *soft.m_rcontacts[i].m_cti.m_colObj;
@@ -86,10 +89,12 @@ struct SoftSolver::State {
 SoftSolver::SoftSolver() : state_(std::make_unique<State>()) {}
 SoftSolver::~SoftSolver() = default;
 
-// Sleeping bodies too, to be put back later: their contacts are found as if they were awake, and waking is no jump.
+// Sleeping bodies too, to be put back later: their contacts are found as if they were awake, and
+// waking is no jump.
 void SoftSolver::predictMotion(btScalar dt) {
     for (int i = 0; i < m_softBodySet.size(); ++i)
-        if (m_softBodySet[i]->getActivationState() != DISABLE_SIMULATION) m_softBodySet[i]->predictMotion(dt);
+        if (m_softBodySet[i]->getActivationState() != DISABLE_SIMULATION)
+            m_softBodySet[i]->predictMotion(dt);
 }
 
 void SoftSolver::solveConstraints(btScalar dt) {

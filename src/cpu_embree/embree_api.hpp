@@ -26,7 +26,9 @@ using QueryContext = RTCIntersectContext;
 
 inline void init_context(QueryContext& context) { rtcInitIntersectContext(&context); }
 
-inline void intersect(RTCScene scene, QueryContext& context, RTCRayHit& ray) { rtcIntersect1(scene, &context, &ray); }
+inline void intersect(RTCScene scene, QueryContext& context, RTCRayHit& ray) {
+    rtcIntersect1(scene, &context, &ray);
+}
 #endif
 
 }  // namespace pierce::embree

@@ -30,9 +30,11 @@ struct EmbreeTracer::State {
     std::vector<MovingTree> moving;                                  ///< by body
     std::vector<Tree*> trees;                                        ///< by body, of this step
     std::vector<std::uint32_t> tests;                                ///< by ray
-    bool many_trees = false;                                         ///< some body has a tree of its own
-    std::vector<std::uint32_t> order;            ///< ray indices by target, so that each of many trees is fetched once
-    std::vector<std::uint32_t> first_of_target;  ///< where a body's rays begin in `order`; one more at the end
+    bool many_trees = false;           ///< some body has a tree of its own
+    std::vector<std::uint32_t> order;  ///< ray indices by target, so that each of many trees is
+                                       ///< fetched once
+    std::vector<std::uint32_t> first_of_target;  ///< where a body's rays begin in `order`; one more
+                                                 ///< at the end
     TracerCounts counts;
 
     ~State() {
@@ -45,7 +47,8 @@ struct EmbreeTracer::State {
     void check() const {
         const RTCError error = rtcGetDeviceError(device);
         if (error != RTC_ERROR_NONE)
-            throw std::runtime_error("Embree reports error " + std::to_string(static_cast<int>(error)));
+            throw std::runtime_error("Embree reports error " +
+                                     std::to_string(static_cast<int>(error)));
     }
 
     void forget_unused(View<const BodyView> bodies);
@@ -73,7 +76,8 @@ void EmbreeTracer::State::sort_by_target(std::uint32_t body_count, View<const Ra
     for (std::uint32_t i = 0; i < rays.size; ++i) order[next[rays[i].target]++] = i;
 }
 
-/// Drops trees of meshes that no body uses any more, and of bodies that are gone or no longer deform.
+/// Drops trees of meshes that no body uses any more, and of bodies that are gone or no longer
+/// deform.
 void EmbreeTracer::State::forget_unused(View<const BodyView> bodies) {
     moving.resize(bodies.size);
     std::unordered_map<std::uint64_t, bool> used;
@@ -87,11 +91,14 @@ void EmbreeTracer::State::forget_unused(View<const BodyView> bodies) {
     std::erase_if(still, [&](const auto& entry) { return !used.contains(entry.first); });
 }
 
-void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry, TracerCounts& done) {
+void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry,
+                                        TracerCounts& done) {
     const bool other_mesh = entry.mesh_key != body.mesh_key;
-    const bool decayed = entry.tree != nullptr && entry.tree->policy.should_rebuild(entry.tree->triangle_count());
+    const bool decayed = entry.tree != nullptr &&
+                         entry.tree->policy.should_rebuild(entry.tree->triangle_count());
     if (entry.tree == nullptr || other_mesh || decayed) {
-        entry.tree = std::make_unique<Tree>(device, TreeKind::moving, body.surface(), body.world_box);
+        entry.tree = std::make_unique<Tree>(device, TreeKind::moving, body.surface(),
+                                            body.world_box);
         entry.mesh_key = body.mesh_key;
         ++done.builds;
         done.rebuilds += decayed && !other_mesh;
@@ -102,7 +109,8 @@ void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry,
     entry.positions_version = body.positions_version;
 }
 
-void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies,
+                          View<const std::uint32_t> wanted) {
     State& s = *state_;
     s.forget_unused(bodies);
     s.trees.assign(bodies.size, nullptr);
@@ -115,15 +123,17 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
         }
         std::unique_ptr<Tree>& tree = s.still[bodies[b].mesh_key];
         if (tree == nullptr) {
-            tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(), bodies[b].fit_box);
+            tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(),
+                                          bodies[b].fit_box);
             ++s.counts.builds;
         }
         s.trees[b] = tree.get();
     }
     s.many_trees = !deforming.empty();
     std::vector<TracerCounts> done(deforming.size());
-    executor.for_each_task(static_cast<std::uint32_t>(deforming.size()),
-                           [&](std::uint32_t i) { s.update_moving(bodies[deforming[i]], s.moving[deforming[i]], done[i]); });
+    executor.for_each_task(static_cast<std::uint32_t>(deforming.size()), [&](std::uint32_t i) {
+        s.update_moving(bodies[deforming[i]], s.moving[deforming[i]], done[i]);
+    });
     for (std::size_t i = 0; i < deforming.size(); ++i) {
         s.trees[deforming[i]] = s.moving[deforming[i]].tree.get();
         s.counts.builds += done[i].builds;
@@ -133,7 +143,8 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies, Vi
     s.check();
 }
 
-void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
+void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name,
+                                View<const BodyView> bodies, std::uint32_t count,
                                 View<const Ray> rays, View<Hit> hits) {
     State& s = *state_;
     if (s.many_trees) s.sort_by_target(bodies.size, rays);
@@ -152,18 +163,21 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name, View<co
     for (std::uint32_t b = 0; b < bodies.size; ++b) {
         if (bodies[b].motion != Motion::deforming || s.trees[b] == nullptr) continue;
         std::uint64_t tests = 0;
-        for (std::uint32_t k = s.first_of_target[b]; k < s.first_of_target[b + 1]; ++k) tests += s.tests[s.order[k]];
+        for (std::uint32_t k = s.first_of_target[b]; k < s.first_of_target[b + 1]; ++k)
+            tests += s.tests[s.order[k]];
         s.trees[b]->policy.record(s.first_of_target[b + 1] - s.first_of_target[b], tests);
     }
 }
 
-void EmbreeTracer::closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
-                                     std::uint32_t count, View<const Ray> rays, View<std::uint32_t> triangles) {
+void EmbreeTracer::closest_triangles(TbbExecutor& executor, const char* name,
+                                     View<const BodyView> bodies, std::uint32_t count,
+                                     View<const Ray> rays, View<std::uint32_t> triangles) {
     State& s = *state_;
     executor.for_each(name, count, [&](std::uint32_t i) {
         const std::uint32_t target = rays[i].target;
-        triangles[i] = closest_triangle(rays[i], bodies[target].surface(),
-                                        [&](ClosestSearch& search) { s.trees[target]->show_near(search); });
+        triangles[i] = closest_triangle(
+            rays[i], bodies[target].surface(),
+            [&](ClosestSearch& search) { s.trees[target]->show_near(search); });
     });
 }
 

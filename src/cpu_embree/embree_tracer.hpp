@@ -9,22 +9,26 @@
 
 namespace pierce {
 
-/// Embree builds, refits and traverses the trees; the triangle test is ours (CrossingSearch), run from Embree's leaves.
-/// Boxes reach beyond their triangles by the rounding of float32 rays, so no crossing is lost: the answer is brute force's.
+/// Embree builds, refits and traverses the trees; the triangle test is ours (CrossingSearch), run
+/// from Embree's leaves. Boxes reach beyond their triangles by the rounding of float32 rays, so no
+/// crossing is lost: the answer is brute force's.
 ///
-/// One tree per mesh, in its own space, serves all its fixed and rigid bodies. A deforming body has a tree of its own,
-/// refitted when its positions changed and rebuilt when RefitPolicy says so or its mesh changed.
+/// One tree per mesh, in its own space, serves all its fixed and rigid bodies. A deforming body has
+/// a tree of its own, refitted when its positions changed and rebuilt when RefitPolicy says so or
+/// its mesh changed.
 class EmbreeTracer {
 public:
     /// Throws std::runtime_error if Embree cannot start.
     EmbreeTracer();
     ~EmbreeTracer();
 
-    void update(TbbExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted);
-    void closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
-                      View<const Ray> rays, View<Hit> hits);
-    void closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies, std::uint32_t count,
-                           View<const Ray> rays, View<std::uint32_t> triangles);
+    void update(TbbExecutor& executor, View<const BodyView> bodies,
+                View<const std::uint32_t> wanted);
+    void closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
+                      std::uint32_t count, View<const Ray> rays, View<Hit> hits);
+    void closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
+                           std::uint32_t count, View<const Ray> rays,
+                           View<std::uint32_t> triangles);
     TracerCounts counts(const TbbExecutor&) const;
 
 private:

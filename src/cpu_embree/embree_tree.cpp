@@ -8,7 +8,8 @@
 namespace pierce::embree {
 namespace {
 
-/// Four floats side by side. Every refit makes a box for every triangle: with scalars it takes a third longer.
+/// Four floats side by side. Every refit makes a box for every triangle: with scalars it takes a
+/// third longer.
 using Float4 = float __attribute__((vector_size(16)));
 
 Float4 load(const Vec3f& p) { return Float4{p.x, p.y, p.z, 0.0f}; }
@@ -18,7 +19,8 @@ void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
 
 }  // namespace
 
-/// One ray on its way through Embree. The context comes first, so that the leaf callback finds the rest behind it.
+/// One ray on its way through Embree. The context comes first, so that the leaf callback finds the
+/// rest behind it.
 struct Tree::Query {
     QueryContext context;
     CrossingSearch* search = nullptr;
@@ -39,7 +41,8 @@ Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, const Box& b
     rtcSetGeometryIntersectFunction(geometry_, intersect);
     rtcSetGeometryPointQueryFunction(geometry_, test_near);
     if (kind == TreeKind::moving) {
-        // Refitting needs all three; with any other scene quality Embree rebuilds without saying so.
+        // Refitting needs all three; with any other scene quality Embree rebuilds without saying
+        // so.
         rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC));
         rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
         rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
@@ -76,7 +79,8 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     init_context(query.context);
     query.search = &search;
     query.slack = 2.0 * margin_ + surface_.touch;
-    // Embree's float32 ray begins where the surface is near: far away its rounding would not fit the margin.
+    // Embree's float32 ray begins where the surface is near: far away its rounding would not fit
+    // the margin.
     double first = -std::numeric_limits<double>::infinity();
     if (ray.outward > surface_.touch || !reach_.contains(ray.origin)) {
         const Stretch inside = stretch_inside(reach_, ray.origin, ray.direction);
@@ -88,8 +92,9 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
         const Vec3f origin = to_float(ray.origin + query.start * ray.direction);
         const Vec3f direction = to_float(ray.direction);
         RTCRayHit embree_ray;
-        embree_ray.ray = {origin.x,    origin.y, origin.z,        0.0f,        direction.x, direction.y,
-                          direction.z, 0.0f,     query.far_end(), 0xffffffffu, 0,           0};
+        embree_ray.ray = {origin.x,        origin.y,    origin.z,    0.0f,
+                          direction.x,     direction.y, direction.z, 0.0f,
+                          query.far_end(), 0xffffffffu, 0,           0};
         embree_ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         embree_ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         embree::intersect(scene_, query.context, embree_ray);
@@ -127,7 +132,8 @@ bool Tree::test_near(RTCPointQueryFunctionArguments* arguments) {
 void Tree::bounds(const RTCBoundsFunctionArguments* arguments) {
     const Tree& tree = *static_cast<const Tree*>(arguments->geometryUserPtr);
     const Triangle& t = tree.surface_.triangles[arguments->primID];
-    const Float4 a = load(tree.surface_.positions[t.vertex[0]]), b = load(tree.surface_.positions[t.vertex[1]]),
+    const Float4 a = load(tree.surface_.positions[t.vertex[0]]),
+                 b = load(tree.surface_.positions[t.vertex[1]]),
                  c = load(tree.surface_.positions[t.vertex[2]]);
     store(lower_of(a, lower_of(b, c)) - tree.margin_, &arguments->bounds_o->lower_x);
     store(upper_of(a, upper_of(b, c)) + tree.margin_, &arguments->bounds_o->upper_x);

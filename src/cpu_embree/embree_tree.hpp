@@ -11,7 +11,8 @@ namespace pierce::embree {
 /// Whether a tree's triangles will ever move.
 enum class TreeKind { still, moving };
 
-/// An Embree scene over one surface. Triangles are user primitives, so that Embree asks us for boxes and tests.
+/// An Embree scene over one surface. Triangles are user primitives, so that Embree asks us for
+/// boxes and tests.
 class Tree {
 public:
     /// `box`: around all positions.

@@ -17,8 +17,8 @@
 
 namespace pierce {
 
-/// Stages on oneTBB's threads, in an arena of its own. Items are independent and every result is written to its own place,
-/// so the answer is the same for any number of threads.
+/// Stages on oneTBB's threads, in an arena of its own. Items are independent and every result is
+/// written to its own place, so the answer is the same for any number of threads.
 class TbbExecutor : public HostExecutor {
 public:
     explicit TbbExecutor(int threads) : arena_(threads), team_(arena_, threads) {}
@@ -48,29 +48,34 @@ public:
     }
 
     /// Serial: adding up a step's counts takes microseconds.
-    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in,
+                                 View<std::uint32_t> out) {
         return serial_.exclusive_scan(name, n, in, out);
     }
 
     /// Serial: one or two nanoseconds an item.
     template <class F>
-    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted,
+                         View<std::uint32_t> out) {
         return serial_.select(name, n, wanted, out);
     }
 
-    /// Things in the order of the items that they were found by: chunks of items find theirs, and then write them.
+    /// Things in the order of the items that they were found by: chunks of items find theirs, and
+    /// then write them.
     template <class F, class... T>
     void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         if (n <= emitted_chunk) return serial_.emit(name, n, finder, lists...);
         using Seen = decltype(finder.find(0));
-        static_assert(std::is_trivially_copyable_v<Seen> && alignof(Seen) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+        static_assert(std::is_trivially_copyable_v<Seen> &&
+                      alignof(Seen) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
         found_.resize(n * sizeof(Seen));
         Seen* const found = reinterpret_cast<Seen*>(found_.data());
         places_.resize((n + emitted_chunk - 1) / emitted_chunk + 1);
         const auto chunks = static_cast<std::uint32_t>(places_.size() - 1);
         share(chunks, 1, [&](std::uint32_t chunk) {
             std::uint32_t sum = 0;
-            for (std::uint32_t i = chunk * emitted_chunk; i < min_of((chunk + 1) * emitted_chunk, n); ++i)
+            for (std::uint32_t i = chunk * emitted_chunk;
+                 i < min_of((chunk + 1) * emitted_chunk, n); ++i)
                 sum += finder.count(*new (found + i) Seen(finder.find(i)));
             places_[chunk + 1] = sum;
         });
@@ -79,7 +84,8 @@ public:
         (lists.resize(places_.back()), ...);
         share(chunks, 1, [&](std::uint32_t chunk) {
             std::uint32_t place = places_[chunk];
-            for (std::uint32_t i = chunk * emitted_chunk; i < min_of((chunk + 1) * emitted_chunk, n); ++i) {
+            for (std::uint32_t i = chunk * emitted_chunk;
+                 i < min_of((chunk + 1) * emitted_chunk, n); ++i) {
                 finder.write(i, found[i], place, lists.data()...);
                 place += finder.count(found[i]);
             }
@@ -87,23 +93,27 @@ public:
     }
 
     /// Serial too: keys are few.
-    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys, View<const std::uint32_t> values,
-              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys,
+              View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
+              View<std::uint32_t> sorted_values) {
         serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
     }
 
-    /// Chunks of items, the same for any number of threads, are added up on their own, and then in their order.
+    /// Chunks of items, the same for any number of threads, are added up on their own, and then in
+    /// their order.
     template <class F, class T>
     void reduce(const char* name, std::uint32_t n, const F& term, T& sum) {
         constexpr std::uint32_t chunk_size = is_cheap<F>() ? 8 * cheap_grain : usual_grain;
         if (n <= chunk_size) return serial_.reduce(name, n, term, sum);
-        static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+        static_assert(std::is_trivially_copyable_v<T> &&
+                      alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
         const std::uint32_t chunks = (n + chunk_size - 1) / chunk_size;
         found_.resize(chunks * sizeof(T));
         T* const sums = reinterpret_cast<T*>(found_.data());
         share(chunks, 1, [&](std::uint32_t chunk) {
             T& all = *new (sums + chunk) T{};
-            for (std::uint32_t i = chunk * chunk_size; i < min_of((chunk + 1) * chunk_size, n); ++i) all = all + term(i);
+            for (std::uint32_t i = chunk * chunk_size; i < min_of((chunk + 1) * chunk_size, n); ++i)
+                all = all + term(i);
         });
         serial_.reduce(
             name, chunks, [&](std::uint32_t chunk) { return sums[chunk]; }, sum);

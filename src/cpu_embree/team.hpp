@@ -15,13 +15,13 @@
 
 namespace pierce {
 
-/// Threads of oneTBB's that stay together for a while: they take their shares of one stage after another without being
-/// called anew. Measured on two cores: a stage through tbb::parallel_for costs 10 to 15 microseconds beyond its work, and a
-/// step of less than a millisecond has thirty.
+/// Threads of oneTBB's that stay together for a while: they take their shares of one stage after
+/// another without being called anew. Measured on two cores: a stage through tbb::parallel_for
+/// costs 10 to 15 microseconds beyond its work, and a step of less than a millisecond has thirty.
 ///
-/// Every thread has a range of its own, the same part of every stage: what it wrote in one it mostly reads in the next, and
-/// from its own cache. Whoever is done helps the others. The caller does all that no helper takes, so it never waits for
-/// one to come.
+/// Every thread has a range of its own, the same part of every stage: what it wrote in one it
+/// mostly reads in the next, and from its own cache. Whoever is done helps the others. The caller
+/// does all that no helper takes, so it never waits for one to come.
 class Team {
 public:
     /// Helpers come from `arena`; `size` threads in all, the caller's among them.
@@ -29,30 +29,34 @@ public:
     Team(const Team&) = delete;
     ~Team() {
         board_.closed.store(true, std::memory_order_relaxed);
-        arena_.execute([&] { helpers_.wait(); });  // those that no thread has begun are over at once, on this one
+        arena_.execute([&] { helpers_.wait(); });  // those that no thread has begun are over at
+                                                   // once, on this one
         TsanOrder::pass();
     }
 
-    /// Calls `work(begin, end)` for ranges that make up [0, count), most of `grain` items or more. Throws what the first of
-    /// them to fail throws, once all are over.
+    /// Calls `work(begin, end)` for ranges that make up [0, count), most of `grain` items or more.
+    /// Throws what the first of them to fail throws, once all are over.
     template <class Work>
     void share(std::uint32_t count, std::uint32_t grain, const Work& work) {
         Board& board = board_;
         board.work.store(&work, std::memory_order_relaxed);
-        board.run.store(
-            [](const void* w, std::uint32_t begin, std::uint32_t end) { (*static_cast<const Work*>(w))(begin, end); },
-            std::memory_order_relaxed);
+        board.run.store([](const void* w, std::uint32_t begin,
+                           std::uint32_t end) { (*static_cast<const Work*>(w))(begin, end); },
+                        std::memory_order_relaxed);
         board.count.store(count, std::memory_order_relaxed);
         board.grain.store(grain, std::memory_order_relaxed);
         board.done.store(0, std::memory_order_relaxed);
         ++stage_;
         // From here on helpers may take something.
         for (std::uint32_t k = 0; k < board.size; ++k)
-            board.members[k].left.store(std::uint64_t{stage_} << 32 | (board.end_of(k, count) - board.end_of(k - 1, count)),
-                                        std::memory_order_release);
+            board.members[k].left.store(
+                std::uint64_t{stage_} << 32 | (board.end_of(k, count) - board.end_of(k - 1, count)),
+                std::memory_order_release);
         call_helpers();
         board.take_part(stage_, 0);
-        for (std::uint32_t pauses = 0; board.done.load(std::memory_order_acquire) != count; ++pauses) pause(pauses);
+        for (std::uint32_t pauses = 0; board.done.load(std::memory_order_acquire) != count;
+             ++pauses)
+            pause(pauses);
         if (board.failed.load(std::memory_order_relaxed)) {
             board.failed.store(false, std::memory_order_relaxed);
             std::rethrow_exception(std::exchange(board.failure, {}));
@@ -60,9 +64,10 @@ public:
     }
 
 private:
-    // A helper that has found nothing to do for as many pauses, 0.2 to 0.8 milliseconds, goes back to oneTBB: long enough to
-    // be there still when steps follow each other. Called anew it comes 20 to 50 microseconds late; measured on two cores,
-    // steps of 0.75 milliseconds took 8 % longer.
+    // A helper that has found nothing to do for as many pauses, 0.2 to 0.8 milliseconds, goes back
+    // to oneTBB: long enough to be there still when steps follow each other. Called anew it comes
+    // 20 to 50 microseconds late; measured on two cores, steps of 0.75 milliseconds took 8 %
+    // longer.
     static constexpr std::uint32_t patience = 1u << 14;
     // Whoever has waited for longer may be in the way of the one who is waited for.
     static constexpr std::uint32_t pauses_before_yield = 1u << 9;
@@ -80,9 +85,9 @@ private:
 
     /// One thread: the caller, or a helper.
     ///
-    /// `left` holds the stage's number and how many items of the thread's range nobody has taken. Whoever takes some has
-    /// read the board before; that `left` was unchanged since, and not zero, shows that the stage was not over, and that
-    /// what stood on the board was its own.
+    /// `left` holds the stage's number and how many items of the thread's range nobody has taken.
+    /// Whoever takes some has read the board before; that `left` was unchanged since, and not zero,
+    /// shows that the stage was not over, and that what stood on the board was its own.
     struct alignas(64) Member {
         std::atomic<std::uint64_t> left = 0;
         std::atomic<bool> present = false;  ///< or on its way
@@ -90,7 +95,9 @@ private:
 
     /// What the caller and its helpers see.
     struct Board {
-        explicit Board(int threads) : size(static_cast<std::uint32_t>(threads)), members(std::make_unique<Member[]>(size)) {}
+        explicit Board(int threads)
+            : size(static_cast<std::uint32_t>(threads)),
+              members(std::make_unique<Member[]>(size)) {}
 
         const std::uint32_t size;
         const std::unique_ptr<Member[]> members;
@@ -118,18 +125,21 @@ private:
             for (std::uint64_t seen = left.load(std::memory_order_acquire);;) {
                 const auto items = static_cast<std::uint32_t>(seen);
                 if (seen >> 32 != stage || items == 0) return took;
-                const std::uint32_t begin = end_of(member, count.load(std::memory_order_relaxed)) - items;
-                const std::uint32_t share =
-                    min_of(items, max_of(grain.load(std::memory_order_relaxed), items / share_of_rest));
+                const std::uint32_t begin = end_of(member, count.load(std::memory_order_relaxed)) -
+                                            items;
+                const std::uint32_t share = min_of(
+                    items, max_of(grain.load(std::memory_order_relaxed), items / share_of_rest));
                 const auto function = run.load(std::memory_order_relaxed);
                 const void* const its_work = work.load(std::memory_order_relaxed);
-                if (!left.compare_exchange_weak(seen, seen - share, std::memory_order_acq_rel, std::memory_order_acquire))
+                if (!left.compare_exchange_weak(seen, seen - share, std::memory_order_acq_rel,
+                                                std::memory_order_acquire))
                     continue;
                 took = true;
                 try {
                     function(its_work, begin, begin + share);
                 } catch (...) {
-                    if (!failed.exchange(true, std::memory_order_relaxed)) failure = std::current_exception();
+                    if (!failed.exchange(true, std::memory_order_relaxed))
+                        failure = std::current_exception();
                 }
                 done.fetch_add(share, std::memory_order_acq_rel);
                 seen = left.load(std::memory_order_acquire);
@@ -138,8 +148,12 @@ private:
 
         void help(std::uint32_t self) {
             const std::atomic<std::uint64_t>& left = members[self].left;
-            for (std::uint32_t idle = 0; idle < patience && !closed.load(std::memory_order_relaxed); ++idle) {
-                if (take_part(static_cast<std::uint32_t>(left.load(std::memory_order_acquire) >> 32), self)) idle = 0;
+            for (std::uint32_t idle = 0; idle < patience && !closed.load(std::memory_order_relaxed);
+                 ++idle) {
+                if (take_part(
+                        static_cast<std::uint32_t>(left.load(std::memory_order_acquire) >> 32),
+                        self))
+                    idle = 0;
                 pause(0);
             }
             members[self].present.store(false, std::memory_order_relaxed);

@@ -6,15 +6,16 @@
 /// The sort of short lists, in one launch.
 namespace pierce::cuda {
 
-/// Lists up to this long are sorted by counting for each key those before it, on all of the GPU at once, where a sort by
-/// passes waits for one launch after the other. Chunks of keys count as a whole where they can: most of them where a list is
-/// nearly sorted, as contacts are.
+/// Lists up to this long are sorted by counting for each key those before it, on all of the GPU at
+/// once, where a sort by passes waits for one launch after the other. Chunks of keys count as a
+/// whole where they can: most of them where a list is nearly sorted, as contacts are.
 inline constexpr std::uint32_t counted_list = 1u << 14;
-inline constexpr std::uint32_t counted_keys = 64, counted_parts = 16;  ///< keys of a block, and threads that share a key
+inline constexpr std::uint32_t counted_keys = 64, counted_parts = 16;  ///< keys of a block, and
+                                                                       ///< threads that share a key
 inline constexpr std::uint32_t counted_chunk = 64, most_chunks = counted_list / counted_chunk;
 
-/// Keys, and the first and the last of each chunk in their order. A list so short that every thread has one chunk goes
-/// without: it is counted key by key.
+/// Keys, and the first and the last of each chunk in their order. A list so short that every thread
+/// has one chunk goes without: it is counted key by key.
 struct KeyChunks {
     const std::uint64_t* keys;
     std::uint32_t count;
@@ -24,13 +25,16 @@ struct KeyChunks {
     __device__ std::uint32_t chunk_size() const {
         return is_short() ? (count + counted_parts - 1) / counted_parts : counted_chunk;
     }
-    __device__ std::uint32_t size() const { return count == 0 ? 0 : (count + chunk_size() - 1) / chunk_size(); }
+    __device__ std::uint32_t size() const {
+        return count == 0 ? 0 : (count + chunk_size() - 1) / chunk_size();
+    }
 
     /// By one warp.
     __device__ void measure(std::uint32_t chunk) const {
         std::uint64_t low = ~std::uint64_t{0}, high = 0;
         const std::uint32_t end = min_of((chunk + 1) * counted_chunk, count);
-        for (std::uint32_t k = chunk * counted_chunk + threadIdx.x % warp_threads; k < end; k += warp_threads) {
+        for (std::uint32_t k = chunk * counted_chunk + threadIdx.x % warp_threads; k < end;
+             k += warp_threads) {
             low = min_of(keys[k], low);
             high = max_of(keys[k], high);
         }
@@ -42,7 +46,8 @@ struct KeyChunks {
         highest[chunk] = high;
     }
 
-    /// How many of a chunk's keys come before that of place i; of equal ones those at smaller places.
+    /// How many of a chunk's keys come before that of place i; of equal ones those at smaller
+    /// places.
     __device__ std::uint32_t before(std::uint32_t chunk, std::uint64_t key, std::uint32_t i) const {
         const std::uint32_t begin = chunk * chunk_size(), end = min_of(begin + chunk_size(), count);
         if (!is_short()) {
@@ -59,10 +64,11 @@ struct KeyChunks {
     }
 };
 
-/// Writes keys and their values to where they belong; stable. What is past the last key becomes the largest.
+/// Writes keys and their values to where they belong; stable. What is past the last key becomes the
+/// largest.
 inline __global__ void __launch_bounds__(counted_keys* counted_parts)
-    sort_by_counting(const Items items, const std::uint64_t* keys, const std::uint32_t* values, std::uint64_t* sorted_keys,
-                     std::uint32_t* sorted_values) {
+    sort_by_counting(const Items items, const std::uint64_t* keys, const std::uint32_t* values,
+                     std::uint64_t* sorted_keys, std::uint32_t* sorted_values) {
     __shared__ std::uint32_t before[counted_keys];
     __shared__ std::uint64_t lowest[most_chunks], highest[most_chunks];
     const std::uint32_t mine = threadIdx.x % counted_keys, i = blockIdx.x * counted_keys + mine;
@@ -70,13 +76,15 @@ inline __global__ void __launch_bounds__(counted_keys* counted_parts)
     const KeyChunks chunks{keys, items.count(), lowest, highest};
     if (part == 0) before[mine] = 0;
     if (!chunks.is_short())
-        for (std::uint32_t c = threadIdx.x / warp_threads; c < chunks.size(); c += blockDim.x / warp_threads)
+        for (std::uint32_t c = threadIdx.x / warp_threads; c < chunks.size();
+             c += blockDim.x / warp_threads)
             chunks.measure(c);
     __syncthreads();
     const std::uint64_t key = i < chunks.count ? keys[i] : 0;
     if (i < chunks.count) {
         std::uint32_t sum = 0;
-        for (std::uint32_t c = part; c < chunks.size(); c += counted_parts) sum += chunks.before(c, key, i);
+        for (std::uint32_t c = part; c < chunks.size(); c += counted_parts)
+            sum += chunks.before(c, key, i);
         atomicAdd(&before[mine], sum);
     }
     __syncthreads();

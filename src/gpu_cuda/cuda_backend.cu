@@ -70,7 +70,10 @@ public:
         return view_of(pairs_);
     }
 
-    Certificate certificate(View<const BodyView>, Pair, std::uint32_t, std::uint32_t) const override { return {}; }
+    Certificate certificate(View<const BodyView>, Pair, std::uint32_t,
+                            std::uint32_t) const override {
+        return {};
+    }
 
     void fetch_bodies(View<BodyView> bodies) const override { mirror_.fetch(bodies); }
 
@@ -85,12 +88,14 @@ public:
     }
 
 private:
-    // The first steps after a change come one by one, so that trees are there and buffers large enough.
+    // The first steps after a change come one by one, so that trees are there and buffers large
+    // enough.
     static constexpr std::uint32_t rehearsals = 2;
 
     /// Steps whose course does not depend on what they find.
     bool can_repeat(const Plan& plan) const {
-        return options_.graph && plan.coverage == Coverage::vertices && plan.temporal == Temporal::off && !plan.meets_itself;
+        return options_.graph && plan.coverage == Coverage::vertices &&
+               plan.temporal == Temporal::off && !plan.meets_itself;
     }
 
     void restart() {
@@ -114,7 +119,8 @@ private:
         pipeline_.report(*mirror_.scene().plan, stats);
     }
 
-    /// Two steps without a graph give every buffer its size; then each of the two banks is captured once and played back.
+    /// Two steps without a graph give every buffer its size; then each of the two banks is captured
+    /// once and played back.
     void bounded_step(StepStats& stats) {
         cudaGraphExec_t& graph = graphs_[bank_];
         if (graph != nullptr) {
@@ -124,7 +130,8 @@ private:
             ++warm_;
             bounded_stages(stats);
         } else {
-            check(cudaStreamBeginCapture(executor_.stream(), cudaStreamCaptureModeThreadLocal), "capture of a step");
+            check(cudaStreamBeginCapture(executor_.stream(), cudaStreamCaptureModeThreadLocal),
+                  "capture of a step");
             bounded_stages(stats);
             cudaGraph_t captured = nullptr;
             check(cudaStreamEndCapture(executor_.stream(), &captured), "capture of a step");
@@ -139,7 +146,8 @@ private:
         }
         if (executor_.finish()) {
             float milliseconds = 0;
-            if (graph != nullptr) check(cudaEventElapsedTime(&milliseconds, events_[0], events_[1]), "a time");
+            if (graph != nullptr)
+                check(cudaEventElapsedTime(&milliseconds, events_[0], events_[1]), "a time");
             stats.stages.push_back({"device", milliseconds});
             return pipeline_.report(*mirror_.scene().plan, stats);
         }
@@ -159,12 +167,14 @@ private:
         if (fetched_) return;
         fetched_ = true;
         const std::uint32_t others = executor_.number(count_of(pipeline_.contacts()));
-        const std::uint32_t of_sheets =
-            mirror_.scene().plan->sheets ? executor_.number(count_of(pipeline_.sheet_contacts())) : 0;
+        const std::uint32_t of_sheets = mirror_.scene().plan->sheets
+                                            ? executor_.number(count_of(pipeline_.sheet_contacts()))
+                                            : 0;
         contacts_.resize(others + of_sheets);
         pairs_.resize(executor_.number(count_of(pipeline_.pairs())));
         executor_.copy_to_host(contacts_.data(), pipeline_.contacts().data(), others);
-        executor_.copy_to_host(contacts_.data() + others, pipeline_.sheet_contacts().data(), of_sheets);
+        executor_.copy_to_host(contacts_.data() + others, pipeline_.sheet_contacts().data(),
+                               of_sheets);
         executor_.copy_to_host(pairs_.data(), pipeline_.pairs().data(), pairs_.size());
         executor_.wait();
     }

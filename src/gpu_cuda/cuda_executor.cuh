@@ -22,10 +22,11 @@
 #include "pierce/min_max.hpp"
 
 namespace pierce {
-/// Stages on the GPU, one thread an item, on one stream, and a second for what beside() is given. In exact steps totals come
-/// back to the host, which waits for each. In bounded steps they stay on the device: launches and buffers are sized by what
-/// the last exact step came to, with room to grow, so that the host waits for nothing and the step can be captured as a
-/// graph. A step that would not fit says so. One class, long as it is: all that it does shares its streams and totals.
+/// Stages on the GPU, one thread an item, on one stream, and a second for what beside() is given.
+/// In exact steps totals come back to the host, which waits for each. In bounded steps they stay on
+/// the device: launches and buffers are sized by what the last exact step came to, with room to
+/// grow, so that the host waits for nothing and the step can be captured as a graph. A step that
+/// would not fit says so. One class, long as it is: all that it does shares its streams and totals.
 class CudaExecutor {
 public:
     using Count = cuda::DeviceCount;
@@ -45,7 +46,8 @@ public:
             check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
         totals_.resize(2 * most_totals);
         overflow_.resize(2);
-        check(cudaHostAlloc(&host_totals_, (2 * most_totals + 1) * sizeof(std::uint32_t), cudaHostAllocDefault),
+        check(cudaHostAlloc(&host_totals_, (2 * most_totals + 1) * sizeof(std::uint32_t),
+                            cudaHostAllocDefault),
               "allocation of pinned memory");
         epoch_.resize(1);
         clear(totals_);
@@ -63,8 +65,8 @@ public:
 
     cudaStream_t stream() const { return stream_; }
 
-    /// Begins a step, or the repetition of one that was captured. `bank`: 0 or 1, the other one than in the last step, whose
-    /// totals are still read.
+    /// Begins a step, or the repetition of one that was captured. `bank`: 0 or 1, the other one
+    /// than in the last step, whose totals are still read.
     void begin_exact(std::uint32_t bank) {
         bounded_ = false;
         bank_ = bank;
@@ -99,9 +101,9 @@ public:
         return false;
     }
 
-    /// Work that is independent of everything issued before join(): in bounded steps on a stream of its own,
-    /// where the GPU has room beside what comes. It is done as a whole, or not at all if a list has outgrown its room
-    /// before.
+    /// Work that is independent of everything issued before join(): in bounded steps on a stream of
+    /// its own, where the GPU has room beside what comes. It is done as a whole, or not at all if a
+    /// list has outgrown its room before.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
@@ -129,8 +131,9 @@ public:
     template <class F>
     void for_each(const char*, Count n, const F& stage) {
         if (n.bound == 0) return;
-        const std::uint32_t threads =
-            n.bound < cuda::many_items || cuda::is_uneven<F>() ? cuda::few_threads : cuda::block_threads;
+        const std::uint32_t threads = n.bound < cuda::many_items || cuda::is_uneven<F>()
+                                          ? cuda::few_threads
+                                          : cuda::block_threads;
         cuda::run_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
         cuda::check(cudaGetLastError(), "a launch");
     }
@@ -143,7 +146,8 @@ public:
             (for_each(name, n, stages), ...);
     }
 
-    Count exclusive_scan(const char* name, Count n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+    Count exclusive_scan(const char* name, Count n, View<const std::uint32_t> in,
+                         View<std::uint32_t> out) {
         if (n.bound == 0) return next_total_of_nothing(name);
         const cuda::CountAt count{items(n), in.data};
         const cuda::NoteTotal to = next_total(name, 0xffffffffu);
@@ -152,10 +156,13 @@ public:
             cuda::check(cudaGetLastError(), "a launch");
             return noted(name, to);
         }
-        const auto counts = thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), count);
-        const auto offsets = thrust::make_tabulate_output_iterator(cuda::WriteOffset{count, out.data, to});
+        const auto counts = thrust::make_transform_iterator(
+            thrust::counting_iterator<std::uint32_t>(0), count);
+        const auto offsets = thrust::make_tabulate_output_iterator(
+            cuda::WriteOffset{count, out.data, to});
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets, static_cast<int>(n.bound), stream_);
+            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets,
+                                                 static_cast<int>(n.bound), stream_);
         });
         return noted(name, to);
     }
@@ -188,33 +195,38 @@ public:
         const cuda::WantedAt<F> is_wanted{items(n), wanted};
         const cuda::NoteTotal to = next_total(name, n.bound);
         if (n.bound <= cuda::short_list) {
-            cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data, to);
+            cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data,
+                                                                                to);
             cuda::check(cudaGetLastError(), "a launch");
             return noted(name, to);
         }
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0),
-                                         thrust::make_transform_output_iterator(out.data, cuda::ListedAt<F>{wanted}),
-                                         thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound), is_wanted,
-                                         stream_);
+            return cub::DeviceSelect::If(
+                scratch, bytes, thrust::counting_iterator<std::uint32_t>(0),
+                thrust::make_transform_output_iterator(out.data, cuda::ListedAt<F>{wanted}),
+                thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound), is_wanted,
+                stream_);
         });
         return noted(name, to);
     }
 
-    void sort(const char*, Count n, int bits, View<std::uint64_t> keys, View<const std::uint32_t> values,
-              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+    void sort(const char*, Count n, int bits, View<std::uint64_t> keys,
+              View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
+              View<std::uint32_t> sorted_values) {
         if (n.bound == 0) return;
         if (n.bound <= cuda::counted_list) {
             const std::uint32_t blocks = (n.bound - 1) / cuda::counted_keys + 1;
-            cuda::sort_by_counting<<<blocks, cuda::counted_keys * cuda::counted_parts, 0, stream_>>>(
-                items(n), keys.data, values.data, sorted_keys.data, sorted_values.data);
+            cuda::
+                sort_by_counting<<<blocks, cuda::counted_keys * cuda::counted_parts, 0, stream_>>>(
+                    items(n), keys.data, values.data, sorted_keys.data, sorted_values.data);
             return cuda::check(cudaGetLastError(), "a launch");
         }
         if (bits <= 32) return sort_narrow(n, bits, keys, values, sorted_keys, sorted_values);
         if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceRadixSort::SortPairs(scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
-                                                   sorted_values.data, static_cast<int>(n.bound), 0, bits, stream_);
+            return cub::DeviceRadixSort::SortPairs(
+                scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
+                sorted_values.data, static_cast<int>(n.bound), 0, bits, stream_);
         });
     }
 
@@ -275,7 +287,8 @@ public:
 
     template <class T>
     void copy(T* to, const T* from, std::size_t count, cudaMemcpyKind kind) const {
-        if (count > 0) cuda::check(cudaMemcpyAsync(to, from, count * sizeof(T), kind, stream_), "a copy");
+        if (count > 0)
+            cuda::check(cudaMemcpyAsync(to, from, count * sizeof(T), kind, stream_), "a copy");
     }
 
     template <class T>
@@ -307,7 +320,8 @@ private:
     /// Where the next total goes. `most`: what it can be at most.
     cuda::NoteTotal next_total(const char* name, std::uint32_t most) {
         wait_for_lists();
-        if (bounded_ && next_ + 1 == most_totals) throw std::logic_error("a step has more totals than there is room for");
+        if (bounded_ && next_ + 1 == most_totals)
+            throw std::logic_error("a step has more totals than there is room for");
         // Exact steps may have any number of totals: nobody reads them later.
         std::uint32_t* const place = totals_.data() + bank_ * most_totals + next_ % most_totals;
         return {bounded_ ? min_of(bounds_.at(name), most) : most, place, overflow_.data()};
@@ -324,8 +338,9 @@ private:
         return *host;
     }
 
-    /// What a total may come to in bounded steps: what it has come to so far, in any exact step, and some more. A total that
-    /// is small now and large then does not make every other step come twice.
+    /// What a total may come to in bounded steps: what it has come to so far, in any exact step,
+    /// and some more. A total that is small now and large then does not make every other step come
+    /// twice.
     void grow_bound(const char* name, std::uint32_t bound) {
         std::uint32_t& known = bounds_[name];
         known = max_of(bound, known);
@@ -333,7 +348,8 @@ private:
 
     template <class T>
     void clear(Buffer<T>& buffer) const {
-        cuda::check(cudaMemsetAsync(buffer.data(), 0, buffer.size() * sizeof(T), stream_), "clearing device memory");
+        cuda::check(cudaMemsetAsync(buffer.data(), 0, buffer.size() * sizeof(T), stream_),
+                    "clearing device memory");
     }
 
     /// Before anything is emitted: once in a bounded step, in which every list is emitted once.
@@ -342,8 +358,10 @@ private:
     }
 
     template <class F, class... T>
-    void launch_emit(const char* name, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
-        const std::uint32_t threads = n.bound < cuda::many_emitting ? cuda::few_threads : cuda::block_threads;
+    void launch_emit(const char* name, Count n, const F& finder, const cuda::NoteTotal& to,
+                     T*... lists) {
+        const std::uint32_t threads = n.bound < cuda::many_emitting ? cuda::few_threads
+                                                                    : cuda::block_threads;
         const std::uint32_t blocks = (n.bound - 1) / threads + 1;
         Buffer<std::uint64_t>& sums = sums_of_blocks_[name];
         if (sums.size() < blocks) {
@@ -363,28 +381,35 @@ private:
     void add_up(Count n, const F& term, Sum<T>& sum) {
         const std::uint32_t blocks = min_of((n.bound - 1) / threads + 1, cuda::most_sums);
         scratch_.resize(static_cast<std::uint32_t>(cuda::most_sums * sizeof(T)));
-        cuda::add_up<threads><<<blocks, threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
-                                                               blocks_done_.data() + is_beside_, sum.data());
+        cuda::add_up<threads>
+            <<<blocks, threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
+                                              blocks_done_.data() + is_beside_, sum.data());
         cuda::check(cudaGetLastError(), "a launch");
     }
 
-    /// Sorts keys by half of what they take, as they have no more bits: less for every pass to move.
-    void sort_narrow(Count n, int bits, View<const std::uint64_t> keys, View<const std::uint32_t> values,
-                     View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
-        const auto sort = [&](void* scratch, std::size_t& bytes, const std::uint32_t* from, std::uint32_t* to) {
-            cuda::check(cub::DeviceRadixSort::SortPairs(scratch, bytes, from, to, values.data, sorted_values.data,
-                                                        static_cast<int>(n.bound), 0, bits, stream_),
+    /// Sorts keys by half of what they take, as they have no more bits: less for every pass to
+    /// move.
+    void sort_narrow(Count n, int bits, View<const std::uint64_t> keys,
+                     View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
+                     View<std::uint32_t> sorted_values) {
+        const auto sort = [&](void* scratch, std::size_t& bytes, const std::uint32_t* from,
+                              std::uint32_t* to) {
+            cuda::check(cub::DeviceRadixSort::SortPairs(
+                            scratch, bytes, from, to, values.data, sorted_values.data,
+                            static_cast<int>(n.bound), 0, bits, stream_),
                         "a sort");
         };
         std::size_t bytes = 0;
         sort(nullptr, bytes, nullptr, nullptr);
         constexpr std::size_t word = sizeof(std::uint32_t);
-        const std::size_t begin = (bytes + word - 1) / word;  // of what follows the sort's own scratch memory
+        const std::size_t begin = (bytes + word - 1) / word;  // of what follows the sort's own
+                                                              // scratch memory
         scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound)));
         std::uint32_t* const narrow = reinterpret_cast<std::uint32_t*>(scratch_.data()) + begin;
         for_each("narrow_keys", n.bound, cuda::NarrowKey{items(n), keys.data, narrow});
         sort(scratch_.data(), bytes, narrow, narrow + n.bound);
-        for_each("widen_keys", n.bound, cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
+        for_each("widen_keys", n.bound,
+                 cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
     }
 
     /// What comes beside follows what has come so far.
@@ -417,12 +442,14 @@ private:
     cudaStream_t stream_ = nullptr;
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
-    std::map<std::string_view, std::uint32_t> bounds_;                  ///< of totals, by the name of their operation
+    std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their
+                                                        ///< operation
     std::map<std::string_view, Buffer<std::uint64_t>> sums_of_blocks_;  ///< likewise
     Buffer<std::uint32_t> totals_;
-    Buffer<std::uint32_t> epoch_;           ///< of the sums of blocks
-    Buffer<std::uint32_t> blocks_done_;     ///< of a reduction, and of one beside the rest
-    Buffer<std::uint32_t> overflow_;        ///< has a total overflowed? and, had one when the work beside began?
+    Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks
+    Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of one beside the rest
+    Buffer<std::uint32_t> overflow_;  ///< has a total overflowed? and, had one when the work beside
+                                      ///< began?
     std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
     Buffer<std::byte> scratch_;
     /// What work beside the rest has of its own.

@@ -12,9 +12,10 @@
 
 namespace pierce::cuda {
 
-/// An array in device memory, from the device's current memory pool (cudaDeviceSetMemPool chooses it). It grows and never
-/// shrinks, so that steady steps allocate nothing; what is in it stays, what is new is not initialized. Growing waits for
-/// the device, so that all streams may use what was allocated on the default one.
+/// An array in device memory, from the device's current memory pool (cudaDeviceSetMemPool chooses
+/// it). It grows and never shrinks, so that steady steps allocate nothing; what is in it stays,
+/// what is new is not initialized. Growing waits for the device, so that all streams may use what
+/// was allocated on the default one.
 template <class T>
 class DeviceBuffer {
     static_assert(std::is_trivially_destructible_v<T>);
@@ -27,7 +28,8 @@ public:
         return *this;
     }
     ~DeviceBuffer() {
-        if (data_ == nullptr) return;  // while a step is captured, buffers are exchanged, and CUDA forbids to wait
+        if (data_ == nullptr)
+            return;  // while a step is captured, buffers are exchanged, and CUDA forbids to wait
         cudaDeviceSynchronize();
         cudaFreeAsync(data_, nullptr);
     }
@@ -55,10 +57,12 @@ private:
     void grow(std::size_t least) {
         const std::size_t capacity = std::max(least, capacity_ + capacity_ / 2);
         T* larger = nullptr;
-        check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr), "allocation of device memory");
+        check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr),
+              "allocation of device memory");
         check(cudaDeviceSynchronize(), "waiting for the device");
         if (count_.bound > 0)
-            check(cudaMemcpyAsync(larger, data_, count_.bound * sizeof(T), cudaMemcpyDeviceToDevice, nullptr),
+            check(cudaMemcpyAsync(larger, data_, count_.bound * sizeof(T), cudaMemcpyDeviceToDevice,
+                                  nullptr),
                   "copy on the device");
         if (data_ != nullptr) check(cudaFreeAsync(data_, nullptr), "return of device memory");
         check(cudaStreamSynchronize(nullptr), "waiting for the device");
@@ -76,13 +80,16 @@ DeviceCount count_of(const DeviceBuffer<T>& buffer) {
     return buffer.count();
 }
 
-/// One value that the device writes and the host reads once the device is done: host memory that both see.
+/// One value that the device writes and the host reads once the device is done: host memory that
+/// both see.
 template <class T>
 class SharedValue {
     static_assert(std::is_trivially_copyable_v<T>);
 
 public:
-    SharedValue() { check(cudaHostAlloc(&data_, sizeof(T), cudaHostAllocMapped), "allocation of pinned memory"); }
+    SharedValue() {
+        check(cudaHostAlloc(&data_, sizeof(T), cudaHostAllocMapped), "allocation of pinned memory");
+    }
     SharedValue(SharedValue&& other) noexcept : data_(std::exchange(other.data_, nullptr)) {}
     ~SharedValue() { cudaFreeHost(data_); }
 

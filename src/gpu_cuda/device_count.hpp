@@ -17,9 +17,11 @@ struct DeviceCount {
     DeviceCount(std::uint32_t most, const std::uint32_t* number, std::uint32_t times)
         : bound(most), exact(number), factor(times) {}
 
-    /// For parts of a step that cannot do without the number. Throws std::logic_error where the host does not know it.
+    /// For parts of a step that cannot do without the number. Throws std::logic_error where the
+    /// host does not know it.
     operator std::uint32_t() const {
-        if (exact != nullptr) throw std::logic_error("a count that only the device knows was used on the host");
+        if (exact != nullptr)
+            throw std::logic_error("a count that only the device knows was used on the host");
         return bound;
     }
 

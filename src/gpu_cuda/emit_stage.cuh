@@ -6,18 +6,21 @@
 /// Lists of what stages find, found and written in one launch.
 namespace pierce::cuda {
 
-/// Items from which those who emit a list come in large blocks: small ones would wait for each other.
+/// Items from which those who emit a list come in large blocks: small ones would wait for each
+/// other.
 inline constexpr std::uint32_t many_emitting = 1u << 15;
 
-/// What the blocks of a launch add up to, a word for each: its own sum at first, then that of all up to it. A word is read
-/// and written whole. `epoch` differs from launch to launch, so that words of earlier ones need not be cleared.
+/// What the blocks of a launch add up to, a word for each: its own sum at first, then that of all
+/// up to it. A word is read and written whole. `epoch` differs from launch to launch, so that words
+/// of earlier ones need not be cleared.
 struct BlockSums {
     std::uint64_t* words;
     const std::uint32_t* epoch;
 
-    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are looked back for, a warp
-    /// of them at a time, until one knows the sum of all before it (Merrill and Garland 2016, decoupled look-back). Blocks
-    /// start in their order, so those waited for are under way.
+    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are
+    /// looked back for, a warp of them at a time, until one knows the sum of all before it (Merrill
+    /// and Garland 2016, decoupled look-back). Blocks start in their order, so those waited for are
+    /// under way.
     __device__ std::uint32_t before(std::uint32_t sum) const {
         const std::uint32_t block = blockIdx.x, lane = threadIdx.x % warp_threads, now = *epoch;
         if (lane == 0) write(block, now, block == 0, sum);
@@ -41,13 +44,15 @@ struct BlockSums {
     }
 
 private:
-    __device__ void write(std::uint32_t block, std::uint32_t now, bool is_of_all, std::uint32_t sum) const {
-        static_cast<volatile std::uint64_t*>(words)[block] = std::uint64_t{now} << 33 | std::uint64_t{is_of_all} << 32 | sum;
+    __device__ void write(std::uint32_t block, std::uint32_t now, bool is_of_all,
+                          std::uint32_t sum) const {
+        static_cast<volatile std::uint64_t*>(words)[block] = std::uint64_t{now} << 33 |
+                                                             std::uint64_t{is_of_all} << 32 | sum;
     }
 };
 
-/// Per total: none so far. Begins a launch that emits a list, or several with words and totals of their own. No epoch is
-/// zero, which is what new words are.
+/// Per total: none so far. Begins a launch that emits a list, or several with words and totals of
+/// their own. No epoch is zero, which is what new words are.
 struct BeginLists {
     std::uint32_t* totals;
     std::uint32_t* epoch;
@@ -58,7 +63,8 @@ struct BeginLists {
     }
 };
 
-/// How much room there is for what items find, and where it is said how many things there are: also if there is not room.
+/// How much room there is for what items find, and where it is said how many things there are: also
+/// if there is not room.
 struct Emitted {
     std::uint32_t room;
     std::uint32_t* total;  ///< zero at first
@@ -67,8 +73,9 @@ struct Emitted {
     bool in_order;
 };
 
-/// Blocks up to which what they find is listed in order, also where nobody asks: contacts of a list that is nearly sorted
-/// are sooner sorted. A block waits for those before it, which takes longer than the work where they are many.
+/// Blocks up to which what they find is listed in order, also where nobody asks: contacts of a list
+/// that is nearly sorted are sooner sorted. A block waits for those before it, which takes longer
+/// than the work where they are many.
 inline constexpr std::uint32_t few_blocks = 512;
 
 /// True for a stage that says what is in its lists past the last thing.
@@ -77,10 +84,12 @@ constexpr bool pads() {
     return requires(const F& finder, T*... lists) { finder.pad(0u, lists...); };
 }
 
-/// Writes what items find; nothing by a block for which there is not room enough. Without lists things are only counted.
+/// Writes what items find; nothing by a block for which there is not room enough. Without lists
+/// things are only counted.
 template <class F, class... T>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
-    emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to, T* const... lists) {
+    emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to,
+               T* const... lists) {
     __shared__ std::uint32_t of_warps[block_warps], begin;
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     const std::uint32_t lane = threadIdx.x % warp_threads, warp = threadIdx.x / warp_threads;
@@ -114,12 +123,15 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
     }
     __syncthreads();
     if constexpr (sizeof...(T) > 0)
-        if (is_item && sum > 0 && begin + sum <= to.room) finder.write(i, found, begin + place, lists...);
-    // A function, as nvcc 13.0 answers a `requires` of a pack once, for the launch without lists, and never asks again.
+        if (is_item && sum > 0 && begin + sum <= to.room)
+            finder.write(i, found, begin + place, lists...);
+    // A function, as nvcc 13.0 answers a `requires` of a pack once, for the launch without lists,
+    // and never asks again.
     if constexpr (pads<F, T...>()) {
         static_assert(in_order<F>(), "the last block knows where the list ends");
         if (blockIdx.x + 1 == gridDim.x)
-            for (std::uint32_t k = begin + sum + threadIdx.x; k < to.room; k += blockDim.x) finder.pad(k, lists...);
+            for (std::uint32_t k = begin + sum + threadIdx.x; k < to.room; k += blockDim.x)
+                finder.pad(k, lists...);
     }
 }
 

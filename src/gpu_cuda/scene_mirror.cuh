@@ -22,7 +22,8 @@ struct BodyChange {
     bool active = true;
 };
 
-/// Per body: takes over what the host has changed. Where deforming bodies are is found out by the step.
+/// Per body: takes over what the host has changed. Where deforming bodies are is found out by the
+/// step.
 struct ApplyChange {
     View<const BodyChange> changes;
     View<BodyView> bodies;
@@ -104,7 +105,8 @@ private:
         View<const T> add(CudaExecutor& executor, View<const T> host) {
             DeviceBuffer<std::byte> copy;
             copy.resize(static_cast<std::uint32_t>(host.size * sizeof(T)));
-            executor.copy(reinterpret_cast<T*>(copy.data()), host.data, host.size, cudaMemcpyHostToDevice);
+            executor.copy(reinterpret_cast<T*>(copy.data()), host.data, host.size,
+                          cudaMemcpyHostToDevice);
             buffers_.push_back(std::move(copy));
             return {reinterpret_cast<const T*>(buffers_.back().data()), host.size};
         }
@@ -151,7 +153,8 @@ private:
         std::vector<SeenPatch> shapes;
         seen_of_body_.assign(host.bodies.size, {});
         for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
-            seen_of_body_[b] = {host.ids[b], static_cast<std::uint32_t>(shapes.size()), host.seen[b].size};
+            seen_of_body_[b] = {host.ids[b], static_cast<std::uint32_t>(shapes.size()),
+                                host.seen[b].size};
             shapes.insert(shapes.end(), host.seen[b].begin(), host.seen[b].end());
         }
         positions_.resize(vertices);
@@ -192,8 +195,11 @@ private:
         executor_.upload(std::span<const View<Offsets>>(patch_views), patch_views_);
         executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
-        executor_.upload(std::span<const BlockItem>(host.block_items.begin(), host.block_items.end()), block_items_);
-        executor_.upload(std::span<const BlockRange>(host.ranges.begin(), host.ranges.end()), ranges_);
+        executor_.upload(
+            std::span<const BlockItem>(host.block_items.begin(), host.block_items.end()),
+            block_items_);
+        executor_.upload(std::span<const BlockRange>(host.ranges.begin(), host.ranges.end()),
+                         ranges_);
         sent_version_.assign(host.bodies.size, 0);
         revision_ = host.plan->revision;
         scene_ = {.bodies = view_of(bodies_),
@@ -222,16 +228,19 @@ private:
                 staged_changes_[b].start = host[b].device_start;
                 continue;
             }
-            if (host[b].motion != Motion::deforming || sent_version_[b] == host[b].positions_version) continue;
+            if (host[b].motion != Motion::deforming ||
+                sent_version_[b] == host[b].positions_version)
+                continue;
             sent_version_[b] = host[b].positions_version;
             if (!host[b].active) continue;
-            executor_.copy(positions_.data() + first_vertex_[b], host[b].positions.data, host[b].positions.size,
-                           cudaMemcpyHostToDevice);
-            executor_.copy(starts_.data() + first_vertex_[b], host[b].start.data, host[b].start.size,
-                           cudaMemcpyHostToDevice);
+            executor_.copy(positions_.data() + first_vertex_[b], host[b].positions.data,
+                           host[b].positions.size, cudaMemcpyHostToDevice);
+            executor_.copy(starts_.data() + first_vertex_[b], host[b].start.data,
+                           host[b].start.size, cudaMemcpyHostToDevice);
         }
         executor_.upload(std::span<const BodyChange>(staged_changes_), changes_);
-        executor_.for_each("apply_changes", host.size, ApplyChange{view_of(changes_), view_of(bodies_)});
+        executor_.for_each("apply_changes", host.size,
+                           ApplyChange{view_of(changes_), view_of(bodies_)});
     }
 
     CudaExecutor& executor_;

@@ -11,25 +11,29 @@
 #include "gpu_cuda/device_count.hpp"
 #include "pierce/min_max.hpp"
 
-/// What the executor launches: a thread an item, lists continued past their end for CUB, sums, and short lists scanned and
-/// selected from by one block. Lists that stages emit are in emit_stage.cuh, short sorts in counting_sort.cuh.
+/// What the executor launches: a thread an item, lists continued past their end for CUB, sums, and
+/// short lists scanned and selected from by one block. Lists that stages emit are in
+/// emit_stage.cuh, short sorts in counting_sort.cuh.
 namespace pierce::cuda {
 
-/// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small ones would keep the GPU
-/// waiting for the next block to start: one starts in about 0.7 ns.
-inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads, many_items = 1u << 18;
+/// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small
+/// ones would keep the GPU waiting for the next block to start: one starts in about 0.7 ns.
+inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads,
+                               many_items = 1u << 18;
 
-/// So few items have their stages in one launch: it takes their thread all registers that one of them asks for, but all
-/// items are under way at once all the same.
+/// So few items have their stages in one launch: it takes their thread all registers that one of
+/// them asks for, but all items are under way at once all the same.
 inline constexpr std::uint32_t few_items = 1u << 15;
 
 /// Groups of sixteen up to which a thread each of the sixteen pays: they all run at once.
 inline constexpr std::uint32_t few_sixteens = 1u << 13;
 
-/// Lists up to this long are scanned and selected from by one block: launches cost more than the work.
+/// Lists up to this long are scanned and selected from by one block: launches cost more than the
+/// work.
 inline constexpr std::uint32_t short_list = 1u << 14;
 
-/// The number of items, on the device; none once a list of the step has outgrown its room, so that nobody writes past it.
+/// The number of items, on the device; none once a list of the step has outgrown its room, so that
+/// nobody writes past it.
 struct Items {
     std::uint32_t bound = 0;
     const std::uint32_t* exact = nullptr;
@@ -44,8 +48,8 @@ struct Items {
     }
 };
 
-/// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room for each. A stage may
-/// say how many threads (`static constexpr int threads_at_once`).
+/// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room
+/// for each. A stage may say how many threads (`static constexpr int threads_at_once`).
 template <class F>
 constexpr int blocks_at_once() {
     if constexpr (requires { F::threads_at_once; })
@@ -54,8 +58,8 @@ constexpr int blocks_at_once() {
         return 1;
 }
 
-/// True for a stage whose threads take very different times (`static constexpr bool is_uneven = true`): a small block makes
-/// room for the next one sooner.
+/// True for a stage whose threads take very different times (`static constexpr bool is_uneven =
+/// true`): a small block makes room for the next one sooner.
 template <class F>
 constexpr bool is_uneven() {
     if constexpr (requires { F::is_uneven; })
@@ -128,7 +132,9 @@ struct CountAt {
     Items items;
     const std::uint32_t* in;
 
-    __device__ std::uint32_t operator()(std::uint32_t i) const { return i < items.count() ? in[i] : 0; }
+    __device__ std::uint32_t operator()(std::uint32_t i) const {
+        return i < items.count() ? in[i] : 0;
+    }
 };
 
 template <class F>
@@ -155,8 +161,8 @@ struct FillWith {
     __device__ void operator()(std::uint32_t i) const { items[i] = value; }
 };
 
-/// A total: of a scan, or how many a selection has listed. No more than there is room for is kept; `overflow` says if there
-/// was not.
+/// A total: of a scan, or how many a selection has listed. No more than there is room for is kept;
+/// `overflow` says if there was not.
 struct NoteTotal {
     std::uint32_t room;
     std::uint32_t* total;
@@ -191,17 +197,19 @@ struct Plus {
     }
 };
 
-/// Adds up the terms of all items, in an order that depends on nothing but the launch: every block those of its threads, and
-/// the last one to be done the sums of all blocks. `done`: how many blocks are; zero before and after.
+/// Adds up the terms of all items, in an order that depends on nothing but the launch: every block
+/// those of its threads, and the last one to be done the sums of all blocks. `done`: how many
+/// blocks are; zero before and after.
 template <std::uint32_t threads, class F, class T>
-__global__ void __launch_bounds__(threads)
-    add_up(const __grid_constant__ F term, const Items items, T* sums, std::uint32_t* done, T* total) {
+__global__ void __launch_bounds__(threads) add_up(const __grid_constant__ F term, const Items items,
+                                                  T* sums, std::uint32_t* done, T* total) {
     using Reduce = cub::BlockReduce<T, threads>;
     __shared__ typename Reduce::TempStorage scratch;
     __shared__ bool is_last;
     const std::uint32_t count = items.count();
     T sum{};
-    for (std::uint32_t i = blockIdx.x * threads + threadIdx.x; i < count; i += gridDim.x * threads) sum = sum + term(i);
+    for (std::uint32_t i = blockIdx.x * threads + threadIdx.x; i < count; i += gridDim.x * threads)
+        sum = sum + term(i);
     sum = Reduce(scratch).Reduce(sum, Plus{});
     if (threadIdx.x == 0) {
         sums[blockIdx.x] = sum;
@@ -231,7 +239,8 @@ inline __global__ void __launch_bounds__(scan_threads)
     for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
         const std::uint32_t first = begin + threadIdx.x * scan_items;
         std::uint32_t items[scan_items];  // read without asking for the list's length each time
-        for (std::uint32_t k = 0; k < scan_items; ++k) items[k] = first + k < count ? in.in[first + k] : 0;
+        for (std::uint32_t k = 0; k < scan_items; ++k)
+            items[k] = first + k < count ? in.in[first + k] : 0;
         std::uint32_t part = 0;
         Scan(scratch).ExclusiveSum(items, items, part);
         for (std::uint32_t k = 0; k < scan_items; ++k)
@@ -245,7 +254,8 @@ inline __global__ void __launch_bounds__(scan_threads)
 /// Lists the wanted items by one block, and notes how many they are.
 template <class F>
 __global__ void __launch_bounds__(scan_threads)
-    select_from_short_list(const __grid_constant__ WantedAt<F> wanted, std::uint32_t* out, const NoteTotal to) {
+    select_from_short_list(const __grid_constant__ WantedAt<F> wanted, std::uint32_t* out,
+                           const NoteTotal to) {
     using Scan = cub::BlockScan<std::uint32_t, scan_threads, cub::BLOCK_SCAN_WARP_SCANS>;
     __shared__ typename Scan::TempStorage scratch;
     const std::uint32_t count = wanted.items.count();

@@ -19,7 +19,8 @@ double angle_between(Vec3d a, Vec3d b) { return std::atan2(length(cross(a, b)), 
 
 }  // namespace
 
-AccuracyCount::AccuracyCount(const Recording& recording, bool names_vertices) : names_vertices_(names_vertices) {
+AccuracyCount::AccuracyCount(const Recording& recording, bool names_vertices)
+    : names_vertices_(names_vertices) {
     for (const RecordedBody& body : recording.bodies) {
         Box box;
         for (Vec3f p : recording.meshes[body.mesh].data.positions) box.extend(to_double(p));
@@ -30,11 +31,13 @@ AccuracyCount::AccuracyCount(const Recording& recording, bool names_vertices) : 
 void AccuracyCount::add(const TrueFrame& truth, std::span<const MethodContact> contacts) {
     Accuracy& sum = accuracy_;
     std::map<BodyPair, double> found, deepest;
-    std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, const MethodContact*> by_vertex;
+    std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, const MethodContact*>
+        by_vertex;
     for (const MethodContact& c : contacts) {
         double& depth = found[{c.a, c.b}];
         depth = std::max(depth, c.depth);
-        if (c.vertex != no_vertex) by_vertex[{c.source, c.source == c.a ? c.b : c.a, c.vertex}] = &c;
+        if (c.vertex != no_vertex)
+            by_vertex[{c.source, c.source == c.a ? c.b : c.a, c.vertex}] = &c;
     }
     sum.pairs += truth.overlapping.size();
     for (const BodyPair& pair : truth.overlapping) sum.missed_pairs += !found.contains(pair);
@@ -61,7 +64,8 @@ void AccuracyCount::add(const TrueFrame& truth, std::span<const MethodContact> c
         sum.depth_ratios.push_back(at->second->depth / v.depth);
         sum.normal_errors.push_back(angle_between(at->second->normal, normal));
     }
-    const auto claimed = std::ranges::count_if(by_vertex, [](const auto& entry) { return entry.second->depth > 0; });
+    const auto claimed = std::ranges::count_if(
+        by_vertex, [](const auto& entry) { return entry.second->depth > 0; });
     sum.false_vertices += static_cast<std::size_t>(claimed) - named;
     for (const auto& [pair, depth] : deepest) {
         const auto at = found.find(pair);

@@ -19,11 +19,12 @@ struct Accuracy {
     std::uint64_t false_vertices = 0;   ///< found with some depth, but not inside
     double depth = 0;                   ///< [length] summed over the vertices inside
     double missed_depth = 0;            ///< [length] summed over the missed ones
-    double missed_pair_depth = 0;       ///< [length] summed over the vertices inside of missed pairs
-    std::vector<double> depth_ratios;   ///< per vertex found: its contact's depth over the true one
-    std::vector<double> normal_errors;  ///< [rad] per vertex found: between its contact's normal and the way out
-    double pair_depth = 0;              ///< [length] summed over pairs found: of their deepest vertex
-    double found_pair_depth = 0;        ///< [length] of their deepest contact
+    double missed_pair_depth = 0;      ///< [length] summed over the vertices inside of missed pairs
+    std::vector<double> depth_ratios;  ///< per vertex found: its contact's depth over the true one
+    std::vector<double> normal_errors;  ///< [rad] per vertex found: between its contact's normal
+                                        ///< and the way out
+    double pair_depth = 0;        ///< [length] summed over pairs found: of their deepest vertex
+    double found_pair_depth = 0;  ///< [length] of their deepest contact
 
     /// Part of the pairs that was missed [1].
     double missed_pairs_share() const {
@@ -31,18 +32,21 @@ struct Accuracy {
     }
     /// Part of the vertices that was missed [1].
     double missed_vertex_share() const {
-        return vertices > 0 ? static_cast<double>(missed_vertices) / static_cast<double>(vertices) : 0;
+        return vertices > 0 ? static_cast<double>(missed_vertices) / static_cast<double>(vertices)
+                            : 0;
     }
     /// Parts of the depth that was missed [1].
     double missed_share() const { return depth > 0 ? missed_depth / depth : 0; }
     double missed_pair_share() const { return depth > 0 ? missed_pair_depth / depth : 0; }
-    /// How deep pairs are said to be, over how deep their vertices are [1]. Edges may be deeper than any vertex.
+    /// How deep pairs are said to be, over how deep their vertices are [1]. Edges may be deeper
+    /// than any vertex.
     double pair_depth_ratio() const { return pair_depth > 0 ? found_pair_depth / pair_depth : 0; }
 };
 
-/// Compares contact lists with the truth frame by frame. A method whose contacts name vertices has found a vertex if it
-/// names it; any other one if it has found the pair, which is generous. Depths and normals are compared where the true depth
-/// is ten touch tolerances or more: nearer to the surface they are rounding.
+/// Compares contact lists with the truth frame by frame. A method whose contacts name vertices has
+/// found a vertex if it names it; any other one if it has found the pair, which is generous. Depths
+/// and normals are compared where the true depth is ten touch tolerances or more: nearer to the
+/// surface they are rounding.
 class AccuracyCount {
 public:
     /// `names_vertices`: the method's contacts do.

@@ -11,7 +11,8 @@ std::vector<Ray> AimedRays::next(std::size_t count) {
     std::vector<Ray> rays(count);
     for (Ray& ray : rays) {
         const Triangle& t = mesh_.triangles[any(engine_)];
-        const Vec3d a = to_double(mesh_.positions[t.vertex[0]]), b = to_double(mesh_.positions[t.vertex[1]]);
+        const Vec3d a = to_double(mesh_.positions[t.vertex[0]]),
+                    b = to_double(mesh_.positions[t.vertex[1]]);
         const double along = aim_ == Aim::edges ? part(engine_) : 0;
         ray.origin = center_ + Vec3d{within(engine_), within(engine_), within(engine_)};
         const Vec3d way = (1 - along) * a + along * b - ray.origin;

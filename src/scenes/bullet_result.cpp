@@ -9,32 +9,42 @@
 
 namespace pierce::scenes {
 
-void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapping, const btDispatcherInfo& info,
+void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* overlapping,
+                                                const btDispatcherInfo& info,
                                                 btDispatcher* dispatcher) {
     const auto begin = std::chrono::steady_clock::now();
     btCollisionDispatcher::dispatchAllCollisionPairs(overlapping, info, dispatcher);
-    milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                             begin)
+                       .count();
     pairs = static_cast<std::uint32_t>(overlapping->getNumOverlappingPairs());
 }
 
-void register_baseline(btCollisionDispatcher& dispatcher) { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
+void register_baseline(btCollisionDispatcher& dispatcher) {
+    btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
+}
 
 std::vector<MethodContact> bullet_contacts(const btCollisionDispatcher& dispatcher,
-                                           const std::vector<bullet::BaselineShape>& shapes, Margin margins) {
+                                           const std::vector<bullet::BaselineShape>& shapes,
+                                           Margin margins) {
     std::vector<MethodContact> list;
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-        const btPersistentManifold& manifold = *const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
+        const btPersistentManifold& manifold = *const_cast<btCollisionDispatcher&>(dispatcher)
+                                                    .getManifoldByIndexInternal(m);
         const auto first = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
         const auto second = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
-        const double margin = margins == Margin::counts ? 0.0 : shapes[first].margin() + shapes[second].margin();
+        const double margin = margins == Margin::counts
+                                  ? 0.0
+                                  : shapes[first].margin() + shapes[second].margin();
         for (int i = 0; i < manifold.getNumContacts(); ++i) {
             const btManifoldPoint& point = manifold.getContactPoint(i);
             const double distance = point.getDistance() + margin;
             if (distance > 0) continue;
             // Bullet's normal points from its second body to its first.
             const Vec3d normal = bullet::from_bullet(point.m_normalWorldOnB);
-            MethodContact c{std::min(first, second),          std::max(first, second), 0, no_vertex, -distance,
-                            first < second ? -normal : normal};
+            MethodContact c{
+                std::min(first, second),          std::max(first, second), 0, no_vertex, -distance,
+                first < second ? -normal : normal};
             c.source = c.a;
             list.push_back(c);
         }
@@ -42,14 +52,16 @@ std::vector<MethodContact> bullet_contacts(const btCollisionDispatcher& dispatch
     return list;
 }
 
-FrameResult bullet_result(TimedDispatcher& dispatcher, const std::vector<bullet::BaselineShape>& shapes, Margin margins,
+FrameResult bullet_result(TimedDispatcher& dispatcher,
+                          const std::vector<bullet::BaselineShape>& shapes, Margin margins,
                           double detection_ms, double refit_ms, double epa_ms) {
     FrameResult result;
     result.update_ms = refit_ms + detection_ms - dispatcher.milliseconds;
     result.narrow_ms = dispatcher.milliseconds - epa_ms;
     result.response_ms = epa_ms;
     result.total_ms = refit_ms + detection_ms;
-    result.stages = {{"update", result.update_ms}, {"narrow", result.narrow_ms}, {"epa", result.response_ms}};
+    result.stages = {
+        {"update", result.update_ms}, {"narrow", result.narrow_ms}, {"epa", result.response_ms}};
     result.pairs = dispatcher.pairs;
     double sum = 0;
     for (const MethodContact& c : bullet_contacts(dispatcher, shapes, margins)) {

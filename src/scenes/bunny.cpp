@@ -21,10 +21,12 @@ std::filesystem::path data_folder() {
 }  // namespace
 
 SceneMesh bunny_mesh() {
-    const std::filesystem::path mesh_file = data_folder() / "bunny.off", pieces_file = data_folder() / "bunny_pieces.json";
+    const std::filesystem::path mesh_file = data_folder() / "bunny.off",
+                                pieces_file = data_folder() / "bunny_pieces.json";
     if (!std::filesystem::exists(mesh_file))
-        throw InputError("'" + mesh_file.string() +
-                         "' is missing: install libcgal-demo and build again, or set PIERCE_DATA_DIR");
+        throw InputError(
+            "'" + mesh_file.string() +
+            "' is missing: install libcgal-demo and build again, or set PIERCE_DATA_DIR");
     SceneMesh mesh{"bunny", read_mesh(mesh_file), {}};
     const Frame moved = to_principal_frame(mesh.data);
     std::ifstream pieces(pieces_file);
@@ -32,8 +34,8 @@ SceneMesh bunny_mesh() {
     for (const auto& piece : nlohmann::json::parse(pieces)) {
         std::vector<Vec3f>& points = mesh.convex_pieces.emplace_back();
         for (const auto& p : piece)
-            points.push_back(
-                to_float(moved.to_parent({p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()})));
+            points.push_back(to_float(moved.to_parent(
+                {p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()})));
     }
     return mesh;
 }

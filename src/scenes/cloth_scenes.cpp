@@ -13,15 +13,17 @@ namespace {
 
 using std::numbers::pi;
 
-/// Thickness of a sheet [distance of its vertices]: as thick as it can be without its own folds being in its way.
+/// Thickness of a sheet [distance of its vertices]: as thick as it can be without its own folds
+/// being in its way.
 constexpr double thickness_share = 0.1;
 
 /// Vertices along a side of the sheets, unless others are asked for.
 constexpr std::uint32_t plain_nodes = 20, plain_rings = 24;
 
-/// A step in which what falls or is led comes as far, in distances of vertices, as in the scene's own sheet in 1/60 s: about
-/// a third of one. In longer steps many layers would be passed at once. What a round over the links passes on is one link
-/// further: of finer sheets, more steps with as many rounds keep it as stiff.
+/// A step in which what falls or is led comes as far, in distances of vertices, as in the scene's
+/// own sheet in 1/60 s: about a third of one. In longer steps many layers would be passed at once.
+/// What a round over the links passes on is one link further: of finer sheets, more steps with as
+/// many rounds keep it as stiff.
 double step_for(std::uint32_t nodes, std::uint32_t plain) {
     return SceneSetup{}.dt * std::min(1.0, (plain - 1.0) / (nodes - 1.0));
 }
@@ -57,18 +59,21 @@ double eased(double time, double duration) {
 }  // namespace
 
 SceneSetup cloth_capsule(const SceneParameters& parameters) {
-    constexpr double width = 7.6, capsule_radius = 0.6, capsule_half_length = 0.5, height = 2.6, drop = 0.6;
+    constexpr double width = 7.6, capsule_radius = 0.6, capsule_half_length = 0.5, height = 2.6,
+                     drop = 0.6;
     const std::uint32_t nodes = nodes_or(parameters, plain_nodes);
     SceneSetup scene{"cloth-capsule",
                      {ground_below(8),
                       {"capsule", capsule(capsule_radius, capsule_half_length, 32, 10), {}},
                       {"sheet", grid(width, width, nodes, nodes), {}}},
-                     {{"ground", 0, Motion::fixed, {}, true}, {"capsule", 1, Motion::fixed, {{0, 0, height}, {}}, false}}};
+                     {{"ground", 0, Motion::fixed, {}, true},
+                      {"capsule", 1, Motion::fixed, {{0, 0, height}, {}}, false}}};
     scene.dt = step_for(nodes, plain_nodes);
     SceneBody sheet = sheet_body("sheet", 2, width / (nodes - 1), scene.dt);
     std::mt19937 random(parameters.seed);
     const double turn = 0.5 * pi * static_cast<double>(random()) / 4294967296.0;
-    sheet.pose = {{0.3, 0.2, height + capsule_radius + drop}, {0, 0, std::sin(0.5 * turn), std::cos(0.5 * turn)}};
+    sheet.pose = {{0.3, 0.2, height + capsule_radius + drop},
+                  {0, 0, std::sin(0.5 * turn), std::cos(0.5 * turn)}};
     scene.bodies.push_back(std::move(sheet));
     return scene;
 }
@@ -128,11 +133,13 @@ SceneSetup cloth_twist(const SceneParameters& parameters) {
     SceneBody sheet = sheet_body("tube", 0, 2 * pi * radius / rings, scene.dt);
     for (int side : {-1, 1}) {
         Guide end;
-        for (std::uint32_t i = 0; i < rings; ++i) end.vertices.push_back(side < 0 ? i : (rings - 1) * rings + i);
+        for (std::uint32_t i = 0; i < rings; ++i)
+            end.vertices.push_back(side < 0 ? i : (rings - 1) * rings + i);
         end.place = [=](Vec3d start, double time) -> std::optional<Vec3d> {
             const double part = eased(time, duration), angle = side * pi * turns * part;
             const double c = std::cos(angle), s = std::sin(angle);
-            return Vec3d{c * start.x - s * start.y, s * start.x + c * start.y, start.z - side * 0.5 * nearer * part};
+            return Vec3d{c * start.x - s * start.y, s * start.x + c * start.y,
+                         start.z - side * 0.5 * nearer * part};
         };
         sheet.guides.push_back(std::move(end));
     }
@@ -146,7 +153,8 @@ namespace {
 MeshData grooved_ball(std::uint32_t around) {
     constexpr double lip = 0.32, groove_radius = 0.35;
     const double step = 2 * pi / around;
-    std::vector<std::pair<double, double>> upper;  // radius and height from the pole to the bottom of the groove
+    std::vector<std::pair<double, double>> upper;  // radius and height from the pole to the bottom
+                                                   // of the groove
     const double lip_angle = std::asin(lip);
     const auto arc = static_cast<int>(std::lround((0.5 * pi - lip_angle) / step));
     for (int i = 1; i <= arc; ++i) {
@@ -157,10 +165,12 @@ MeshData grooved_ball(std::uint32_t around) {
     const auto wall = static_cast<int>(std::lround(inner / step));
     for (int i = 1; i <= wall; ++i) upper.emplace_back(std::cos(lip_angle) - i * inner / wall, lip);
     const auto floor = static_cast<int>(std::lround(lip / step));
-    for (int i = 1; i < floor; ++i) upper.emplace_back(groove_radius, lip * (1 - static_cast<double>(i) / floor));
+    for (int i = 1; i < floor; ++i)
+        upper.emplace_back(groove_radius, lip * (1 - static_cast<double>(i) / floor));
     std::vector<std::pair<double, double>> rings = upper;
     rings.emplace_back(groove_radius, 0);
-    for (std::size_t i = upper.size(); i-- > 0;) rings.emplace_back(upper[i].first, -upper[i].second);
+    for (std::size_t i = upper.size(); i-- > 0;)
+        rings.emplace_back(upper[i].first, -upper[i].second);
 
     MeshData mesh;
     mesh.positions.push_back({0, 0, 1});
@@ -187,13 +197,20 @@ MeshData grooved_ball(std::uint32_t around) {
 SceneSetup ball_squash(const SceneParameters& parameters) {
     constexpr double half_width = 2, plate = 0.5, gap = 0.02, press = 0.75, duration = 2.0;
     const std::uint32_t around = parameters.nodes == 0 ? 40 : std::max(parameters.nodes, 16u);
-    const MeshData plate_mesh = box({-half_width, -half_width, -0.5 * plate}, {half_width, half_width, 0.5 * plate});
+    const MeshData plate_mesh = box({-half_width, -half_width, -0.5 * plate},
+                                    {half_width, half_width, 0.5 * plate});
     SceneSetup scene{
-        "ball-squash", {{"plate", plate_mesh, {plate_mesh.positions}}, {"ball", grooved_ball(around), {}}}, {}, 0};
+        "ball-squash",
+        {{"plate", plate_mesh, {plate_mesh.positions}}, {"ball", grooved_ball(around), {}}},
+        {},
+        0};
     for (int side : {-1, 1}) {
         const double start = side * (1 + gap + 0.5 * plate);
-        SceneBody body{side < 0 ? "lower plate" : "upper plate", 0, Motion::fixed, {{0, 0, start}, {}}, false};
-        body.path = [=](double time) { return Pose{{0, 0, start - side * press * eased(time, duration)}, {}}; };
+        SceneBody body{
+            side < 0 ? "lower plate" : "upper plate", 0, Motion::fixed, {{0, 0, start}, {}}, false};
+        body.path = [=](double time) {
+            return Pose{{0, 0, start - side * press * eased(time, duration)}, {}};
+        };
         scene.bodies.push_back(std::move(body));
     }
     SceneBody ball{"ball", 1, Motion::deforming, {}, false};

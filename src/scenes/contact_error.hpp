@@ -9,7 +9,8 @@
 
 namespace pierce::scenes {
 
-/// How contacts of some method differ from those of another one on the same frames, added up over the frames.
+/// How contacts of some method differ from those of another one on the same frames, added up over
+/// the frames.
 struct ContactError {
     std::uint64_t expected = 0;      ///< contacts there are
     std::uint64_t missed = 0;        ///< of these, not found
@@ -26,7 +27,9 @@ struct ContactError {
     double missed_share() const { return depth > 0 ? missed_depth / depth : 0; }
     /// Part of the found contacts at another triangle [1].
     double wrong_share() const {
-        return expected > missed ? static_cast<double>(wrong) / static_cast<double>(expected - missed) : 0;
+        return expected > missed
+                   ? static_cast<double>(wrong) / static_cast<double>(expected - missed)
+                   : 0;
     }
 };
 

@@ -29,7 +29,8 @@ void look_for_itself(Recording& recording) {
         if (body.collision.sheet) continue;
         const SceneMesh& mesh = recording.meshes[body.mesh];
         body.collision.sheet = true;
-        body.collision.thickness = thickness_share * Mesh(mesh.name, mesh.data).traits().mean_edge_length;
+        body.collision.thickness = thickness_share *
+                                   Mesh(mesh.name, mesh.data).traits().mean_edge_length;
     }
 }
 
@@ -58,12 +59,14 @@ Recording crossing_layers(const CrossingMotionParameters& parameters) {
     std::vector<Vec3f> at(layers.vertex_count());
     for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
         const double time = f * parameters.dt;
-        const double down = 0.5 * sinks * layers.thickness * (1 - std::cos(2 * std::numbers::pi * time / period));
+        const double down = 0.5 * sinks * layers.thickness *
+                            (1 - std::cos(2 * std::numbers::pi * time / period));
         for (std::uint32_t s = 0; s < sheets; ++s) {
             layers.positions(s, time, at);
             std::vector<float>& values = recording.bodies[s].values;
             for (const Vec3f& p : at)
-                values.insert(values.end(), {p.x, p.y, static_cast<float>(p.z - (s % 2 == 1 ? down : 0.0))});
+                values.insert(values.end(),
+                              {p.x, p.y, static_cast<float>(p.z - (s % 2 == 1 ? down : 0.0))});
         }
     }
     return recording;
@@ -72,7 +75,8 @@ Recording crossing_layers(const CrossingMotionParameters& parameters) {
 }  // namespace
 
 std::span<const std::string> crossing_motion_names() {
-    static const std::vector<std::string> names{"cloth-capsule", "cloth-fold", "cloth-twist", "ball-squash", "layers"};
+    static const std::vector<std::string> names{"cloth-capsule", "cloth-fold", "cloth-twist",
+                                                "ball-squash", "layers"};
     return names;
 }
 

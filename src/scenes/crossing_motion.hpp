@@ -19,9 +19,10 @@ struct CrossingMotionParameters {
 /// The scenes of cloth by name: cloth-capsule, cloth-fold, cloth-twist, ball-squash and layers.
 std::span<const std::string> crossing_motion_names();
 
-/// A scene of cloth simulated without self-contact, so that there is something to find; in layers, every other sheet sinks
-/// through its neighbour and comes back. Every deforming body of the recording is a sheet that is looked for in itself.
-/// Throws InputError for an unknown name or a time that is not positive.
+/// A scene of cloth simulated without self-contact, so that there is something to find; in layers,
+/// every other sheet sinks through its neighbour and comes back. Every deforming body of the
+/// recording is a sheet that is looked for in itself. Throws InputError for an unknown name or a
+/// time that is not positive.
 Recording crossing_motion(const std::string& name, const CrossingMotionParameters& parameters = {});
 
 }  // namespace pierce::scenes

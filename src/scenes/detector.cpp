@@ -21,14 +21,18 @@ std::vector<Vec3f> start_positions(const SceneBody& body, const MeshData& mesh) 
 }
 
 /// Stages that keep boxes, pairs and trees up to date; all others are the narrow phase.
-bool is_update(const std::string& stage) { return stage == "bounds" || stage == "pairs" || stage == "update"; }
+bool is_update(const std::string& stage) {
+    return stage == "bounds" || stage == "pairs" || stage == "update";
+}
 
 class RayDetector : public Detector {
 public:
     RayDetector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
         : scene_(scene, std::move(backend), settings) {}
 
-    void set_pose(std::uint32_t body, const Pose& pose) override { scene_.world.set_pose(scene_.bodies[body], pose); }
+    void set_pose(std::uint32_t body, const Pose& pose) override {
+        scene_.world.set_pose(scene_.bodies[body], pose);
+    }
     void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
         scene_.world.set_positions(scene_.bodies[body], positions);
     }
@@ -41,7 +45,12 @@ public:
     std::vector<MethodContact> contacts() const override {
         std::vector<MethodContact> list;
         for (const Contact& c : scene_.world.contacts()) {
-            MethodContact m{scene_.index_of(c.a), scene_.index_of(c.b), 0, no_vertex, c.penetration_depth(), c.normal};
+            MethodContact m{scene_.index_of(c.a),
+                            scene_.index_of(c.b),
+                            0,
+                            no_vertex,
+                            c.penetration_depth(),
+                            c.normal};
             m.source = c.source == Side::a ? m.a : m.b;
             if (!c.is_edge()) m.vertex = c.vertex;
             list.push_back(m);
@@ -67,15 +76,19 @@ public:
                 throw InputError("only rays and gimpact can follow deforming bodies");
             MeshData data = mesh.data;
             if (deforms) data.positions = start_positions(body, mesh.data);
-            shapes_.push_back(body.ground ? bullet::BaselineShape::ground(data)
-                                          : bullet::BaselineShape(method, mesh.name, data, mesh.convex_pieces));
+            shapes_.push_back(
+                body.ground ? bullet::BaselineShape::ground(data)
+                            : bullet::BaselineShape(method, mesh.name, data, mesh.convex_pieces));
             auto object = std::make_unique<btCollisionObject>();
             object->setCollisionShape(&shapes_.back().shape());
             if (!deforms) object->setWorldTransform(bullet::to_bullet(body.pose));
             object->setUserIndex(static_cast<int>(objects_.size()));
             const bool fixed = body.motion == Motion::fixed;
-            if (fixed) object->setCollisionFlags(object->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT);
-            const int group = fixed ? btBroadphaseProxy::StaticFilter : btBroadphaseProxy::DefaultFilter;
+            if (fixed)
+                object->setCollisionFlags(object->getCollisionFlags() |
+                                          btCollisionObject::CF_STATIC_OBJECT);
+            const int group = fixed ? btBroadphaseProxy::StaticFilter
+                                    : btBroadphaseProxy::DefaultFilter;
             const int mask = fixed ? btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter
                                    : static_cast<int>(btBroadphaseProxy::AllFilter);
             world_.addCollisionObject(object.get(), group, mask);
@@ -94,19 +107,25 @@ public:
     void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
         const auto begin = std::chrono::steady_clock::now();
         shapes_[body].set_positions(positions);
-        refit_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        refit_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                               begin)
+                         .count();
     }
 
     FrameResult detect() override {
         configuration_.take_epa_milliseconds();
         const auto begin = std::chrono::steady_clock::now();
         world_.performDiscreteCollisionDetection();
-        const double all = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-        return bullet_result(dispatcher_, shapes_, Margin::left_out, all, std::exchange(refit_ms_, 0.0),
-                             configuration_.take_epa_milliseconds());
+        const double all = std::chrono::duration<double, std::milli>(
+                               std::chrono::steady_clock::now() - begin)
+                               .count();
+        return bullet_result(dispatcher_, shapes_, Margin::left_out, all,
+                             std::exchange(refit_ms_, 0.0), configuration_.take_epa_milliseconds());
     }
 
-    std::vector<MethodContact> contacts() const override { return bullet_contacts(dispatcher_, shapes_, Margin::left_out); }
+    std::vector<MethodContact> contacts() const override {
+        return bullet_contacts(dispatcher_, shapes_, Margin::left_out);
+    }
 
 private:
     bullet::TimedConfiguration configuration_;
@@ -121,11 +140,13 @@ private:
 /// Bullet's clusters of nodes: of every sheet with itself, and nothing else.
 class ClusterDetector : public Detector {
 public:
-    explicit ClusterDetector(const SceneSetup& scene) : sheets_(scene.bodies.size()), positions_(scene.bodies.size()) {
+    explicit ClusterDetector(const SceneSetup& scene)
+        : sheets_(scene.bodies.size()), positions_(scene.bodies.size()) {
         bool any = false;
         for (std::size_t b = 0; b < sheets_.size(); ++b) {
             if (!scene.bodies[b].collision.sheet) continue;
-            sheets_[b] = std::make_unique<SoftSheet>(info_, scene.bodies[b], scene.meshes[scene.bodies[b].mesh].data);
+            sheets_[b] = std::make_unique<SoftSheet>(info_, scene.bodies[b],
+                                                     scene.meshes[scene.bodies[b].mesh].data);
             sheets_[b]->collide_by_bullet();
             any = true;
         }
@@ -147,8 +168,9 @@ public:
             ++result.pairs;
             if (found > 0) result.touching.emplace_back(b, b);
         }
-        result.total_ms = result.narrow_ms =
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        result.total_ms = result.narrow_ms = std::chrono::duration<double, std::milli>(
+                                                 std::chrono::steady_clock::now() - begin)
+                                                 .count();
         result.stages.push_back({"clusters", result.total_ms});
         return result;
     }
@@ -167,10 +189,12 @@ private:
 SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings)
     : SceneWorld(scene, make_backend(settings), settings.world) {}
 
-SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
+SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend,
+                       const Settings& settings)
     : world(std::move(backend), settings) {
     std::vector<MeshId> meshes;
-    for (const SceneMesh& mesh : scene.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+    for (const SceneMesh& mesh : scene.meshes)
+        meshes.push_back(world.add_mesh(mesh.name, mesh.data));
     for (const SceneBody& body : scene.bodies) {
         const MeshId mesh = meshes[body.mesh];
         switch (body.motion) {
@@ -181,7 +205,8 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
                 bodies.push_back(world.add_rigid_body(mesh, body.pose));
                 break;
             case Motion::deforming:
-                bodies.push_back(world.add_deforming_body(mesh, start_positions(body, scene.meshes[body.mesh].data)));
+                bodies.push_back(world.add_deforming_body(
+                    mesh, start_positions(body, scene.meshes[body.mesh].data)));
                 world.set_collision(bodies.back(), body.collision);
                 break;
         }
@@ -223,18 +248,22 @@ FrameResult SceneWorld::result() const {
     result.hash = contact_hash(world.contacts());
     BodyId last_a, last_b;
     for (const Contact& c : world.contacts()) {
-        if (c.a != last_a || c.b != last_b) result.touching.emplace_back(index_of(c.a), index_of(c.b));
+        if (c.a != last_a || c.b != last_b)
+            result.touching.emplace_back(index_of(c.a), index_of(c.b));
         last_a = c.a;
         last_b = c.b;
-        const bool known = !result.penetrating.empty() && result.penetrating.back() == result.touching.back();
-        if (c.penetration_depth() > 0 && !known) result.penetrating.push_back(result.touching.back());
+        const bool known = !result.penetrating.empty() &&
+                           result.penetrating.back() == result.touching.back();
+        if (c.penetration_depth() > 0 && !known)
+            result.penetrating.push_back(result.touching.back());
     }
     std::ranges::sort(result.touching);
     std::ranges::sort(result.penetrating);
     return result;
 }
 
-std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays) {
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method,
+                                        const RaySettings& rays) {
     switch (method) {
         case Method::rays:
             return make_detector(scene, make_backend(rays), rays.world);

@@ -9,7 +9,8 @@
 
 namespace pierce::scenes {
 
-/// Contacts of a scene's bodies wherever they are put, by any method: the open loop, in which all see the same frames.
+/// Contacts of a scene's bodies wherever they are put, by any method: the open loop, in which all
+/// see the same frames.
 class Detector {
 public:
     virtual ~Detector() = default;
@@ -25,12 +26,15 @@ public:
 };
 
 /// Throws InputError if the method cannot serve the scene.
-std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method, const RaySettings& rays = {});
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method,
+                                        const RaySettings& rays = {});
 
 /// One that sends rays by any backend.
-std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings);
+std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr<Backend> backend,
+                                        const Settings& settings);
 
-/// Puts all bodies where a recording has them in a frame; the detector's scene must be the recording's.
+/// Puts all bodies where a recording has them in a frame; the detector's scene must be the
+/// recording's.
 void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame);
 
 /// A World with a scene's meshes and bodies, in their order.

@@ -28,11 +28,14 @@ struct HardRay {
 
 /// What two bodies' contacts are under one coverage.
 struct HardContacts {
-    int vertices_a = 0, vertices_b = 0;  ///< contacts of the first body's vertices, and of the second's
+    int vertices_a = 0, vertices_b = 0;  ///< contacts of the first body's vertices, and of the
+                                         ///< second's
     int edges_a = 0, edges_b = 0;        ///< contacts of parts of edges
-    bool separated = false;  ///< the contacts lie along the direction of separation; their number is not part of the answer
+    bool separated = false;  ///< the contacts lie along the direction of separation; their number
+                             ///< is not part of the answer
     double depth = 0;        ///< the deepest [length]; negative: not part of the answer
-    Vec3d push;              ///< unit, the way the first body is pushed, all depths together; zero: not part of the answer
+    Vec3d push;  ///< unit, the way the first body is pushed, all depths together; zero: not part of
+                 ///< the answer
 
     bool any() const { return separated || vertices_a + vertices_b + edges_a + edges_b > 0; }
 };
@@ -41,9 +44,11 @@ struct HardContacts {
 struct HardBodies {
     std::string situation;
     MeshData a, b;
-    double parting = 0;  ///< exact: the shortest move that parts them [length]; zero: they touch; negative: they are apart
+    double parting = 0;  ///< exact: the shortest move that parts them [length]; zero: they touch;
+                         ///< negative: they are apart
     HardContacts vertices, complete;
-    double reprojected = -1;  ///< the deepest once contacts are re-projected, by vertices [length]; negative: not part of it
+    double reprojected = -1;  ///< the deepest once contacts are re-projected, by vertices [length];
+                              ///< negative: not part of it
 };
 
 /// What the check of a mesh must find.
@@ -61,7 +66,8 @@ struct HardCase {
     std::vector<HardBodies> bodies;
     std::vector<HardFinding> findings;
     std::string answer;   ///< one line
-    std::string differs;  ///< where Pierce's rules answer something else than the exact answer, and why; mostly empty
+    std::string differs;  ///< where Pierce's rules answer something else than the exact answer, and
+                          ///< why; mostly empty
 };
 
 /// All of them, by number.

@@ -20,9 +20,9 @@ constexpr double middle_gap = 1.2, gap_change = 0.6;  // [thickness]
 
 }  // namespace
 
-// The waves all sheets share are functions of where a point is above the ground plane, not of which vertex it is: a sheet
-// that slides follows the same surface as its neighbours, and the gap along z is the difference of the own parts alone, to
-// the second order in the size of a triangle.
+// The waves all sheets share are functions of where a point is above the ground plane, not of which
+// vertex it is: a sheet that slides follows the same surface as its neighbours, and the gap along z
+// is the difference of the own parts alone, to the second order in the size of a triangle.
 void Layers::positions(std::uint32_t sheet, double time, std::span<Vec3f> positions) const {
     const double way = sheet % 2 == 0 ? 1.0 : -1.0;
     const double shift = way * slide * std::sin(turn * time / slide_period);
@@ -30,9 +30,11 @@ void Layers::positions(std::uint32_t sheet, double time, std::span<Vec3f> positi
         for (std::uint32_t i = 0; i < along; ++i) {
             const double x = width * (static_cast<double>(i) / (along - 1) - 0.5) + shift;
             const double y = depth * (static_cast<double>(j) / (across - 1) - 0.5);
-            const double common =
-                common_height * std::sin(turn * (x / wave_length - time / common_period)) * std::cos(turn * y / wave_length);
-            const double own = 0.5 * way * gap_change * thickness * std::sin(turn * (y / wave_length + time / own_period));
+            const double common = common_height *
+                                  std::sin(turn * (x / wave_length - time / common_period)) *
+                                  std::cos(turn * y / wave_length);
+            const double own = 0.5 * way * gap_change * thickness *
+                               std::sin(turn * (y / wave_length + time / own_period));
             const double z = sheet * middle_gap * thickness + own + common;
             positions[j * along + i] = to_float({x, y, z});
         }
@@ -43,7 +45,9 @@ SceneSetup Layers::scene() const {
     for (std::uint32_t s = 0; s < sheets; ++s) {
         SceneBody body{"sheet " + std::to_string(s), 0, Motion::deforming, {}, false};
         body.collision = {SelfCollision::on, true, thickness};
-        body.motion_of = [layers = *this, s](double time, std::span<Vec3f> at) { layers.positions(s, time, at); };
+        body.motion_of = [layers = *this, s](double time, std::span<Vec3f> at) {
+            layers.positions(s, time, at);
+        };
         setup.bodies.push_back(std::move(body));
     }
     return setup;

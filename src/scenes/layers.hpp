@@ -6,13 +6,14 @@
 
 namespace pierce::scenes {
 
-/// Sheets one above the other that swing and slide as a formula says: neighbours come close to each other, to about their
-/// thickness, and never meet.
+/// Sheets one above the other that swing and slide as a formula says: neighbours come close to each
+/// other, to about their thickness, and never meet.
 struct Layers {
     std::uint32_t sheets = 50;
     std::uint32_t along = 96, across = 51;  ///< vertices of a sheet
     double width = 9.5, depth = 5;          ///< [length]
-    double thickness = 0.04;                ///< [length] the gap between neighbours goes from 0.6 to 1.8 times this
+    double thickness = 0.04;  ///< [length] the gap between neighbours goes from 0.6 to 1.8 times
+                              ///< this
 
     std::uint32_t vertex_count() const { return along * across; }
     std::uint32_t triangle_count() const { return 2 * (along - 1) * (across - 1); }

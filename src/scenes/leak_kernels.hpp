@@ -5,8 +5,9 @@
 
 #include "core/geometry/triangle.hpp"
 
-/// Small ray-triangle tests to compare with the library's: does the ray meet the closed triangle ahead? In float32, from the
-/// same rays; `fma` contracts products and sums as compilers do unless told not to.
+/// Small ray-triangle tests to compare with the library's: does the ray meet the closed triangle
+/// ahead? In float32, from the same rays; `fma` contracts products and sums as compilers do unless
+/// told not to.
 namespace pierce::leaks {
 
 /// a b - c d.
@@ -17,7 +18,8 @@ T difference(T a, T b, T c, T d) {
 
 template <bool fma, class T>
 Vec3<T> cross_of(Vec3<T> a, Vec3<T> b) {
-    return {difference<fma>(a.y, b.z, a.z, b.y), difference<fma>(a.z, b.x, a.x, b.z), difference<fma>(a.x, b.y, a.y, b.x)};
+    return {difference<fma>(a.y, b.z, a.z, b.y), difference<fma>(a.z, b.x, a.x, b.z),
+            difference<fma>(a.x, b.y, a.y, b.x)};
 }
 
 template <bool fma, class T>
@@ -53,8 +55,8 @@ bool pluecker(const RayF& ray, Vec3f v0, Vec3f v1, Vec3f v2) {
     return det != 0 && dot_of<fma>(n, a) / det >= 0;
 }
 
-/// Woop, Benthin and Wald (2013). Edge functions in float32, again in double where one is zero; or, with `all_double`, in
-/// double at once.
+/// Woop, Benthin and Wald (2013). Edge functions in float32, again in double where one is zero; or,
+/// with `all_double`, in double at once.
 template <bool fma, bool all_double>
 bool watertight(const RayF& ray, Vec3f v0, Vec3f v1, Vec3f v2) {
     const Vec3f d = ray.direction;
@@ -89,8 +91,8 @@ bool watertight(const RayF& ray, Vec3f v0, Vec3f v1, Vec3f v2) {
 
 /// The library's.
 inline bool pierce_test(const RayF& ray, Vec3f v0, Vec3f v1, Vec3f v2) {
-    const Crossing crossing =
-        cross_triangle({to_double(ray.origin), to_double(ray.direction)}, to_double(v0), to_double(v1), to_double(v2));
+    const Crossing crossing = cross_triangle({to_double(ray.origin), to_double(ray.direction)},
+                                             to_double(v0), to_double(v1), to_double(v2));
     return crossing && crossing.t >= 0;
 }
 

@@ -42,17 +42,20 @@ MeshData ball_at(double radius, Vec3d center) {
     return mesh;
 }
 
-/// True if the closed surface goes around the point once (Van Oosterom and Strackee 1983): rounding may have crushed it.
+/// True if the closed surface goes around the point once (Van Oosterom and Strackee 1983): rounding
+/// may have crushed it.
 bool is_inside(Vec3d p, const MeshData& mesh) {
     double sum = 0;
     for (const Triangle& t : mesh.triangles) {
         Vec3d v[3];
         for (int k = 0; k < 3; ++k) v[k] = to_double(mesh.positions[t.vertex[k]]) - p;
         const double a = length(v[0]), b = length(v[1]), c = length(v[2]);
-        sum += 2 * std::atan2(dot(v[0], cross(v[1], v[2])),
-                              a * b * c + dot(v[0], v[1]) * c + dot(v[1], v[2]) * a + dot(v[2], v[0]) * b);
+        sum += 2 * std::atan2(
+                       dot(v[0], cross(v[1], v[2])),
+                       a * b * c + dot(v[0], v[1]) * c + dot(v[1], v[2]) * a + dot(v[2], v[0]) * b);
     }
-    return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.25;  // whole numbers, but 1/2 on the surface
+    return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.25;  // whole numbers, but 1/2 on the
+                                                               // surface
 }
 
 }  // namespace
@@ -84,23 +87,29 @@ std::vector<LeakCount> count_kernel_leaks(double offset, Aim aim, std::size_t ra
     std::uniform_int_distribution<std::size_t> any(0, ball.triangles.size() - 1);
     std::vector<Vec3f> origins;
     for (int i = 0; i < 200; ++i) {
-        const Vec3f origin = to_float(center + Vec3d{within(engine), within(engine), within(engine)});
+        const Vec3f origin = to_float(center +
+                                      Vec3d{within(engine), within(engine), within(engine)});
         if (is_inside(to_double(origin), ball)) origins.push_back(origin);
     }
     std::vector<LeakCount> counts;
-    for (const NamedKernel& k : kernels) counts.push_back({offset, k.name, k.fma, aim, origins.empty() ? 0 : rays, 0});
+    for (const NamedKernel& k : kernels)
+        counts.push_back({offset, k.name, k.fma, aim, origins.empty() ? 0 : rays, 0});
     for (std::size_t i = 0; i < counts[0].rays; ++i) {
         const Triangle& aimed = ball.triangles[any(engine)];
-        const Vec3d a = to_double(ball.positions[aimed.vertex[0]]), b = to_double(ball.positions[aimed.vertex[1]]);
+        const Vec3d a = to_double(ball.positions[aimed.vertex[0]]),
+                    b = to_double(ball.positions[aimed.vertex[1]]);
         const double along = aim == Aim::edges ? part(engine) : 0;
         const Vec3f origin = origins[i % origins.size()];
-        const RayF ray{origin, to_float(normalized((1 - along) * a + along * b - to_double(origin)))};
+        const RayF ray{origin,
+                       to_float(normalized((1 - along) * a + along * b - to_double(origin)))};
         for (std::size_t k = 0; k < std::size(kernels); ++k) {
             const auto meets = [&](std::uint32_t t) {
                 const std::uint32_t* v = ball.triangles[t].vertex;
-                return kernels[k].kernel(ray, ball.positions[v[0]], ball.positions[v[1]], ball.positions[v[2]]);
+                return kernels[k].kernel(ray, ball.positions[v[0]], ball.positions[v[1]],
+                                         ball.positions[v[2]]);
             };
-            // Nearly all rays meet what they are aimed at; only the others need a look at everything.
+            // Nearly all rays meet what they are aimed at; only the others need a look at
+            // everything.
             bool met = std::ranges::any_of(around[aimed.vertex[0]], meets);
             for (std::uint32_t t = 0; t < ball.triangles.size() && !met; ++t) met = meets(t);
             counts[k].leaks += !met;

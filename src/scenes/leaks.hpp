@@ -16,14 +16,16 @@ struct LeakCount {
     Aim aim = Aim::vertices;
     std::size_t rays = 0, leaks = 0;
 
-    double share() const { return rays > 0 ? static_cast<double>(leaks) / static_cast<double>(rays) : 0; }
+    double share() const {
+        return rays > 0 ? static_cast<double>(leaks) / static_cast<double>(rays) : 0;
+    }
 };
 
 /// The library's tracer, from exact rays in double, in a ball of radius 1.
 LeakCount count_tracer_leaks(double offset, Aim aim, std::size_t rays);
 
-/// Single triangle tests, all from the same float32 rays, in a ball of radius 16 rounded to float32. No rays where rounding
-/// has crushed the ball.
+/// Single triangle tests, all from the same float32 rays, in a ball of radius 16 rounded to
+/// float32. No rays where rounding has crushed the ball.
 std::vector<LeakCount> count_kernel_leaks(double offset, Aim aim, std::size_t rays);
 
 /// Offsets to look at: 0 and 2^0 to 2^24.

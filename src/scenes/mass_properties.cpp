@@ -38,14 +38,17 @@ MassProperties mass_properties(const MeshData& mesh) {
     MassProperties properties;
     properties.mass = volume;
     properties.center = reference + Vec3d{center.x(), center.y(), center.z()};
-    properties.inertia = {solver.eigenvalues()[0], solver.eigenvalues()[1], solver.eigenvalues()[2]};
-    for (int r = 0; r < 3; ++r) properties.principal_axes.row[r] = {axes(r, 0), axes(r, 1), axes(r, 2)};
+    properties.inertia = {solver.eigenvalues()[0], solver.eigenvalues()[1],
+                          solver.eigenvalues()[2]};
+    for (int r = 0; r < 3; ++r)
+        properties.principal_axes.row[r] = {axes(r, 0), axes(r, 1), axes(r, 2)};
     return properties;
 }
 
 Frame to_principal_frame(MeshData& mesh) {
     const MassProperties properties = mass_properties(mesh);
-    const Frame moved{properties.principal_axes, -1.0 * (properties.principal_axes * properties.center)};
+    const Frame moved{properties.principal_axes,
+                      -1.0 * (properties.principal_axes * properties.center)};
     for (Vec3f& p : mesh.positions) p = to_float(moved.to_parent(to_double(p)));
     return moved;
 }

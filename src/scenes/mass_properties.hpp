@@ -13,11 +13,12 @@ struct MassProperties {
     Matrix3 principal_axes;  ///< rows are the axes, right-handed
 };
 
-/// Integrates over the tetrahedra that the triangles span with the centroid. Throws InputError if the volume is not
-/// positive.
+/// Integrates over the tetrahedra that the triangles span with the centroid. Throws InputError if
+/// the volume is not positive.
 MassProperties mass_properties(const MeshData& mesh);
 
-/// Moves the centre of mass to the origin and the principal axes to x, y, z; returns how points of the mesh moved.
+/// Moves the centre of mass to the origin and the principal axes to x, y, z; returns how points of
+/// the mesh moved.
 Frame to_principal_frame(MeshData& mesh);
 
 }  // namespace pierce::scenes

@@ -20,8 +20,9 @@ namespace {
 
 using Kernel = OpenMesh::PolyMesh_ArrayKernelT<>;
 
-/// Collects what OpenMesh's readers read as it stands in the file. OpenMesh's own meshes would drop or split what is not
-/// manifold, and renumber; telling the user about that is our mesh check's task.
+/// Collects what OpenMesh's readers read as it stands in the file. OpenMesh's own meshes would drop
+/// or split what is not manifold, and renumber; telling the user about that is our mesh check's
+/// task.
 class Collector : public OpenMesh::IO::ImporterT<Kernel> {
 public:
     explicit Collector(Kernel& unused) : ImporterT(unused) {}
@@ -35,7 +36,9 @@ public:
         return OpenMesh::VertexHandle(static_cast<int>(mesh.positions.size()) - 1);
     }
 
-    OpenMesh::VertexHandle add_vertex(const OpenMesh::Vec3d& p) override { return add_vertex(OpenMesh::Vec3f(p)); }
+    OpenMesh::VertexHandle add_vertex(const OpenMesh::Vec3d& p) override {
+        return add_vertex(OpenMesh::Vec3f(p));
+    }
 
     OpenMesh::VertexHandle add_vertex() override { return add_vertex(OpenMesh::Vec3f(0, 0, 0)); }
     void set_point(OpenMesh::VertexHandle v, const OpenMesh::Vec3f& p) override {
@@ -45,9 +48,9 @@ public:
     OpenMesh::FaceHandle add_face(const VHandles& corners) override {
         check(mesh.triangles.size() + corners.size());
         for (std::size_t k = 2; k < corners.size(); ++k)
-            mesh.triangles.push_back(
-                {{static_cast<std::uint32_t>(corners[0].idx()), static_cast<std::uint32_t>(corners[k - 1].idx()),
-                  static_cast<std::uint32_t>(corners[k].idx())}});
+            mesh.triangles.push_back({{static_cast<std::uint32_t>(corners[0].idx()),
+                                       static_cast<std::uint32_t>(corners[k - 1].idx()),
+                                       static_cast<std::uint32_t>(corners[k].idx())}});
         return OpenMesh::FaceHandle(faces++);
     }
 
@@ -56,8 +59,10 @@ public:
         declared_faces = face_count;
     }
 
-    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle, const std::vector<OpenMesh::Vec2f>&) override {}
-    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle, const std::vector<OpenMesh::Vec3f>&) override {}
+    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
+                            const std::vector<OpenMesh::Vec2f>&) override {}
+    void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle,
+                            const std::vector<OpenMesh::Vec3f>&) override {}
 
     std::size_t n_vertices() const override { return mesh.positions.size(); }
     std::size_t n_faces() const override { return static_cast<std::size_t>(faces); }
@@ -67,7 +72,8 @@ public:
     MeshData mesh;
     std::uintmax_t most = 0;  ///< vertices, or triangles: a file has no more than bytes
     int faces = 0;
-    std::size_t declared_vertices = 0, declared_faces = 0;  ///< by the file's header, zero if it has none
+    std::size_t declared_vertices = 0, declared_faces = 0;  ///< by the file's header, zero if it
+                                                            ///< has none
 
 private:
     /// Readers believe a header's counts, and go on at the end of the file.
@@ -100,9 +106,11 @@ protected:
     }
 
 private:
-    static iter_type read(iter_type in, iter_type end, std::ios_base::iostate& state, double& value) {
+    static iter_type read(iter_type in, iter_type end, std::ios_base::iostate& state,
+                          double& value) {
         std::string text;
-        while (in != end && (std::isalnum(static_cast<unsigned char>(*in)) || *in == '.' || *in == '-' || *in == '+'))
+        while (in != end && (std::isalnum(static_cast<unsigned char>(*in)) || *in == '.' ||
+                             *in == '-' || *in == '+'))
             text += *in++;
         if (in == end) state |= std::ios_base::eofbit;
         const char* first = text.data() + text.starts_with('+');
@@ -113,8 +121,8 @@ private:
     }
 };
 
-/// Throws InputError for an OBJ file with a vertex whose numbers cannot be read: OpenMesh would leave it out, and all later
-/// ones would change their ids.
+/// Throws InputError for an OBJ file with a vertex whose numbers cannot be read: OpenMesh would
+/// leave it out, and all later ones would change their ids.
 void check_obj_vertices(const std::filesystem::path& file, std::size_t vertices) {
     std::ifstream in(file);
     std::string line, word;
@@ -130,12 +138,12 @@ void check_obj_vertices(const std::filesystem::path& file, std::size_t vertices)
         ++found;
     }
     if (found > vertices)
-        throw InputError("cannot read '" + file.string() + "': " + std::to_string(found - vertices) +
-                         " vertices are beyond float32");
+        throw InputError("cannot read '" + file.string() +
+                         "': " + std::to_string(found - vertices) + " vertices are beyond float32");
 }
 
-/// Throws std::runtime_error for a PLY header that OpenMesh's reader does not survive: it trusts that properties come after
-/// their element.
+/// Throws std::runtime_error for a PLY header that OpenMesh's reader does not survive: it trusts
+/// that properties come after their element.
 void check_ply_header(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string line;
@@ -150,7 +158,8 @@ void check_ply_header(const std::filesystem::path& file) {
         if (first == "comment" || first == "obj_info" || first.empty()) continue;
         if (first == "element") {
             std::uint64_t count = 0;
-            const auto [end, error] = std::from_chars(third.data(), third.data() + third.size(), count);
+            const auto [end, error] = std::from_chars(third.data(), third.data() + third.size(),
+                                                      count);
             if (error != std::errc() || end != third.data() + third.size()) refuse();
             in_element = true;
         } else if (first == "property") {
@@ -162,14 +171,15 @@ void check_ply_header(const std::filesystem::path& file) {
     refuse();
 }
 
-/// True for a corner of an OBJ face: one to three whole numbers, of which those after the first may be missing, with slashes
-/// between them.
+/// True for a corner of an OBJ face: one to three whole numbers, of which those after the first may
+/// be missing, with slashes between them.
 bool is_obj_corner(const std::string& word) {
     const char *at = word.data(), *const end = at + word.size();
     for (int number = 0; number < 3; ++number) {
         std::int64_t value = 0;
         const auto [after, error] = std::from_chars(at, end, value);
-        if (error == std::errc::result_out_of_range || (number == 0 && error != std::errc())) return false;
+        if (error == std::errc::result_out_of_range || (number == 0 && error != std::errc()))
+            return false;
         at = after;
         if (at == end) return true;
         if (*at++ != '/') return false;
@@ -177,7 +187,8 @@ bool is_obj_corner(const std::string& word) {
     return false;
 }
 
-/// Throws std::runtime_error for an OBJ face that OpenMesh's reader does not survive: it trusts that corners are numbers.
+/// Throws std::runtime_error for an OBJ face that OpenMesh's reader does not survive: it trusts
+/// that corners are numbers.
 void check_obj_faces(const std::filesystem::path& file) {
     std::ifstream in(file);
     std::string line, word;
@@ -185,7 +196,8 @@ void check_obj_faces(const std::filesystem::path& file) {
         std::istringstream words(line);
         if (!(words >> word) || word != "f") continue;
         while (words >> word && !word.starts_with('#'))
-            if (!is_obj_corner(word)) throw std::runtime_error("line " + std::to_string(number) + " is no face: " + line);
+            if (!is_obj_corner(word))
+                throw std::runtime_error("line " + std::to_string(number) + " is no face: " + line);
     }
 }
 
@@ -193,7 +205,8 @@ void check_obj_faces(const std::filesystem::path& file) {
 
 MeshData read_mesh(const std::filesystem::path& file) {
     const std::string name = "'" + file.string() + "'";
-    if (!std::ifstream(file) || !std::filesystem::is_regular_file(file)) throw InputError("cannot open " + name);
+    if (!std::ifstream(file) || !std::filesystem::is_regular_file(file))
+        throw InputError("cannot open " + name);
     const Silence silence;
     Kernel unused;
     Collector collector(unused);
@@ -201,15 +214,18 @@ MeshData read_mesh(const std::filesystem::path& file) {
     OpenMesh::IO::Options options;
     bool read = false, ran_out = false;
     std::string kind = file.extension().string();
-    std::ranges::transform(kind, kind.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ranges::transform(kind, kind.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     try {
         if (kind == ".ply") check_ply_header(file);
         if (kind == ".obj") check_obj_faces(file);
         if (kind == ".off" || kind == ".ply") {
-            // These readers know how much there should be, but do not notice its end. The stream does.
+            // These readers know how much there should be, but do not notice its end. The stream
+            // does.
             std::ifstream in(file, std::ios::binary);
             in.imbue(std::locale(in.getloc(), new AnyNumber));
-            // They go on for ever, or for as long as a number in the file says, where there is nothing left to read.
+            // They go on for ever, or for as long as a number in the file says, where there is
+            // nothing left to read.
             in.exceptions(std::ios::failbit | std::ios::badbit);
             read = OpenMesh::IO::IOManager().read(in, kind.substr(1), collector, options);
             ran_out = in.fail();
@@ -222,14 +238,18 @@ MeshData read_mesh(const std::filesystem::path& file) {
     } catch (const std::exception& error) {
         throw InputError("cannot read " + name + ": " + error.what());
     }
-    if (!read) throw InputError("cannot read " + name + ": not an OBJ, PLY, STL or OFF file, or damaged");
+    if (!read)
+        throw InputError("cannot read " + name + ": not an OBJ, PLY, STL or OFF file, or damaged");
     if (kind == ".obj") check_obj_vertices(file, collector.mesh.positions.size());
-    const bool cut_short = ran_out || collector.mesh.positions.size() < collector.declared_vertices ||
+    const bool cut_short = ran_out ||
+                           collector.mesh.positions.size() < collector.declared_vertices ||
                            static_cast<std::size_t>(collector.faces) < collector.declared_faces;
     if (cut_short)
-        throw InputError(name + " is cut short: its header promises " + std::to_string(collector.declared_vertices) +
-                         " vertices and " + std::to_string(collector.declared_faces) + " faces, it holds " +
-                         std::to_string(collector.mesh.positions.size()) + " and " + std::to_string(collector.faces));
+        throw InputError(name + " is cut short: its header promises " +
+                         std::to_string(collector.declared_vertices) + " vertices and " +
+                         std::to_string(collector.declared_faces) + " faces, it holds " +
+                         std::to_string(collector.mesh.positions.size()) + " and " +
+                         std::to_string(collector.faces));
     if (collector.mesh.triangles.empty()) throw InputError(name + " holds no triangles");
     return std::move(collector.mesh);
 }

@@ -6,9 +6,10 @@
 
 namespace pierce::scenes {
 
-/// Reads a triangle mesh from an OBJ, PLY, STL or OFF file, keeping the file's vertex and triangle order; polygons are cut
-/// into fans. Throws InputError, naming the file, if it cannot be read, is cut short, or holds no triangles. Numbers and
-/// indices are handed on as they stand, NaN and out of range among them: a Mesh refuses them, check_mesh lists them.
+/// Reads a triangle mesh from an OBJ, PLY, STL or OFF file, keeping the file's vertex and triangle
+/// order; polygons are cut into fans. Throws InputError, naming the file, if it cannot be read, is
+/// cut short, or holds no triangles. Numbers and indices are handed on as they stand, NaN and out
+/// of range among them: a Mesh refuses them, check_mesh lists them.
 MeshData read_mesh(const std::filesystem::path& file);
 
 /// Writes an OBJ file with enough digits to read the same positions back.

@@ -23,18 +23,22 @@ namespace {
 #if !PIERCE_HAS_CUDA
 std::string cuda_problem() { return "this build has no CUDA (PIERCE_CUDA=ON)"; }
 
-std::unique_ptr<Backend> cuda_backend() { throw InputError("the cuda backend cannot run here: " + cuda_problem()); }
+std::unique_ptr<Backend> cuda_backend() {
+    throw InputError("the cuda backend cannot run here: " + cuda_problem());
+}
 #endif
 
 }  // namespace
 
 std::unique_ptr<Backend> make_backend(const RaySettings& settings) {
-    if (settings.backend == "automatic") return cuda_problem().empty() ? cuda_backend() : embree_backend(settings.threads);
+    if (settings.backend == "automatic")
+        return cuda_problem().empty() ? cuda_backend() : embree_backend(settings.threads);
     if (settings.backend == "cuda") return cuda_backend();
     if (settings.backend == "embree") return embree_backend(settings.threads);
     if (settings.backend == "reference") return reference_backend();
     if (settings.backend == "bvh") return bvh_backend();
-    throw InputError("unknown backend '" + settings.backend + "'; there are: automatic, embree, cuda, bvh, reference");
+    throw InputError("unknown backend '" + settings.backend +
+                     "'; there are: automatic, embree, cuda, bvh, reference");
 }
 
 }  // namespace pierce::scenes

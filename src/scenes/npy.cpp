@@ -11,20 +11,24 @@
 namespace pierce::scenes {
 namespace {
 
-/// Throws unless the file is as long as its header says: xtensor makes room for what the header says before it reads.
-/// The format: six bytes of magic, two of version, the header's length in two or four, and the header, a Python dictionary.
+/// Throws unless the file is as long as its header says: xtensor makes room for what the header
+/// says before it reads. The format: six bytes of magic, two of version, the header's length in two
+/// or four, and the header, a Python dictionary.
 void check_size(std::ifstream& in, std::uintmax_t file_size) {
     char start[8] = {}, length_bytes[4] = {};
     in.read(start, sizeof start);
     const int length_size = start[6] == 1 ? 2 : 4;
     in.read(length_bytes, length_size);
     std::uint32_t length = 0;
-    for (int k = 0; k < 4; ++k) length |= std::uint32_t{static_cast<std::uint8_t>(length_bytes[k])} << (8 * k);
-    const std::uintmax_t begin = sizeof start + static_cast<unsigned>(length_size) + std::uintmax_t{length};
+    for (int k = 0; k < 4; ++k)
+        length |= std::uint32_t{static_cast<std::uint8_t>(length_bytes[k])} << (8 * k);
+    const std::uintmax_t begin = sizeof start + static_cast<unsigned>(length_size) +
+                                 std::uintmax_t{length};
     if (!in || begin > file_size) throw std::runtime_error("its header is cut short");
     std::string header(length, '\0');
     in.read(header.data(), length);
-    const std::size_t name = header.find("'shape'"), open = header.find('(', name), close = header.find(')', open);
+    const std::size_t name = header.find("'shape'"), open = header.find('(', name),
+                      close = header.find(')', open);
     if (name == std::string::npos || open == std::string::npos || close == std::string::npos)
         throw std::runtime_error("its header has no shape");
     std::uintmax_t size = sizeof(float);
@@ -58,10 +62,12 @@ FloatArray read_npy(const std::filesystem::path& file) {
     }
 }
 
-void write_npy(const std::filesystem::path& file, std::span<const std::size_t> shape, std::span<const float> values) {
+void write_npy(const std::filesystem::path& file, std::span<const std::size_t> shape,
+               std::span<const float> values) {
     const std::vector<std::size_t> dimensions(shape.begin(), shape.end());
     try {
-        xt::dump_npy(file.string(), xt::adapt(values.data(), values.size(), xt::no_ownership(), dimensions));
+        xt::dump_npy(file.string(),
+                     xt::adapt(values.data(), values.size(), xt::no_ownership(), dimensions));
     } catch (const std::exception& error) {
         throw InputError("cannot write '" + file.string() + "': " + error.what());
     }

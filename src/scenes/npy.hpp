@@ -13,10 +13,12 @@ struct FloatArray {
     std::vector<float> values;
 };
 
-/// Reads a NumPy .npy file of float32. Throws InputError, naming the file, if it is something else or cut short.
+/// Reads a NumPy .npy file of float32. Throws InputError, naming the file, if it is something else
+/// or cut short.
 FloatArray read_npy(const std::filesystem::path& file);
 
 /// Throws InputError if the file cannot be written.
-void write_npy(const std::filesystem::path& file, std::span<const std::size_t> shape, std::span<const float> values);
+void write_npy(const std::filesystem::path& file, std::span<const std::size_t> shape,
+               std::span<const float> values);
 
 }  // namespace pierce::scenes

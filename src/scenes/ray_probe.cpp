@@ -40,7 +40,10 @@ std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Mot
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == no_triangle) continue;
         const Meeting m = pierce::meet(rays[i], body.surface(), hits[i].triangle);
-        met[i] = {!m.exit ? Meets::entry : m.t > 0 ? Meets::exit : Meets::touching, m.t, hits[i].triangle};
+        met[i] = {!m.exit   ? Meets::entry
+                  : m.t > 0 ? Meets::exit
+                            : Meets::touching,
+                  m.t, hits[i].triangle};
     }
     return met;
 }

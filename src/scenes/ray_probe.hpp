@@ -22,7 +22,8 @@ public:
     explicit RayProbe(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
 
     /// What each ray meets first in a body of the mesh. The rays' targets are set to it.
-    std::vector<Met> meet(const MeshData& mesh, std::vector<Ray> rays, Motion motion = Motion::fixed);
+    std::vector<Met> meet(const MeshData& mesh, std::vector<Ray> rays,
+                          Motion motion = Motion::fixed);
     /// What a ray without an end meets first.
     Met meet(const MeshData& mesh, Vec3d origin, Vec3d direction, Motion motion = Motion::fixed);
 

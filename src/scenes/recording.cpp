@@ -36,7 +36,9 @@ fs::path inside(const fs::path& folder, const std::string& name, const std::stri
 }
 
 SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::string& where) {
-    return {entry.at("name").get<std::string>(), read_mesh(inside(folder, entry.at("file").get<std::string>(), where)), {}};
+    return {entry.at("name").get<std::string>(),
+            read_mesh(inside(folder, entry.at("file").get<std::string>(), where)),
+            {}};
 }
 
 json collision_json(const Collision& collision) {
@@ -49,12 +51,14 @@ Collision read_collision(const json& entry, const std::string& where) {
     const auto self = entry.value("self", std::string(self_names[0]));
     const auto known = std::ranges::find(self_names, self);
     if (known == self_names.end())
-        throw InputError(where + ": self-collision is '" + self + "'; there are off, on, rays, published");
+        throw InputError(where + ": self-collision is '" + self +
+                         "'; there are off, on, rays, published");
     return {static_cast<SelfCollision>(known - self_names.begin()), entry.value("sheet", false),
             entry.value("thickness", 0.0)};
 }
 
-RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording, const std::string& where) {
+RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording,
+                       const std::string& where) {
     RecordedBody body;
     body.name = entry.at("name").get<std::string>();
     body.ground = entry.value("ground", false);
@@ -62,7 +66,8 @@ RecordedBody read_body(const json& entry, const fs::path& folder, Recording& rec
     const auto mesh_name = entry.at("mesh").get<std::string>();
     const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
     if (mesh == recording.meshes.end())
-        throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name + "'");
+        throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name +
+                         "'");
     body.mesh = static_cast<std::uint32_t>(mesh - recording.meshes.begin());
     const auto motion = entry.at("motion").get<std::string>();
     const auto known = std::ranges::find(motion_names, motion);
@@ -72,19 +77,22 @@ RecordedBody read_body(const json& entry, const fs::path& folder, Recording& rec
     body.motion = static_cast<Motion>(known - motion_names.begin());
 
     const bool deforms = body.motion == Motion::deforming;
-    const fs::path file = inside(folder, entry.at(deforms ? "positions" : "poses").get<std::string>(), where);
+    const fs::path file = inside(
+        folder, entry.at(deforms ? "positions" : "poses").get<std::string>(), where);
     FloatArray array = read_npy(file);
-    const std::vector<std::size_t> tail =
-        deforms ? std::vector<std::size_t>{mesh->data.positions.size(), 3} : std::vector<std::size_t>{pose_size};
-    if (array.shape.size() != tail.size() + 1 || !std::equal(tail.begin(), tail.end(), array.shape.begin() + 1))
+    const std::vector<std::size_t>
+        tail = deforms ? std::vector<std::size_t>{mesh->data.positions.size(), 3}
+                       : std::vector<std::size_t>{pose_size};
+    if (array.shape.size() != tail.size() + 1 ||
+        !std::equal(tail.begin(), tail.end(), array.shape.begin() + 1))
         throw InputError("'" + file.string() + "' has the wrong shape: expected (frames, " +
                          (deforms ? std::to_string(tail[0]) + ", 3)" : "7)"));
     const std::size_t frames = array.shape[0];
     if (body.motion != Motion::fixed || frames != 1) {
         if (recording.frame_count == 0) recording.frame_count = static_cast<std::uint32_t>(frames);
         if (frames != recording.frame_count)
-            throw InputError("'" + file.string() + "' has " + std::to_string(frames) + " frames, others have " +
-                             std::to_string(recording.frame_count));
+            throw InputError("'" + file.string() + "' has " + std::to_string(frames) +
+                             " frames, others have " + std::to_string(recording.frame_count));
     }
     body.values = std::move(array.values);
     return body;
@@ -109,7 +117,8 @@ SceneSetup scene_of(const Recording& recording) {
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
         const RecordedBody& body = recording.bodies[b];
         const Pose pose = body.motion == Motion::deforming ? Pose{} : recording.pose(b, 0);
-        scene.bodies.push_back({body.name, body.mesh, body.motion, pose, body.ground, body.collision});
+        scene.bodies.push_back(
+            {body.name, body.mesh, body.motion, pose, body.ground, body.collision});
     }
     return scene;
 }
@@ -139,14 +148,17 @@ void write_recording(const Recording& recording, const fs::path& folder) {
         const std::string file = "body_" + std::to_string(b) + ".npy";
         const std::size_t frames = body.values.size() / frame_size(recording, body);
         std::vector<std::size_t> shape{frames, pose_size};
-        if (body.motion == Motion::deforming) shape = {frames, recording.meshes[body.mesh].data.positions.size(), 3};
+        if (body.motion == Motion::deforming)
+            shape = {frames, recording.meshes[body.mesh].data.positions.size(), 3};
         write_npy(folder / file, shape, body.values);
-        scene["bodies"].push_back({{"name", body.name},
-                                   {"mesh", recording.meshes[body.mesh].name},
-                                   {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
-                                   {body.motion == Motion::deforming ? "positions" : "poses", file}});
+        scene["bodies"].push_back(
+            {{"name", body.name},
+             {"mesh", recording.meshes[body.mesh].name},
+             {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
+             {body.motion == Motion::deforming ? "positions" : "poses", file}});
         if (body.ground) scene["bodies"].back()["ground"] = true;
-        if (body.collision != Collision{}) scene["bodies"].back()["collision"] = collision_json(body.collision);
+        if (body.collision != Collision{})
+            scene["bodies"].back()["collision"] = collision_json(body.collision);
     }
     std::ofstream out(folder / "scene.json");
     out << scene.dump(2) << '\n';
@@ -167,8 +179,10 @@ Recording read_recording(const fs::path& folder) {
                              std::to_string(format_version));
         recording.dt = scene.at("dt").get<double>();
         if (!(recording.dt > 0)) throw InputError(where + ": dt must be positive");
-        for (const json& entry : scene.at("meshes")) recording.meshes.push_back(read_scene_mesh(entry, folder, where));
-        for (const json& entry : scene.at("bodies")) recording.bodies.push_back(read_body(entry, folder, recording, where));
+        for (const json& entry : scene.at("meshes"))
+            recording.meshes.push_back(read_scene_mesh(entry, folder, where));
+        for (const json& entry : scene.at("bodies"))
+            recording.bodies.push_back(read_body(entry, folder, recording, where));
     } catch (const json::exception& error) {
         throw InputError(where + ": " + error.what());
     }

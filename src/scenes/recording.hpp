@@ -8,7 +8,8 @@
 
 namespace pierce::scenes {
 
-/// The motion of one body: seven numbers (position, quaternion xyzw) a frame, or three per vertex if it deforms.
+/// The motion of one body: seven numbers (position, quaternion xyzw) a frame, or three per vertex
+/// if it deforms.
 struct RecordedBody {
     std::string name;
     std::uint32_t mesh = 0;
@@ -18,7 +19,8 @@ struct RecordedBody {
     Collision collision = {};  ///< as in SceneBody
 };
 
-/// Bodies over time, the same for every method that looks at them. On disk a folder; docs/recordings.md has the format.
+/// Bodies over time, the same for every method that looks at them. On disk a folder;
+/// docs/recordings.md has the format.
 struct Recording {
     double dt = 0;  ///< [s] from frame to frame
     std::uint32_t frame_count = 0;

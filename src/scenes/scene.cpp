@@ -17,20 +17,22 @@ namespace {
 const std::array<SceneInfo, 8> scene_infos = {{
     {"tori", "tori of 300 vertices and 600 triangles (radii 2 and 0.5) fall on a plane"},
     {"bunnies", "Stanford bunnies of 453 vertices and 902 triangles fall on a plane"},
-    {"cloth-capsule", "a sheet of 20 x 20 vertices falls on a capsule, on the ground and on itself"},
+    {"cloth-capsule",
+     "a sheet of 20 x 20 vertices falls on a capsule, on the ground and on itself"},
     {"cloth-fold", "a sheet is folded onto itself and let go"},
     {"cloth-catch", "a sheet held at its corners catches solids"},
     {"cloth-twist", "a tube of cloth is wrung"},
     {"layers", "50 sheets, 475000 triangles in all, swing and slide in a stack as a formula says"},
-    {"ball-squash", "a soft ball with a groove is pressed between two plates until the groove closes"},
+    {"ball-squash",
+     "a soft ball with a groove is pressed between two plates until the groove closes"},
 }};
 
 constexpr double ground_half_width = 60;
 constexpr double ground_thickness = 10;
 
 SceneMesh ground_mesh() {
-    MeshData data =
-        box({-ground_half_width, -ground_half_width, -ground_thickness}, {ground_half_width, ground_half_width, 0});
+    MeshData data = box({-ground_half_width, -ground_half_width, -ground_thickness},
+                        {ground_half_width, ground_half_width, 0});
     std::vector<Vec3f> corners = data.positions;
     return {"ground", std::move(data), {std::move(corners)}};
 }
@@ -41,7 +43,8 @@ SceneMesh torus_mesh() {
     for (std::uint32_t i = 0; i < around; ++i) {
         std::vector<Vec3f> piece;
         for (std::uint32_t ring : {i, (i + 1) % around})
-            for (std::uint32_t j = 0; j < across; ++j) piece.push_back(mesh.data.positions[ring * across + j]);
+            for (std::uint32_t j = 0; j < across; ++j)
+                piece.push_back(mesh.data.positions[ring * across + j]);
         mesh.convex_pieces.push_back(std::move(piece));
     }
     return mesh;
@@ -54,8 +57,8 @@ double radius_of(const MeshData& mesh) {
     return r;
 }
 
-/// A scene of one mesh, `count` times, let go above the ground in loose layers with random rotations. The column is
-/// narrow, so that the bodies land on each other.
+/// A scene of one mesh, `count` times, let go above the ground in loose layers with random
+/// rotations. The column is narrow, so that the bodies land on each other.
 SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& parameters) {
     const double spacing = 2.1 * radius_of(mesh.data);
     const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(parameters.count / 2.0)));
@@ -63,7 +66,9 @@ SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& para
     // The engine's numbers are the same everywhere; the standard's distributions are not.
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
 
-    SceneSetup scene{std::move(name), {ground_mesh(), std::move(mesh)}, {{"ground", 0, Motion::fixed, {}, true}}};
+    SceneSetup scene{std::move(name),
+                     {ground_mesh(), std::move(mesh)},
+                     {{"ground", 0, Motion::fixed, {}, true}}};
     for (std::uint32_t i = 0; i < parameters.count; ++i) {
         SceneBody body{scene.meshes[1].name + " " + std::to_string(i),
                        1,
@@ -71,9 +76,11 @@ SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& para
                        {},
                        false};
         const auto layer = i / (side * side);
-        const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side), static_cast<double>(layer)};
+        const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
+                         static_cast<double>(layer)};
         const double middle = 0.5 * (side - 1);
-        body.pose.position = {spacing * (cell.x - middle), spacing * (cell.y - middle), spacing * (cell.z + 0.6)};
+        body.pose.position = {spacing * (cell.x - middle), spacing * (cell.y - middle),
+                              spacing * (cell.z + 0.6)};
         body.pose.rotation = {uniform(), uniform(), uniform(), uniform()};
         scene.bodies.push_back(std::move(body));
     }

@@ -17,7 +17,8 @@ namespace pierce::scenes {
 struct SceneMesh {
     std::string name;
     MeshData data;
-    std::vector<std::vector<Vec3f>> convex_pieces;  ///< point sets whose hulls make up the mesh; may be empty
+    std::vector<std::vector<Vec3f>> convex_pieces;  ///< point sets whose hulls make up the mesh;
+                                                    ///< may be empty
 };
 
 /// What a sheet is made of, as Bullet understands it.
@@ -32,7 +33,8 @@ struct SheetMaterial {
 /// Vertices that are led.
 struct Guide {
     std::vector<std::uint32_t> vertices;
-    /// Where a vertex is [s] after the start, given where it was then; nothing: it is let go for good.
+    /// Where a vertex is [s] after the start, given where it was then; nothing: it is let go for
+    /// good.
     std::function<std::optional<Vec3d>(Vec3d start, double time)> place;
 };
 
@@ -41,15 +43,20 @@ struct SceneBody {
     std::string name;
     std::uint32_t mesh = 0;  ///< index into Scene::meshes
     Motion motion = Motion::rigid;
-    Pose pose;                 ///< of a deforming body: where its rest shape is placed at the start
-    bool ground = false;       ///< nothing gets below or beside it: Bullet's own methods may take the plane through its top
-    Collision collision = {};  ///< of a deforming body
-    double shape_matching = 0.3;                 ///< of a deforming solid: how fast it goes back to its shape [1 / step]
-    SheetMaterial material = {};                 ///< of a sheet
+    Pose pose;            ///< of a deforming body: where its rest shape is placed at the start
+    bool ground = false;  ///< nothing gets below or beside it: Bullet's own methods may take the
+                          ///< plane through its top
+    Collision collision = {};     ///< of a deforming body
+    double shape_matching = 0.3;  ///< of a deforming solid: how fast it goes back to its shape [1 /
+                                  ///< step]
+    SheetMaterial material = {};  ///< of a sheet
     std::vector<Guide> guides = {};              ///< of a sheet
     std::function<Pose(double time)> path = {};  ///< of a fixed body: it is led along this
-    std::function<void(double time, std::span<Vec3f> positions)> motion_of =
-        {};  ///< of a deforming body: all there is to it
+    std::function<void(double time, std::span<Vec3f> positions)> motion_of = {};  ///< of a
+                                                                                  ///< deforming
+                                                                                  ///< body: all
+                                                                                  ///< there is to
+                                                                                  ///< it
 };
 
 /// What is simulated: meshes and bodies at their start. Lengths in metres, density 1.

@@ -7,8 +7,10 @@
 
 namespace pierce::scenes {
 
-/// A torus around the z axis: `around` segments about the axis, `across` about the tube; around * across vertices.
-MeshData torus(double major_radius, double minor_radius, std::uint32_t around, std::uint32_t across);
+/// A torus around the z axis: `around` segments about the axis, `across` about the tube; around *
+/// across vertices.
+MeshData torus(double major_radius, double minor_radius, std::uint32_t around,
+               std::uint32_t across);
 
 /// An axis-aligned box of 8 vertices and 12 triangles.
 MeshData box(Vec3d lower, Vec3d upper);
@@ -16,14 +18,16 @@ MeshData box(Vec3d lower, Vec3d upper);
 /// A sphere around the origin: an icosahedron split `levels` times, 20 * 4^levels triangles.
 MeshData sphere(double radius, int levels);
 
-/// A flat sheet at z = 0 around the origin: `along` by `across` vertices in rows along x, the quads cut in two, every other
-/// one the other way, so that no direction is preferred.
+/// A flat sheet at z = 0 around the origin: `along` by `across` vertices in rows along x, the quads
+/// cut in two, every other one the other way, so that no direction is preferred.
 MeshData grid(double width, double depth, std::uint32_t along, std::uint32_t across);
 
-/// An open tube around the z axis: `rings` rings of `around` vertices, ring after ring, from -height / 2 to height / 2.
+/// An open tube around the z axis: `rings` rings of `around` vertices, ring after ring, from
+/// -height / 2 to height / 2.
 MeshData tube(double radius, double height, std::uint32_t around, std::uint32_t rings);
 
-/// A closed capsule along the x axis: a cylinder of half the length `half_length` and half spheres at its ends.
+/// A closed capsule along the x axis: a cylinder of half the length `half_length` and half spheres
+/// at its ends.
 MeshData capsule(double radius, double half_length, std::uint32_t around, std::uint32_t rings);
 
 /// Two meshes as one: the second's vertices and triangles after the first's.

@@ -17,7 +17,8 @@ double share(std::uint64_t part, std::uint64_t all) {
 }
 
 FeatureMeeting features_of(const Contact& c) {
-    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index, target = (c.source == Side::a ? c.b : c.a).index;
+    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index,
+                        target = (c.source == Side::a ? c.b : c.a).index;
     if (c.is_edge()) return {true, source, c.edge, target, c.other_edge};
     return {false, source, c.vertex, target, c.triangle};
 }
@@ -39,9 +40,10 @@ double SheetAccuracy::precision() const { return share(crossings - wrong, crossi
 
 SheetAccuracy& SheetAccuracy::operator+=(const SheetAccuracy& other) {
     for (const auto member :
-         {&SheetAccuracy::vertex_meetings, &SheetAccuracy::missed_vertex_meetings, &SheetAccuracy::edge_meetings,
-          &SheetAccuracy::missed_edge_meetings, &SheetAccuracy::vertices, &SheetAccuracy::missed_vertices,
-          &SheetAccuracy::leaving, &SheetAccuracy::crossings, &SheetAccuracy::near, &SheetAccuracy::wrong})
+         {&SheetAccuracy::vertex_meetings, &SheetAccuracy::missed_vertex_meetings,
+          &SheetAccuracy::edge_meetings, &SheetAccuracy::missed_edge_meetings,
+          &SheetAccuracy::vertices, &SheetAccuracy::missed_vertices, &SheetAccuracy::leaving,
+          &SheetAccuracy::crossings, &SheetAccuracy::near, &SheetAccuracy::wrong})
         this->*member += other.*member;
     return *this;
 }
@@ -51,25 +53,30 @@ SheetJudge::SheetJudge(const Recording& recording) : recording_(recording) {
 }
 
 bool SheetJudge::is_solid(std::uint32_t body) const {
-    return meshes_[recording_.bodies[body].mesh].view().closed && !recording_.bodies[body].collision.sheet;
+    return meshes_[recording_.bodies[body].mesh].view().closed &&
+           !recording_.bodies[body].collision.sheet;
 }
 
 Vec3d SheetJudge::place(std::uint32_t body, std::uint32_t vertex, std::uint32_t frame) const {
     const RecordedBody& b = recording_.bodies[body];
     if (b.motion == Motion::deforming) return to_double(recording_.positions(body, frame)[vertex]);
-    return frame_of(recording_.pose(body, frame)).to_parent(to_double(recording_.meshes[b.mesh].data.positions[vertex]));
+    return frame_of(recording_.pose(body, frame))
+        .to_parent(to_double(recording_.meshes[b.mesh].data.positions[vertex]));
 }
 
 /// Of both features at a time of the step to `frame`.
-SheetJudge::Corners SheetJudge::corners(const FeatureMeeting& m, std::uint32_t frame, double time) const {
+SheetJudge::Corners SheetJudge::corners(const FeatureMeeting& m, std::uint32_t frame,
+                                        double time) const {
     const auto at = [&](std::uint32_t body, std::uint32_t vertex) {
         const Vec3d start = place(body, vertex, frame - 1);
         return start + time * (place(body, vertex, frame) - start);
     };
-    const MeshView of_a = meshes_[recording_.bodies[m.a].mesh].view(), of_b = meshes_[recording_.bodies[m.b].mesh].view();
+    const MeshView of_a = meshes_[recording_.bodies[m.a].mesh].view(),
+                   of_b = meshes_[recording_.bodies[m.b].mesh].view();
     if (m.edges) {
         const Edge &e = of_a.edges[m.item], &f = of_b.edges[m.other];
-        return {at(m.a, e.vertex[0]), at(m.a, e.vertex[1]), at(m.b, f.vertex[0]), at(m.b, f.vertex[1])};
+        return {at(m.a, e.vertex[0]), at(m.a, e.vertex[1]), at(m.b, f.vertex[0]),
+                at(m.b, f.vertex[1])};
     }
     const Triangle& t = of_b.triangles[m.other];
     return {at(m.a, m.item), at(m.b, t.vertex[0]), at(m.b, t.vertex[1]), at(m.b, t.vertex[2])};
@@ -87,7 +94,8 @@ bool SheetJudge::is_near(const FeatureMeeting& m, std::uint32_t frame, double ti
             }
     }
     const double rounding = constants::motion_rounding * coordinate;
-    return distance(corners(m, frame, time), m.edges) <= constants::meeting_tolerance * size + rounding;
+    return distance(corners(m, frame, time), m.edges) <=
+           constants::meeting_tolerance * size + rounding;
 }
 
 /// True if a vertex is on different sides of the triangle when the step begins and when it ends.
@@ -107,14 +115,16 @@ bool SheetJudge::leaves(const FeatureMeeting& m, std::uint32_t frame) const {
     return dot(cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]) < 0;
 }
 
-SheetAccuracy SheetJudge::judge(const TrueSheetFrame& truth, std::span<const Contact> contacts, SheetPairs pairs) const {
+SheetAccuracy SheetJudge::judge(const TrueSheetFrame& truth, std::span<const Contact> contacts,
+                                SheetPairs pairs) const {
     using Vertex = std::pair<std::uint32_t, std::uint32_t>;
     SheetAccuracy result;
     std::set<FeatureMeeting> found;
     std::set<Vertex> touched;
     for (const Contact& c : contacts) {
         const FeatureMeeting m = features_of(c);
-        if (!c.of_sheet || c.found == Found::tangled || m.is_self() != (pairs == SheetPairs::self)) continue;
+        if (!c.of_sheet || c.found == Found::tangled || m.is_self() != (pairs == SheetPairs::self))
+            continue;
         found.insert(m);
         if (!m.edges) touched.emplace(m.a, m.item);
         if (c.found != Found::crossing) continue;

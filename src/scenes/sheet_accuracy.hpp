@@ -21,13 +21,16 @@ enum class SheetPairs : std::uint8_t {
 struct SheetAccuracy {
     std::uint64_t vertex_meetings = 0, missed_vertex_meetings = 0;  ///< a vertex and a triangle
     std::uint64_t edge_meetings = 0, missed_edge_meetings = 0;
-    /// Vertices that go from one side of a triangle that they meet to the other, per step, and those of them that have no
-    /// contact at all. What slides or rests in a triangle's plane goes nowhere.
+    /// Vertices that go from one side of a triangle that they meet to the other, per step, and
+    /// those of them that have no contact at all. What slides or rests in a triangle's plane goes
+    /// nowhere.
     std::uint64_t vertices = 0, missed_vertices = 0;
-    std::uint64_t leaving = 0;  ///< meetings that are not missed: a vertex leaves a solid, which its ray reports if any does
+    std::uint64_t leaving = 0;    ///< meetings that are not missed: a vertex leaves a solid, which
+                                  ///< its ray reports if any does
     std::uint64_t crossings = 0;  ///< contacts that say that the two meet in the step
-    std::uint64_t near = 0;       ///< of these, what does not meet, but comes within half a float32 ulp of it
-    std::uint64_t wrong = 0;      ///< of these, all others that do not meet
+    std::uint64_t near = 0;   ///< of these, what does not meet, but comes within half a float32 ulp
+                              ///< of it
+    std::uint64_t wrong = 0;  ///< of these, all others that do not meet
 
     std::uint64_t meetings() const { return vertex_meetings + edge_meetings; }
     std::uint64_t missed() const { return missed_vertex_meetings + missed_edge_meetings; }
@@ -44,9 +47,10 @@ public:
     /// The recording must stay.
     explicit SheetJudge(const Recording& recording);
 
-    /// The contacts after the step to the frame of `truth`, which is not the first; they name bodies by their index in the
-    /// recording.
-    SheetAccuracy judge(const TrueSheetFrame& truth, std::span<const Contact> contacts, SheetPairs pairs) const;
+    /// The contacts after the step to the frame of `truth`, which is not the first; they name
+    /// bodies by their index in the recording.
+    SheetAccuracy judge(const TrueSheetFrame& truth, std::span<const Contact> contacts,
+                        SheetPairs pairs) const;
 
 private:
     using Corners = std::array<Vec3d, 4>;

@@ -38,8 +38,8 @@ BoxTree tree_of(std::span<const Triangle> triangles, std::span<const Vec3f> posi
 
 /// Adds the edges of one surface that run through triangles of another, or of the same one.
 void add_crossings(std::span<const Triangle> of_edges, std::span<const Vec3f> edge_positions,
-                   std::span<const Triangle> triangles, std::span<const Vec3f> positions, const BoxTree& tree,
-                   SurfaceCrossings& found) {
+                   std::span<const Triangle> triangles, std::span<const Vec3f> positions,
+                   const BoxTree& tree, SurfaceCrossings& found) {
     // Two surfaces may have the same triangles.
     const bool self = edge_positions.data() == positions.data();
     for (const Segment& s : edges_of(of_edges)) {
@@ -50,29 +50,35 @@ void add_crossings(std::span<const Triangle> of_edges, std::span<const Vec3f> ed
         tree.for_each_in(box, [&](std::uint32_t i) {
             const Triangle& t = triangles[i];
             if (self && (has_vertex(t, s.from) || has_vertex(t, s.to))) return;
-            const Vec3d a = to_double(positions[t.vertex[0]]), b = to_double(positions[t.vertex[1]]),
+            const Vec3d a = to_double(positions[t.vertex[0]]),
+                        b = to_double(positions[t.vertex[1]]),
                         c = to_double(positions[t.vertex[2]]);
             if (!stages::pierces(p, q, a, b, c)) return;
             const Vec3d n = normalized(cross(b - a, c - a));
             ++found.count;
-            found.depth = std::max(found.depth, std::min(std::fabs(dot(n, p - a)), std::fabs(dot(n, q - a))));
+            found.depth = std::max(found.depth,
+                                   std::min(std::fabs(dot(n, p - a)), std::fabs(dot(n, q - a))));
         });
     }
 }
 
 }  // namespace
 
-SurfaceCrossings self_crossings(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
+SurfaceCrossings self_crossings(std::span<const Triangle> triangles,
+                                std::span<const Vec3f> positions) {
     SurfaceCrossings found;
     add_crossings(triangles, positions, triangles, positions, tree_of(triangles, positions), found);
     return found;
 }
 
 SurfaceCrossings crossings(std::span<const Triangle> triangles, std::span<const Vec3f> positions,
-                           std::span<const Triangle> other_triangles, std::span<const Vec3f> other_positions) {
+                           std::span<const Triangle> other_triangles,
+                           std::span<const Vec3f> other_positions) {
     SurfaceCrossings found;
-    add_crossings(triangles, positions, other_triangles, other_positions, tree_of(other_triangles, other_positions), found);
-    add_crossings(other_triangles, other_positions, triangles, positions, tree_of(triangles, positions), found);
+    add_crossings(triangles, positions, other_triangles, other_positions,
+                  tree_of(other_triangles, other_positions), found);
+    add_crossings(other_triangles, other_positions, triangles, positions,
+                  tree_of(triangles, positions), found);
     return found;
 }
 

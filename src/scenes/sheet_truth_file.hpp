@@ -7,8 +7,8 @@
 
 namespace pierce::scenes {
 
-/// Two features of sheets or other bodies, by their index in the recording: a vertex of a and a triangle of b; or edges of
-/// both, a < b, or a = b and item < other.
+/// Two features of sheets or other bodies, by their index in the recording: a vertex of a and a
+/// triangle of b; or edges of both, a < b, or a = b and item < other.
 struct FeatureMeeting {
     bool edges = false;
     std::uint32_t a = 0, item = 0;
@@ -35,7 +35,8 @@ struct TrueSheetFrame {
     double self_penetration() const;
 };
 
-/// Reads what pierce_truth --sheets wrote about a recording. Throws InputError, naming the file, if it is not that.
+/// Reads what pierce_truth --sheets wrote about a recording. Throws InputError, naming the file, if
+/// it is not that.
 std::vector<TrueSheetFrame> read_sheet_truth(const std::filesystem::path& file);
 
 }  // namespace pierce::scenes

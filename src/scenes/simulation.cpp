@@ -46,7 +46,9 @@ public:
     void performDiscreteCollisionDetection() override {
         const auto begin = std::chrono::steady_clock::now();
         btSoftRigidDynamicsWorld::performDiscreteCollisionDetection();
-        detection_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        detection_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                                 begin)
+                           .count();
     }
 
     double detection_ms = 0;
@@ -56,13 +58,16 @@ double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>
     double volume = 0;
     const Vec3d base = position(0);
     for (const Triangle& t : mesh.triangles)
-        volume += dot(position(t.vertex[0]) - base, cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) / 6;
+        volume += dot(position(t.vertex[0]) - base,
+                      cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) /
+                  6;
     return volume;
 }
 
 std::vector<Vec3f> node_positions(const btSoftBody& soft) {
     std::vector<Vec3f> positions;
-    for (int n = 0; n < soft.m_nodes.size(); ++n) positions.push_back(bullet::from_bullet_float(soft.m_nodes[n].m_x));
+    for (int n = 0; n < soft.m_nodes.size(); ++n)
+        positions.push_back(bullet::from_bullet_float(soft.m_nodes[n].m_x));
     return positions;
 }
 
@@ -74,7 +79,8 @@ bullet::Baseline baseline_of(Method method) {
 
 /// The scene without its sheets.
 SceneSetup rigid_part(SceneSetup scene) {
-    std::erase_if(scene.bodies, [](const SceneBody& body) { return body.motion == Motion::deforming; });
+    std::erase_if(scene.bodies,
+                  [](const SceneBody& body) { return body.motion == Motion::deforming; });
     return scene;
 }
 
@@ -99,7 +105,8 @@ struct Simulation::State {
     SceneSetup scene;
     Method method;
     std::unique_ptr<SceneWorld> rays;    ///< null for Bullet's own methods
-    std::unique_ptr<SceneWorld> solids;  ///< the rigid bodies alone, where there are sheets, too, and rigid bodies move
+    std::unique_ptr<SceneWorld> solids;  ///< the rigid bodies alone, where there are sheets, too,
+                                         ///< and rigid bodies move
     bullet::TimedConfiguration rigid_configuration;
     btSoftBodyRigidBodyCollisionConfiguration soft_configuration;
     std::unique_ptr<btCollisionDispatcher> dispatcher;
@@ -107,13 +114,14 @@ struct Simulation::State {
     btSequentialImpulseConstraintSolver solver;
     std::vector<bullet::BaselineShape> shapes;
     std::vector<std::unique_ptr<btRigidBody>> rigid;  ///< by body, null if soft
-    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null if it is no solid that deforms
+    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null if it is no solid that
+                                                      ///< deforms
     std::vector<std::unique_ptr<SoftSheet>> sheets;   ///< by body, null if it is no sheet
     std::vector<std::vector<Vec3f>> given;            ///< by body, empty unless its motion is given
     std::unique_ptr<bullet::SheetResponse> apart;     ///< null if there are no sheets
-    std::vector<std::vector<Vec3f>> tried;            ///< by body: of sheets, where Bullet has put them
-    double time = 0;                                  ///< [s] since the start
-    std::vector<double> mass;                         ///< by body
+    std::vector<std::vector<Vec3f>> tried;  ///< by body: of sheets, where Bullet has put them
+    double time = 0;                        ///< [s] since the start
+    std::vector<double> mass;               ///< by body
     bullet::SoftSolver soft_solver;
     std::unique_ptr<ClockedWorld> world;
     FrameResult result;
@@ -139,10 +147,12 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     const SceneMesh& mesh = scene.meshes[body.mesh];
     const bool fixed = body.motion == Motion::fixed;
     // With rays the shape only gives Bullet's broad phase its box.
-    const bullet::Baseline kind =
-        method == Method::rays || method == Method::bullet_clusters ? bullet::Baseline::gjk_hull : baseline_of(method);
-    shapes.push_back(body.ground ? bullet::BaselineShape::ground(mesh.data)
-                                 : bullet::BaselineShape(kind, mesh.name, mesh.data, mesh.convex_pieces));
+    const bullet::Baseline kind = method == Method::rays || method == Method::bullet_clusters
+                                      ? bullet::Baseline::gjk_hull
+                                      : baseline_of(method);
+    shapes.push_back(body.ground
+                         ? bullet::BaselineShape::ground(mesh.data)
+                         : bullet::BaselineShape(kind, mesh.name, mesh.data, mesh.convex_pieces));
 
     btVector3 inertia(0, 0, 0);
     if (!fixed) {
@@ -150,8 +160,8 @@ void Simulation::State::add_rigid(std::uint32_t index) {
         mass[index] = properties.mass;
         inertia = bullet::to_bullet(properties.inertia);
     }
-    btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass[index]), nullptr, &shapes.back().shape(),
-                                                  inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass[index]), nullptr,
+                                                  &shapes.back().shape(), inertia);
     info.m_startWorldTransform = bullet::to_bullet(body.pose);
     info.m_friction = friction;
     info.m_rollingFriction = rolling_friction;
@@ -161,18 +171,22 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     rigid[index]->setUserIndex(static_cast<int>(index));
     world->addRigidBody(rigid[index].get());
     if (body.path)
-        rigid[index]->setCollisionFlags(rigid[index]->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+        rigid[index]->setCollisionFlags(rigid[index]->getCollisionFlags() |
+                                        btCollisionObject::CF_KINEMATIC_OBJECT);
     if (apart != nullptr) apart->bind(*rigid[index], rays->bodies[index]);
     if (solids != nullptr) {
-        const auto before = std::count_if(rigid.begin(), rigid.begin() + index, [](const auto& r) { return r != nullptr; });
+        const auto before = std::count_if(rigid.begin(), rigid.begin() + index,
+                                          [](const auto& r) { return r != nullptr; });
         ray_dispatcher().bind(*rigid[index], solids->bodies[static_cast<std::size_t>(before)]);
     }
-    if (apart == nullptr && rays != nullptr) ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
+    if (apart == nullptr && rays != nullptr)
+        ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
 }
 
 void Simulation::State::add_sheet(std::uint32_t index) {
     const SceneBody& body = scene.bodies[index];
-    sheets[index] = std::make_unique<SoftSheet>(world->getWorldInfo(), body, scene.meshes[body.mesh].data);
+    sheets[index] = std::make_unique<SoftSheet>(world->getWorldInfo(), body,
+                                                scene.meshes[body.mesh].data);
     mass[index] = sheets[index]->mass();
     world->addSoftBody(&sheets[index]->soft());
     if (apart != nullptr)
@@ -194,7 +208,8 @@ void Simulation::State::lead(double dt) {
         if (body.path) {
             const btVector3 from = rigid[i]->getWorldTransform().getOrigin();
             rigid[i]->setWorldTransform(bullet::to_bullet(body.path(time + dt)));
-            rigid[i]->setLinearVelocity((rigid[i]->getWorldTransform().getOrigin() - from) / static_cast<btScalar>(dt));
+            rigid[i]->setLinearVelocity((rigid[i]->getWorldTransform().getOrigin() - from) /
+                                        static_cast<btScalar>(dt));
         }
         if (sheets[i]) sheets[i]->lead(time + dt, dt);
         if (body.motion_of) {
@@ -215,7 +230,8 @@ void Simulation::State::measure_sheets() {
     for (std::size_t i = 0; i < sheets.size(); ++i) {
         if (!sheets[i]) continue;
         const std::vector<Vec3f> positions = node_positions(sheets[i]->soft());
-        const SurfaceCrossings found = self_crossings(scene.meshes[scene.bodies[i].mesh].data.triangles, positions);
+        const SurfaceCrossings found = self_crossings(
+            scene.meshes[scene.bodies[i].mesh].data.triangles, positions);
         result.self_crossings += found.count;
         result.self_penetration = std::max(result.self_penetration, found.depth);
     }
@@ -234,8 +250,9 @@ void Simulation::State::add_soft(std::uint32_t index) {
     for (const Triangle& t : mesh.triangles)
         for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
     // Not randomised: node and face numbers are vertex and triangle numbers.
-    soft[index].reset(btSoftBodyHelpers::CreateFromTriMesh(world->getWorldInfo(), coordinates.data(), indices.data(),
-                                                           static_cast<int>(mesh.triangles.size()), false));
+    soft[index].reset(btSoftBodyHelpers::CreateFromTriMesh(
+        world->getWorldInfo(), coordinates.data(), indices.data(),
+        static_cast<int>(mesh.triangles.size()), false));
     btSoftBody& made = *soft[index];
     made.m_materials[0]->m_kLST = link_stiffness;
     made.generateBendingConstraints(bending_distance);
@@ -256,7 +273,8 @@ void Simulation::State::add_soft(std::uint32_t index) {
 Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings& settings)
     : state_(std::make_unique<State>(scene, method)) {
     State& s = *state_;
-    bool any_soft = false, any_sheet = false, any_given = false, any_free = false, any_soft_solid = false;
+    bool any_soft = false, any_sheet = false, any_given = false, any_free = false,
+         any_soft_solid = false;
     for (const SceneBody& body : scene.bodies) {
         any_soft |= body.motion == Motion::deforming;
         any_given |= body.motion_of != nullptr;
@@ -264,10 +282,12 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         any_free |= body.motion == Motion::rigid;
         any_soft_solid |= body.motion == Motion::deforming && !body.collision.sheet;
     }
-    if (any_sheet && any_soft_solid) throw InputError("sheets are not simulated with solids that deform");
+    if (any_sheet && any_soft_solid)
+        throw InputError("sheets are not simulated with solids that deform");
     const bool by_clusters = method == Method::bullet_clusters;
     if (any_soft && method != Method::rays && !(by_clusters && any_sheet))
-        throw InputError("soft bodies are simulated with rays only, sheets also with bullet-clusters");
+        throw InputError(
+            "soft bodies are simulated with rays only, sheets also with bullet-clusters");
     if (by_clusters && !any_sheet) throw InputError("bullet-clusters is for sheets");
 
     btCollisionConfiguration* configuration = &s.rigid_configuration;
@@ -287,8 +307,8 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         s.dispatcher = std::make_unique<TimedDispatcher>(configuration);
         register_baseline(*s.dispatcher);
     }
-    s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver, configuration,
-                                             any_sheet ? nullptr : &s.soft_solver);
+    s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver,
+                                             configuration, any_sheet ? nullptr : &s.soft_solver);
     const btVector3 down(0, 0, static_cast<btScalar>(-scene.gravity));
     s.world->setGravity(down);
     s.world->getWorldInfo().m_gravity = down;
@@ -338,7 +358,8 @@ const FrameResult& Simulation::step(double dt) {
             s.result.total_ms += ms;
         }
         s.measure_sheets();
-    } else if (dynamic_cast<bullet::Dispatcher*>(s.dispatcher.get()) == nullptr && s.rays != nullptr) {
+    } else if (dynamic_cast<bullet::Dispatcher*>(s.dispatcher.get()) == nullptr &&
+               s.rays != nullptr) {
         s.rays->world.detect();
         s.result = s.rays->result();
     } else if (s.rays != nullptr) {
@@ -347,9 +368,11 @@ const FrameResult& Simulation::step(double dt) {
         s.result.stages.push_back({"response", s.result.response_ms});
         s.result.total_ms += s.result.response_ms;
     } else {
-        // Bullet keeps its bodies a margin apart, so in its own simulation they touch where their margins do.
-        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes, Margin::counts,
-                                 s.world->detection_ms, 0, s.rigid_configuration.take_epa_milliseconds());
+        // Bullet keeps its bodies a margin apart, so in its own simulation they touch where their
+        // margins do.
+        s.result = bullet_result(static_cast<TimedDispatcher&>(*s.dispatcher), s.shapes,
+                                 Margin::counts, s.world->detection_ms, 0,
+                                 s.rigid_configuration.take_epa_milliseconds());
         const auto begin = std::chrono::steady_clock::now();
         for (const auto& sheet : s.sheets) {
             if (!sheet) continue;
@@ -357,7 +380,8 @@ const FrameResult& Simulation::step(double dt) {
             s.result.contacts += static_cast<std::uint32_t>(sheet->soft().m_joints.size());
         }
         if (s.method == Method::bullet_clusters) {
-            const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+            const std::chrono::duration<double, std::milli>
+                taken = std::chrono::steady_clock::now() - begin;
             s.result.stages.push_back({"clusters", taken.count()});
             s.result.total_ms += taken.count();
         }
@@ -380,8 +404,8 @@ void Simulation::State::record(Recording& recording, bool as_tried) const {
             add(given[i]);
         } else {
             const Pose pose = bullet::from_bullet(rigid[i]->getWorldTransform());
-            for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x, pose.rotation.y,
-                             pose.rotation.z, pose.rotation.w})
+            for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x,
+                             pose.rotation.y, pose.rotation.z, pose.rotation.w})
                 values.push_back(static_cast<float>(v));
         }
     }
@@ -397,7 +421,8 @@ double Simulation::kinetic_energy_per_mass() const {
     double energy = 0, mass = 0;
     for (std::size_t i = 0; i < s.mass.size(); ++i) {
         mass += s.mass[i];
-        if (s.rigid[i] && s.mass[i] > 0) energy += 0.5 * s.mass[i] * s.rigid[i]->getLinearVelocity().length2();
+        if (s.rigid[i] && s.mass[i] > 0)
+            energy += 0.5 * s.mass[i] * s.rigid[i]->getLinearVelocity().length2();
         if (const btSoftBody* soft = s.soft_body(i))
             for (int n = 0; n < soft->m_nodes.size(); ++n)
                 energy += 0.5 * s.mass[i] / soft->m_nodes.size() * soft->m_nodes[n].m_v.length2();
@@ -407,10 +432,12 @@ double Simulation::kinetic_energy_per_mass() const {
 
 Vec3d Simulation::vertex_position(std::uint32_t body, std::uint32_t vertex) const {
     const State& s = *state_;
-    if (const btSoftBody* soft = s.soft_body(body)) return bullet::from_bullet(soft->m_nodes[static_cast<int>(vertex)].m_x);
+    if (const btSoftBody* soft = s.soft_body(body))
+        return bullet::from_bullet(soft->m_nodes[static_cast<int>(vertex)].m_x);
     if (!s.given[body].empty()) return to_double(s.given[body][vertex]);
     const Vec3f rest = s.scene.meshes[s.scene.bodies[body].mesh].data.positions[vertex];
-    return frame_of(bullet::from_bullet(s.rigid[body]->getWorldTransform())).to_parent(to_double(rest));
+    return frame_of(bullet::from_bullet(s.rigid[body]->getWorldTransform()))
+        .to_parent(to_double(rest));
 }
 
 double Simulation::volume_ratio(std::uint32_t body) const {

@@ -13,7 +13,8 @@ namespace pierce::scenes {
 /// A scene simulated by Bullet with contacts found by a method: the closed loop.
 class Simulation {
 public:
-    /// Throws InputError if the method cannot serve the scene: Bullet's own methods take rigid bodies only.
+    /// Throws InputError if the method cannot serve the scene: Bullet's own methods take rigid
+    /// bodies only.
     Simulation(const SceneSetup& scene, Method method, const RaySettings& rays = {});
     ~Simulation();
 
@@ -22,7 +23,8 @@ public:
 
     /// Adds the bodies as they stand to a recording of the same scene.
     void record(Recording& recording) const;
-    /// The same with sheets where Bullet had put them in the last step, before contacts moved them; with rays only.
+    /// The same with sheets where Bullet had put them in the last step, before contacts moved them;
+    /// with rays only.
     void record_tried(Recording& recording) const;
 
     /// Kinetic energy of the centres and nodes over the mass of all moving bodies [m^2/s^2].

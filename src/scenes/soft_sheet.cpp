@@ -27,7 +27,8 @@ SheetLinks links_of(const MeshData& mesh) {
     std::map<std::pair<int, int>, int> opposite;
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) {
-            const auto a = static_cast<int>(t.vertex[k]), b = static_cast<int>(t.vertex[(k + 1) % 3]);
+            const auto a = static_cast<int>(t.vertex[k]),
+                       b = static_cast<int>(t.vertex[(k + 1) % 3]);
             const auto corner = static_cast<int>(t.vertex[(k + 2) % 3]);
             const auto [edge, is_new] = opposite.try_emplace(std::minmax(a, b), corner);
             if (is_new)
@@ -38,7 +39,8 @@ SheetLinks links_of(const MeshData& mesh) {
     // Bullet solves links one after another: in the order of a grid, corrections would run one way.
     std::mt19937 random(1);
     for (auto* list : {&links.along, &links.across})
-        for (std::size_t i = list->size(); i > 1; --i) std::swap((*list)[i - 1], (*list)[random() % i]);
+        for (std::size_t i = list->size(); i > 1; --i)
+            std::swap((*list)[i - 1], (*list)[random() % i]);
     return links;
 }
 
@@ -61,7 +63,8 @@ SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const Mes
         mass_ += 3 * share;
     }
     std::vector<btScalar> masses(node_mass_.begin(), node_mass_.end());
-    soft_ = std::make_unique<btSoftBody>(&info, static_cast<int>(nodes.size()), nodes.data(), masses.data());
+    soft_ = std::make_unique<btSoftBody>(&info, static_cast<int>(nodes.size()), nodes.data(),
+                                         masses.data());
     btSoftBody::Material* stretch = soft_->m_materials[0];
     stretch->m_kLST = static_cast<btScalar>(material.stretch);
     btSoftBody::Material* bend = soft_->appendMaterial();
@@ -70,8 +73,8 @@ SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const Mes
     for (const auto& [a, b] : links.across) soft_->appendLink(a, b, bend);
     for (const auto& [a, b] : links.along) soft_->appendLink(a, b, stretch);
     for (const Triangle& t : mesh.triangles)
-        soft_->appendFace(static_cast<int>(t.vertex[0]), static_cast<int>(t.vertex[1]), static_cast<int>(t.vertex[2]),
-                          stretch);
+        soft_->appendFace(static_cast<int>(t.vertex[0]), static_cast<int>(t.vertex[1]),
+                          static_cast<int>(t.vertex[2]), stretch);
     soft_->m_cfg.piterations = material.iterations;
     soft_->m_cfg.kDP = static_cast<btScalar>(material.damping);
     soft_->m_cfg.collisions = 0;
@@ -84,8 +87,8 @@ void SoftSheet::collide_by_bullet() {
     soft_->getCollisionShape()->setMargin(static_cast<btScalar>(thickness_));
 }
 
-// With CL_SS and CL_SELF, Bullet 3.24 comes to no contact: the mask it looks at its flags through holds both bits, and the
-// case it compares with holds one. This is what that case does.
+// With CL_SS and CL_SELF, Bullet 3.24 comes to no contact: the mask it looks at its flags through
+// holds both bits, and the case it compares with holds one. This is what that case does.
 void SoftSheet::meet_itself() {
     btSoftColliders::CollideCL_SS clusters;
     clusters.ProcessSoftSoft(soft_.get(), soft_.get());
@@ -118,16 +121,19 @@ void SoftSheet::lead(double time, double dt) {
         for (std::uint32_t v : guide.vertices) {
             btSoftBody::Node& node = soft_->m_nodes[static_cast<int>(v)];
             const std::optional<Vec3d> place = guide.place(start_[v], time);
-            // Not by setMass(), after which Bullet takes links to be as long at rest as they are now.
+            // Not by setMass(), after which Bullet takes links to be as long at rest as they are
+            // now.
             const btScalar inverse = place ? btScalar(0) : 1 / static_cast<btScalar>(node_mass_[v]);
             changed |= node.m_im != inverse;
             node.m_im = inverse;
-            if (place) node.m_v = bullet::to_bullet((1 / dt) * (*place - bullet::from_bullet(node.m_x)));
+            if (place)
+                node.m_v = bullet::to_bullet((1 / dt) * (*place - bullet::from_bullet(node.m_x)));
         }
     if (changed) soft_->updateLinkConstants();
     std::erase_if(guides_, [&](const Guide& guide) {
-        return std::ranges::none_of(guide.vertices,
-                                    [&](std::uint32_t v) { return guide.place(start_[v], time).has_value(); });
+        return std::ranges::none_of(guide.vertices, [&](std::uint32_t v) {
+            return guide.place(start_[v], time).has_value();
+        });
     });
 }
 

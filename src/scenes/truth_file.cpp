@@ -23,7 +23,8 @@ std::vector<TrueFrame> read_truth(const std::filesystem::path& file) {
             frame.overlapping = entry.at("overlapping");
             if (entry.contains("inside"))
                 for (const json& v : entry.at("inside"))
-                    frame.inside.push_back({v.at(0), v.at(1), v.at(2), v.at(3), {v.at(4), v.at(5), v.at(6)}});
+                    frame.inside.push_back(
+                        {v.at(0), v.at(1), v.at(2), v.at(3), {v.at(4), v.at(5), v.at(6)}});
             frames.push_back(std::move(frame));
         }
         return frames;

@@ -9,7 +9,8 @@
 
 namespace pierce::scenes {
 
-/// A vertex that is truly inside another body, and the way to the closest point of that body's surface.
+/// A vertex that is truly inside another body, and the way to the closest point of that body's
+/// surface.
 struct TrueVertex {
     std::uint32_t source = 0, target = 0;  ///< bodies by their index in the recording
     std::uint32_t vertex = 0;
@@ -21,10 +22,11 @@ struct TrueVertex {
 struct TrueFrame {
     std::uint32_t frame = 0;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> overlapping;  ///< sorted, lower body first
-    std::vector<TrueVertex> inside;                                    ///< by source, target, vertex
+    std::vector<TrueVertex> inside;  ///< by source, target, vertex
 };
 
-/// Reads what pierce_truth wrote about a recording. Throws InputError, naming the file, if it is not that.
+/// Reads what pierce_truth wrote about a recording. Throws InputError, naming the file, if it is
+/// not that.
 std::vector<TrueFrame> read_truth(const std::filesystem::path& file);
 
 }  // namespace pierce::scenes

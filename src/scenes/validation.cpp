@@ -17,10 +17,13 @@ namespace {
 
 /// The order of contact lists.
 auto place_of(const Contact& c) {
-    return std::tuple(c.a.index, c.b.index, c.source, c.is_edge(), c.is_edge() ? c.edge : c.vertex, c.chord);
+    return std::tuple(c.a.index, c.b.index, c.source, c.is_edge(), c.is_edge() ? c.edge : c.vertex,
+                      c.chord);
 }
 
-bool same(const Contact& a, const Contact& b) { return contact_hash({&a, 1}) == contact_hash({&b, 1}); }
+bool same(const Contact& a, const Contact& b) {
+    return contact_hash({&a, 1}) == contact_hash({&b, 1});
+}
 
 using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -33,7 +36,8 @@ std::vector<Contact> of_pair(std::span<const Contact> contacts, BodyPair pair) {
 
 }  // namespace
 
-std::vector<ContactDifference> differences(std::span<const Contact> found, std::span<const Contact> right) {
+std::vector<ContactDifference> differences(std::span<const Contact> found,
+                                           std::span<const Contact> right) {
     std::vector<ContactDifference> result;
     std::size_t f = 0, r = 0;
     while (f < found.size() || r < right.size()) {
@@ -54,7 +58,8 @@ bool Judgement::is_near_tie(const ContactDifference& difference) const {
     const std::optional<Contact>& right = difference.right;
     return std::ranges::any_of(moved, [&](const std::vector<Contact>& list) {
         const auto at = std::ranges::find(list, place_of(difference.subject()), place_of);
-        return (at != list.end()) != right.has_value() || (right && at->triangle != right->triangle);
+        return (at != list.end()) != right.has_value() ||
+               (right && at->triangle != right->triangle);
     });
 }
 
@@ -66,7 +71,8 @@ struct Judge::State {
 
     State(const Recording& frames, const Settings& settings, std::uint32_t stride)
         : recording(frames), every(stride), world(reference_backend(), settings) {
-        for (const SceneMesh& mesh : recording.meshes) meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+        for (const SceneMesh& mesh : recording.meshes)
+            meshes.push_back(world.add_mesh(mesh.name, mesh.data));
     }
 
     /// A body of the recording while it is in the world.
@@ -85,7 +91,8 @@ struct Judge::State {
         BodyId add() {
             const MeshId mesh = state.meshes[recorded.mesh];
             if (deforms()) return state.world.add_deforming_body(mesh);
-            return recorded.motion == Motion::fixed ? state.world.add_fixed_body(mesh) : state.world.add_rigid_body(mesh);
+            return recorded.motion == Motion::fixed ? state.world.add_fixed_body(mesh)
+                                                    : state.world.add_rigid_body(mesh);
         }
 
         void put(std::uint32_t frame, Vec3d shift = {}) {
@@ -100,8 +107,8 @@ struct Judge::State {
             state.world.set_positions(id, positions);
         }
 
-        /// Takes the steps before `frame` alone: the frame that is fitted to a deforming body goes on from step to step, and
-        /// with it the last digit of where a part of an edge begins.
+        /// Takes the steps before `frame` alone: the frame that is fitted to a deforming body goes
+        /// on from step to step, and with it the last digit of where a part of an edge begins.
         void follow(std::uint32_t frame) {
             for (std::uint32_t f = 0; deforms() && f < frame; f += state.every) {
                 put(f);
@@ -111,9 +118,11 @@ struct Judge::State {
 
         /// Leaves the body out of the next steps.
         void hide() {
-            if (!deforms()) return state.world.set_pose(id, {.position = {std::nan(""), 0, 0}, .rotation = {}});
+            if (!deforms())
+                return state.world.set_pose(id, {.position = {std::nan(""), 0, 0}, .rotation = {}});
             const Vec3f nowhere{std::nanf(""), 0, 0};
-            state.world.set_positions(id, std::vector<Vec3f>(state.recording.positions(index, 0).size(), nowhere));
+            state.world.set_positions(
+                id, std::vector<Vec3f>(state.recording.positions(index, 0).size(), nowhere));
         }
     };
 
@@ -172,7 +181,8 @@ void judge_frame(Judge& judge, std::uint32_t frame, std::span<const std::span<co
     for (const auto& [a, b] : disputed) {
         const Judgement right = judge.judge(frame, a, b);
         for (std::uint32_t c = 0; c < lists.size(); ++c) {
-            const std::vector<ContactDifference> found = differences(of_pair(lists[c], {a, b}), right.contacts);
+            const std::vector<ContactDifference> found = differences(of_pair(lists[c], {a, b}),
+                                                                     right.contacts);
             if (found.empty()) continue;
             for (const ContactDifference& difference : found) {
                 validation.wrong.push_back({frame, c, difference, right.is_near_tie(difference)});
@@ -187,9 +197,11 @@ void judge_frame(Judge& judge, std::uint32_t frame, std::span<const std::span<co
 
 }  // namespace
 
-Validation validate(const Recording& recording, std::vector<Candidate> candidates, const Settings& settings,
-                    std::uint32_t every, const std::function<void(std::uint32_t)>& progress) {
-    if (candidates.size() < 2) throw InputError("validation compares backends: it needs two at least");
+Validation validate(const Recording& recording, std::vector<Candidate> candidates,
+                    const Settings& settings, std::uint32_t every,
+                    const std::function<void(std::uint32_t)>& progress) {
+    if (candidates.size() < 2)
+        throw InputError("validation compares backends: it needs two at least");
     const SceneSetup scene = scene_of(recording);
     Validation validation;
     std::vector<std::unique_ptr<Detector>> detectors;

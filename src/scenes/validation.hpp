@@ -16,7 +16,8 @@
 
 namespace pierce::scenes {
 
-/// What two contact lists say about the same vertex, or part of an edge, where they differ; one of them may say nothing.
+/// What two contact lists say about the same vertex, or part of an edge, where they differ; one of
+/// them may say nothing.
 struct ContactDifference {
     std::optional<Contact> found, right;
 
@@ -25,21 +26,25 @@ struct ContactDifference {
 };
 
 /// Where two lists in the order of World::contacts() differ, in any bit that contact_hash() sees.
-std::vector<ContactDifference> differences(std::span<const Contact> found, std::span<const Contact> right);
+std::vector<ContactDifference> differences(std::span<const Contact> found,
+                                           std::span<const Contact> right);
 
 /// What is right about two bodies.
 struct Judgement {
     std::vector<Contact> contacts;
-    std::array<std::vector<Contact>, 6> moved;  ///< with body b further on by the touch tolerance, in six directions
+    std::array<std::vector<Contact>, 6> moved;  ///< with body b further on by the touch tolerance,
+                                                ///< in six directions
 
     /// True if such a move changes the answer to another one, or to another triangle.
     bool is_near_tie(const ContactDifference& difference) const;
 };
 
-/// The definition of a right answer, pair by pair: two bodies alone, by brute force, nothing remembered.
+/// The definition of a right answer, pair by pair: two bodies alone, by brute force, nothing
+/// remembered.
 class Judge {
 public:
-    /// The recording must outlive the judge. `every`: the steps it judges take every so many of its frames.
+    /// The recording must outlive the judge. `every`: the steps it judges take every so many of its
+    /// frames.
     Judge(const Recording& recording, Settings settings, std::uint32_t every);
     ~Judge();
 
@@ -79,9 +84,11 @@ struct Validation {
     std::uint32_t differing_frames = 0;  ///< in which not all lists are the same
 };
 
-/// Gives every `every`-th frame to all candidates, in turns, and has the pairs judged of which their lists differ.
-/// `progress` is told how many frames are done. Throws InputError unless there are two candidates at least.
-Validation validate(const Recording& recording, std::vector<Candidate> candidates, const Settings& settings,
-                    std::uint32_t every = 1, const std::function<void(std::uint32_t)>& progress = {});
+/// Gives every `every`-th frame to all candidates, in turns, and has the pairs judged of which
+/// their lists differ. `progress` is told how many frames are done. Throws InputError unless there
+/// are two candidates at least.
+Validation validate(const Recording& recording, std::vector<Candidate> candidates,
+                    const Settings& settings, std::uint32_t every = 1,
+                    const std::function<void(std::uint32_t)>& progress = {});
 
 }  // namespace pierce::scenes

@@ -32,7 +32,9 @@ struct Csv {
         for (const auto& row : rows) values.push_back(std::stod(row.at(name)));
         return values;
     }
-    bool has_column(const std::string& name) const { return !rows.empty() && rows.front().contains(name); }
+    bool has_column(const std::string& name) const {
+        return !rows.empty() && rows.front().contains(name);
+    }
 };
 
 Csv read_csv(const fs::path& file) {
@@ -58,17 +60,19 @@ TEST_F(AppTest, ListsScenesAndPlans) {
     EXPECT_THAT(pierce("scenes").text, testing::AllOf(HasSubstr("tori"), HasSubstr("bunnies")));
     const Outcome rigid = pierce("plan tori --count 3");
     EXPECT_EQ(rigid.code, 0);
-    EXPECT_THAT(rigid.text, testing::AllOf(HasSubstr("1 fixed, 3 rigid, 0 deforming"), HasSubstr("no vertex is looked at")));
-    EXPECT_THAT(pierce("plan tori --count 3 --soft").text, HasSubstr("one refitted tree per deforming body"));
+    EXPECT_THAT(rigid.text, testing::AllOf(HasSubstr("1 fixed, 3 rigid, 0 deforming"),
+                                           HasSubstr("no vertex is looked at")));
+    EXPECT_THAT(pierce("plan tori --count 3 --soft").text,
+                HasSubstr("one refitted tree per deforming body"));
     EXPECT_THAT(pierce("--version").text, HasSubstr("pierce 0."));
 }
 
 TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
-    const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") + " --json " + path("run.json") +
-                               " --png " + path("last.png"));
+    const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") +
+                               " --json " + path("run.json") + " --png " + path("last.png"));
     ASSERT_EQ(run.code, 0) << run.text;
-    EXPECT_THAT(run.text,
-                testing::AllOf(HasSubstr("120 frames"), HasSubstr("vertex_cull [ms]"), HasSubstr("colliding pairs")));
+    EXPECT_THAT(run.text, testing::AllOf(HasSubstr("120 frames"), HasSubstr("vertex_cull [ms]"),
+                                         HasSubstr("colliding pairs")));
     EXPECT_THAT(run.text, testing::Not(HasSubstr("left"))) << "no progress bar in a pipe";
     std::ifstream png(folder / "last.png", std::ios::binary);
     char head[4] = {};
@@ -82,15 +86,17 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
     const json& frame = written["frames"][119];
     EXPECT_EQ(frame["index"], 119);
     EXPECT_GT(frame["ms"]["total"].get<double>(), 0);
-    for (const char* stage :
-         {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace", "classify", "contacts", "response"})
+    for (const char* stage : {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace",
+                              "classify", "contacts", "response"})
         EXPECT_TRUE(frame["ms"].contains(stage)) << stage;
     EXPECT_FALSE(frame["pairs"].empty());
     for (const json& pair : frame["pairs"]) EXPECT_LT(pair[0].get<int>(), pair[1].get<int>());
 
     std::set<std::string> last_hashes;
     for (const char* how : {"--threads 1", "--threads 2", "--backend reference"}) {
-        ASSERT_EQ(pierce("replay " + path("motion") + " " + how + " --json " + path("replay.json")).code, 0);
+        ASSERT_EQ(
+            pierce("replay " + path("motion") + " " + how + " --json " + path("replay.json")).code,
+            0);
         const json replayed = read("replay.json");
         std::string all;
         for (const json& f : replayed["frames"]) all += f["hash"].get<std::string>();
@@ -106,7 +112,8 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
 TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
     ASSERT_EQ(pierce("run tori --count 6 --seconds 2 --record " + path("motion")).code, 0);
     const auto replay = [&](const std::string& how) {
-        const Outcome outcome = pierce("replay " + path("motion") + " " + how + " --json " + path("replay.json"));
+        const Outcome outcome = pierce("replay " + path("motion") + " " + how + " --json " +
+                                       path("replay.json"));
         EXPECT_EQ(outcome.code, 0) << outcome.text;
         return read("replay.json");
     };
@@ -116,7 +123,8 @@ TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
         return all;
     };
     const json off = replay("--temporal off"), certified = replay("--temporal certified"),
-               paper = replay("--temporal paper --predict off --full-every 4"), predicting = replay("--temporal paper");
+               paper = replay("--temporal paper --predict off --full-every 4"),
+               predicting = replay("--temporal paper");
     EXPECT_EQ(hashes(off), hashes(certified));
     EXPECT_NE(hashes(off), hashes(paper)) << "the paper's mode misses some";
     EXPECT_EQ(certified["settings"]["temporal"], "certified");
@@ -131,34 +139,42 @@ TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
 }
 
 TEST_F(AppTest, ReportsOnThePaper) {
-    const Outcome report =
-        pierce("report paper --count 4 --bunnies 3 --seconds 1.5 --runs 2 --truth-every 2 --out " + path("report"));
+    const Outcome report = pierce(
+        "report paper --count 4 --bunnies 3 --seconds 1.5 --runs 2 --truth-every 2 --out " +
+        path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     std::ifstream in(folder / "report" / "report.md");
     const std::string page{std::istreambuf_iterator<char>(in), {}};
-    for (const char* part : {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9", "R²"})
+    for (const char* part :
+         {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9", "R²"})
         EXPECT_THAT(page, HasSubstr(part));
-    for (const char* file : {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
+    for (const char* file :
+         {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
         EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
 
     for (const std::string figure : {"10", "11", "12", "13"}) {
         EXPECT_THAT(page, HasSubstr("## Figure " + figure));
         const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv")),
                   closed = read_csv(folder / ("report/figure_" + figure + "_closed.csv"));
-        for (const char* name : {"time", "rays", "GJK/EPA", "truth"}) EXPECT_TRUE(open.has_column(name)) << figure << name;
-        for (const char* name : {"time", "rays", "truth of the rays' motion", "GJK/EPA", "truth of GJK/EPA's motion"})
+        for (const char* name : {"time", "rays", "GJK/EPA", "truth"})
+            EXPECT_TRUE(open.has_column(name)) << figure << name;
+        for (const char* name :
+             {"time", "rays", "truth of the rays' motion", "GJK/EPA", "truth of GJK/EPA's motion"})
             EXPECT_TRUE(closed.has_column(name)) << figure << name;
     }
     for (const std::string figure : {"10", "12"}) {
         const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv"));
-        const std::vector<double> truth = open.column("truth"), rays = open.column("rays by some depth");
+        const std::vector<double> truth = open.column("truth"),
+                                  rays = open.column("rays by some depth");
         ASSERT_EQ(truth.size(), 45u) << "every second of 90 frames";
         EXPECT_GT(std::ranges::max(rays), 1);
         for (std::size_t i = 0; i < truth.size(); ++i)
-            EXPECT_GE(truth[i], rays[i]) << "rays from vertices invent no pair; figure " << figure << " row " << i;
+            EXPECT_GE(truth[i], rays[i])
+                << "rays from vertices invent no pair; figure " << figure << " row " << i;
     }
     const Csv steps = read_csv(folder / "report/figure_14.csv");
-    const std::vector<double> dt = steps.column("dt"), mean = steps.column("mean"), most = steps.column("maximum"),
+    const std::vector<double> dt = steps.column("dt"), mean = steps.column("mean"),
+                              most = steps.column("maximum"),
                               deviation = steps.column("standard deviation");
     ASSERT_EQ(dt.size(), 7u);
     EXPECT_NEAR(dt.back(), 8.0 / 120, 1e-6);
@@ -168,7 +184,8 @@ TEST_F(AppTest, ReportsOnThePaper) {
         EXPECT_LT(deviation[i], most[i]);
     }
     for (const std::string name : {"mean", "maximum", "standard deviation"}) {
-        const std::vector<double> measured = steps.column(name), line = steps.column(name + " (line)");
+        const std::vector<double> measured = steps.column(name),
+                                  line = steps.column(name + " (line)");
         double off = 0, turned = 0;
         for (std::size_t i = 0; i < 7; ++i) {
             const double residual = (measured[i] - line[i]) / measured[6];
@@ -181,14 +198,16 @@ TEST_F(AppTest, ReportsOnThePaper) {
 }
 
 TEST_F(AppTest, ReportsOnAccuracy) {
-    const Outcome report =
-        pierce("report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " + path("report"));
+    const Outcome report = pierce(
+        "report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " +
+        path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     const fs::path out = folder / "report";
     std::ifstream in(out / "report.md");
     const std::string page{std::istreambuf_iterator<char>(in), {}};
-    for (const char* part : {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
-                             "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
+    for (const char* part :
+         {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
+          "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
         EXPECT_THAT(page, HasSubstr(part));
     for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft"}) {
         const Csv csv = read_csv(out / (std::string(name) + ".csv"));
@@ -197,13 +216,15 @@ TEST_F(AppTest, ReportsOnAccuracy) {
         for (const char* method : {"complete", "reprojected"})
             for (const char* column : {"missed_pairs", "false_pairs"})
                 EXPECT_EQ(csv.number(method, column), 0) << name << ' ' << method << ' ' << column;
-        for (const char* column : {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
+        for (const char* column :
+             {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
             EXPECT_TRUE(std::isfinite(csv.number("reprojected", column))) << name << ' ' << column;
     }
-    const Csv resolution = read_csv(out / "f7_resolution.csv"), depth = read_csv(out / "f9_depth.csv"),
-              hard = read_csv(out / "hard_cases.csv");
+    const Csv resolution = read_csv(out / "f7_resolution.csv"),
+              depth = read_csv(out / "f9_depth.csv"), hard = read_csv(out / "hard_cases.csv");
     ASSERT_EQ(resolution.rows.size(), 9u);
-    for (const auto& row : resolution.rows) EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
+    for (const auto& row : resolution.rows)
+        EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
     ASSERT_EQ(depth.rows.size(), 6u);
     for (const auto& row : depth.rows) {
         EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
@@ -218,10 +239,12 @@ TEST_F(AppTest, ReportsOnAccuracy) {
 }
 
 TEST_F(AppTest, DetectsContactsOfMeshFiles) {
-    std::ofstream(folder / "a.off") << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-    std::ofstream(folder / "b.obj")
-        << "v 0.1 0.1 0.1\nv 2 0.1 0.1\nv 0.1 2 0.1\nv 0.1 0.1 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-    const Outcome found = pierce("detect " + path("a.off") + " " + path("b.obj") + " --json " + path("contacts.json"));
+    std::ofstream(folder / "a.off")
+        << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::ofstream(folder / "b.obj") << "v 0.1 0.1 0.1\nv 2 0.1 0.1\nv 0.1 2 0.1\nv 0.1 0.1 2\nf 1 "
+                                       "3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    const Outcome found = pierce("detect " + path("a.off") + " " + path("b.obj") + " --json " +
+                                 path("contacts.json"));
     ASSERT_EQ(found.code, 0) << found.text;
     EXPECT_THAT(found.text, HasSubstr("1 of 1 overlapping pairs"));
     const json contacts = read("contacts.json")["contacts"];
@@ -232,17 +255,20 @@ TEST_F(AppTest, DetectsContactsOfMeshFiles) {
 }
 
 TEST_F(AppTest, ChecksMeshes) {
-    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n",
+                      faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
     std::ofstream(folder / "sound.off") << "OFF\n4 4 0\n" << corners << faces;
     std::ofstream(folder / "seam.off") << "OFF\n5 4 0\n" << corners << "0 0 0\n" << faces;
-    std::ofstream(folder / "open.off") << "OFF\n4 3 0\n" << corners << "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+    std::ofstream(folder / "open.off") << "OFF\n4 3 0\n"
+                                       << corners << "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
     std::ofstream(folder / "nan.off") << "OFF\n4 4 0\n0 0 0\nnan 0 0\n0 1 0\n0 0 1\n" << faces;
-    std::ofstream(folder / "fold.off") << "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0.3 0.5 0\n3 0 1 2\n3 1 0 3\n";
+    std::ofstream(folder / "fold.off")
+        << "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0.3 0.5 0\n3 0 1 2\n3 1 0 3\n";
 
     const Outcome sound = pierce("check " + path("sound.off"));
     EXPECT_EQ(sound.code, 0) << sound.text;
-    EXPECT_THAT(sound.text,
-                HasSubstr("sound, closed; 4 vertices, 4 triangles, 1 component, volume 0.166667, size 1 x 1 x 1"));
+    EXPECT_THAT(sound.text, HasSubstr("sound, closed; 4 vertices, 4 triangles, 1 component, volume "
+                                      "0.166667, size 1 x 1 x 1"));
     EXPECT_EQ(std::ranges::count(sound.text, '\n'), 1);
     const Outcome seam = pierce("check " + path("seam.off"));
     EXPECT_EQ(seam.code, 0) << "what does no harm is no failure";
@@ -250,17 +276,21 @@ TEST_F(AppTest, ChecksMeshes) {
 
     const Outcome open = pierce("check " + path("sound.off") + " " + path("open.off"));
     EXPECT_EQ(open.code, 1);
-    EXPECT_THAT(open.text, testing::AllOf(HasSubstr("! border edges: 3 (edge 1-2, 1-3, 2-3)"), HasSubstr("no inside")));
+    EXPECT_THAT(open.text, testing::AllOf(HasSubstr("! border edges: 3 (edge 1-2, 1-3, 2-3)"),
+                                          HasSubstr("no inside")));
     const Outcome nan = pierce("check " + path("nan.off"));
     EXPECT_EQ(nan.code, 1);
     EXPECT_THAT(nan.text, HasSubstr("vertices not finite: 1 (vertex 1)"));
-    EXPECT_THAT(pierce("check " + path("fold.off")).text, testing::Not(HasSubstr("self-intersections")));
+    EXPECT_THAT(pierce("check " + path("fold.off")).text,
+                testing::Not(HasSubstr("self-intersections")));
     EXPECT_THAT(pierce("check --self-intersections " + path("fold.off")).text,
                 HasSubstr("self-intersections: 1 (triangles 0-1)"));
 
-    const Outcome mixed = pierce("check " + path("nothing.off") + " " + path("open.off") + " --json " + path("check.json"));
+    const Outcome mixed = pierce("check " + path("nothing.off") + " " + path("open.off") +
+                                 " --json " + path("check.json"));
     EXPECT_EQ(mixed.code, 2);
-    EXPECT_THAT(mixed.text, testing::AllOf(HasSubstr("nothing.off: unreadable"), HasSubstr("border edges")));
+    EXPECT_THAT(mixed.text,
+                testing::AllOf(HasSubstr("nothing.off: unreadable"), HasSubstr("border edges")));
     const json meshes = read("check.json")["meshes"];
     ASSERT_EQ(meshes.size(), 2u);
     EXPECT_THAT(meshes[0]["error"].get<std::string>(), HasSubstr("cannot open"));
@@ -283,7 +313,8 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --dt nan", "--dt");
     expect_refused("run tori --seconds -1", "--seconds");
     expect_refused("run tori --count 0", "--count");
-    expect_refused("run tori --method sat", "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
+    expect_refused("run tori --method sat",
+                   "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
     expect_refused("run tori --backend optix",
                    "unknown backend 'optix'; there are: automatic, embree, cuda, bvh, reference");
     expect_refused("run tori --count 1 --soft --method gimpact", "soft bodies");

@@ -15,13 +15,17 @@ using ClothReportTest = AppTest;
 
 TEST_F(ClothReportTest, ShowsTimeBesideErrorForEverySize) {
     const Outcome report = pierce(
-        "report cloth --parts size --sizes 8,12 --size-seconds 0.9 --layers-nodes 4 --threads 2 --out " + path("report"));
+        "report cloth --parts size --sizes 8,12 --size-seconds 0.9 --layers-nodes 4 --threads 2 "
+        "--out " +
+        path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     std::ifstream in(folder / "report" / "report.md");
     const std::string page = (std::stringstream() << in.rdbuf()).str();
-    for (const char* part : {"## Time and error as sheets get finer", "cloth-capsule 12", "layers 4", "bullet-clusters"})
+    for (const char* part : {"## Time and error as sheets get finer", "cloth-capsule 12",
+                             "layers 4", "bullet-clusters"})
         EXPECT_THAT(page, HasSubstr(part));
-    EXPECT_THAT(page, testing::Not(HasSubstr("## Missed and invented crossings"))) << "one part was asked for";
+    EXPECT_THAT(page, testing::Not(HasSubstr("## Missed and invented crossings")))
+        << "one part was asked for";
 
     const nlohmann::json all = read("report/size.json");
     std::uint64_t meetings = 0;
@@ -50,9 +54,14 @@ TEST_F(ClothReportTest, RefusesPartsThereAreNot) {
 }
 
 TEST_F(ClothReportTest, FinerSheetsAreSimulatedInSmallerSteps) {
-    ASSERT_EQ(pierce("run cloth-capsule --nodes 39 --seconds 0.05 --json " + path("run.json")).code, 0);
-    EXPECT_NEAR(read("run.json")["settings"]["dt"].get<double>(), 1.0 / 120, 1e-9) << "half the distance, half the step";
-    ASSERT_EQ(pierce("run cloth-capsule --nodes 39 --seconds 0.05 --dt 0.025 --json " + path("given.json")).code, 0);
+    ASSERT_EQ(pierce("run cloth-capsule --nodes 39 --seconds 0.05 --json " + path("run.json")).code,
+              0);
+    EXPECT_NEAR(read("run.json")["settings"]["dt"].get<double>(), 1.0 / 120, 1e-9)
+        << "half the distance, half the step";
+    ASSERT_EQ(pierce("run cloth-capsule --nodes 39 --seconds 0.05 --dt 0.025 --json " +
+                     path("given.json"))
+                  .code,
+              0);
     EXPECT_EQ(read("given.json")["frames"].size(), 2u);
 }
 

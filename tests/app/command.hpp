@@ -21,7 +21,8 @@ struct Outcome {
 /// Runs the pierce command, in `folder` if one is given.
 inline Outcome pierce(const std::string& arguments, const std::string& folder = ".") {
     Outcome outcome;
-    std::FILE* pipe = popen(("cd '" + folder + "' && " + PIERCE_APP + " " + arguments + " 2>&1").c_str(), "r");
+    std::FILE* pipe = popen(
+        ("cd '" + folder + "' && " + PIERCE_APP + " " + arguments + " 2>&1").c_str(), "r");
     for (char buffer[4096]; const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe);)
         outcome.text.append(buffer, n);
     outcome.code = WEXITSTATUS(pclose(pipe));
@@ -38,13 +39,17 @@ inline void expect_refused(const std::string& arguments, const std::string& why)
 /// A folder of its own that goes away with the test.
 class AppTest : public testing::Test {
 protected:
-    AppTest() : folder(std::filesystem::temp_directory_path() / ("pierce_app_" + std::to_string(::getpid()))) {
+    AppTest()
+        : folder(std::filesystem::temp_directory_path() /
+                 ("pierce_app_" + std::to_string(::getpid()))) {
         std::filesystem::create_directories(folder);
     }
     ~AppTest() override { std::filesystem::remove_all(folder); }
 
     std::string path(const std::string& name) const { return (folder / name).string(); }
-    nlohmann::json read(const std::string& name) const { return nlohmann::json::parse(std::ifstream(folder / name)); }
+    nlohmann::json read(const std::string& name) const {
+        return nlohmann::json::parse(std::ifstream(folder / name));
+    }
 
     std::filesystem::path folder;
 };

@@ -1,4 +1,5 @@
-// pierce explain: what it prints and writes is what the library says, and what cannot be asked is refused.
+// pierce explain: what it prints and writes is what the library says, and what cannot be asked is
+// refused.
 #include <gmock/gmock.h>
 
 #include "app/command.hpp"
@@ -17,10 +18,10 @@ using testing::HasSubstr;
 class ExplainCommandTest : public AppTest {
 protected:
     ExplainCommandTest() {
-        scenes::SceneSetup scene{
-            "sample",
-            {{"ring", scenes::torus(1, 0.3, 24, 12), {}}, {"cube", scenes::box({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}), {}}},
-            {}};
+        scenes::SceneSetup scene{"sample",
+                                 {{"ring", scenes::torus(1, 0.3, 24, 12), {}},
+                                  {"cube", scenes::box({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}), {}}},
+                                 {}};
         scene.bodies = {{"ring", 0, Motion::fixed, {}, false},
                         {"in the hole", 1, Motion::rigid, {}, false},
                         {"in the ring", 1, Motion::rigid, {}, false}};
@@ -29,13 +30,17 @@ protected:
         for (std::uint32_t f = 0; f < motion.frame_count; ++f) {
             const auto height = 0.01f * static_cast<float>(f);
             motion.bodies[0].values.insert(motion.bodies[0].values.end(), {0, 0, 0, 0, 0, 0, 1});
-            motion.bodies[1].values.insert(motion.bodies[1].values.end(), {0.2f, 0, height, 0, 0, 0, 1});
-            motion.bodies[2].values.insert(motion.bodies[2].values.end(), {0.7f, 0, height, 0, 0, 0, 1});
+            motion.bodies[1].values.insert(motion.bodies[1].values.end(),
+                                           {0.2f, 0, height, 0, 0, 0, 1});
+            motion.bodies[2].values.insert(motion.bodies[2].values.end(),
+                                           {0.7f, 0, height, 0, 0, 0, 1});
         }
         write_recording(motion, folder / "motion");
     }
 
-    std::string ask(const std::string& how) const { return "explain " + path("motion") + " " + how; }
+    std::string ask(const std::string& how) const {
+        return "explain " + path("motion") + " " + how;
+    }
 
     scenes::Recording motion;
 };
@@ -56,7 +61,8 @@ TEST_F(ExplainCommandTest, PrintsWhatItsPageShows) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
         if (!lines[i].starts_with(prompt)) continue;
         std::string shown;
-        for (std::size_t k = i + 1; k < lines.size() && !lines[k].starts_with("```") && !lines[k].empty(); ++k)
+        for (std::size_t k = i + 1;
+             k < lines.size() && !lines[k].starts_with("```") && !lines[k].empty(); ++k)
             shown += lines[k] + "\n";
         const Outcome outcome = pierce(lines[i].substr(prompt.size()), source.string());
         EXPECT_EQ(outcome.code, 0);
@@ -70,10 +76,13 @@ TEST_F(ExplainCommandTest, SaysOfMeshesWhatTheLibrarySays) {
     scenes::write_obj(path("floor.obj"), scenes::box({-4, -4, -1}, {4, 4, 0}));
     scenes::write_obj(path("cube.obj"), scenes::box({0.1, 0.1, -0.1}, {1.1, 1.1, 0.9}));
     World world;
-    const BodyId floor = world.add_rigid_body(world.add_mesh("floor", scenes::box({-4, -4, -1}, {4, 4, 0})));
-    const BodyId cube = world.add_rigid_body(world.add_mesh("cube", scenes::box({0.1, 0.1, -0.1}, {1.1, 1.1, 0.9})));
+    const BodyId floor = world.add_rigid_body(
+        world.add_mesh("floor", scenes::box({-4, -4, -1}, {4, 4, 0})));
+    const BodyId cube = world.add_rigid_body(
+        world.add_mesh("cube", scenes::box({0.1, 0.1, -0.1}, {1.1, 1.1, 0.9})));
     world.detect();
-    const std::string files = path("floor.obj") + " " + path("cube.obj") + " --json " + path("explain.json");
+    const std::string files = path("floor.obj") + " " + path("cube.obj") + " --json " +
+                              path("explain.json");
     for (std::uint32_t v = 0; v < 8; ++v) {
         const std::string number = std::to_string(v);
         const Outcome of_cube = pierce("explain " + files + " --of b --vertex " + number);
@@ -111,28 +120,37 @@ TEST_F(ExplainCommandTest, SaysOfMeshesWhatTheLibrarySays) {
 
 TEST_F(ExplainCommandTest, ReplaysRecordingsUpToTheFrame) {
     World world;
-    const MeshId ring = world.add_mesh("ring", motion.meshes[0].data), cube = world.add_mesh("cube", motion.meshes[1].data);
-    const BodyId body[] = {world.add_fixed_body(ring), world.add_rigid_body(cube), world.add_rigid_body(cube)};
+    const MeshId ring = world.add_mesh("ring", motion.meshes[0].data),
+                 cube = world.add_mesh("cube", motion.meshes[1].data);
+    const BodyId body[] = {world.add_fixed_body(ring), world.add_rigid_body(cube),
+                           world.add_rigid_body(cube)};
     double left[4] = {};
     for (std::uint32_t f = 0; f < motion.frame_count; ++f) {
         for (std::uint32_t b = 0; b < 3; ++b) world.set_pose(body[b], motion.pose(b, f));
         world.detect();
         for (std::uint32_t b : {1u, 2u})
             for (std::uint32_t v : {0u, 7u}) {
-                const std::string which = "--frame " + std::to_string(f) + " --vertex " + std::to_string(v) + " --bodies " +
-                                          std::to_string(b) + " 0 --json " + path("explain.json");
+                const std::string which = "--frame " + std::to_string(f) + " --vertex " +
+                                          std::to_string(v) + " --bodies " + std::to_string(b) +
+                                          " 0 --json " + path("explain.json");
                 const Outcome outcome = pierce(ask(which));
                 ASSERT_EQ(outcome.code, 0) << outcome.text;
-                EXPECT_THAT(outcome.text, HasSubstr(world.explain(body[b], body[0], v).text())) << which;
-                if (b == 1 && v == 0) left[f] = read("explain.json")["explanation"]["certificate"]["left"];
+                EXPECT_THAT(outcome.text, HasSubstr(world.explain(body[b], body[0], v).text()))
+                    << which;
+                if (b == 1 && v == 0)
+                    left[f] = read("explain.json")["explanation"]["certificate"]["left"];
             }
     }
     EXPECT_NEAR(left[3], left[0] - 0.03, 1e-5) << "the certificate is the first frame's";
     EXPECT_EQ(read("explain.json")["settings"]["frame"], 3);
     EXPECT_EQ(read("explain.json")["settings"]["bodies"], (json{2, 0}));
     EXPECT_EQ(read("explain.json")["explanation"]["reason"], "contact");
-    EXPECT_THAT(pierce(ask("--frame 1 --bodies 1 0 --vertex 2")).text, HasSubstr("vertex 2 of body 1 'in the hole', at "));
-    ASSERT_EQ(pierce(ask("--frame 3 --bodies 1 0 --vertex 0 --temporal off --json " + path("off.json"))).code, 0);
+    EXPECT_THAT(pierce(ask("--frame 1 --bodies 1 0 --vertex 2")).text,
+                HasSubstr("vertex 2 of body 1 'in the hole', at "));
+    ASSERT_EQ(
+        pierce(ask("--frame 3 --bodies 1 0 --vertex 0 --temporal off --json " + path("off.json")))
+            .code,
+        0);
     EXPECT_EQ(read("off.json")["explanation"]["certificate"], nullptr);
     EXPECT_EQ(read("off.json")["settings"]["temporal"], "off");
 }
@@ -153,7 +171,8 @@ TEST_F(ExplainCommandTest, RefusesWhatCannotBeAsked) {
     expect_refused(two + " " + cube + " --vertex 0", "inputs: At Most 2");
     expect_refused("explain " + cube + " " + path("nothing.obj") + " --vertex 0", "nothing.obj");
     expect_refused("explain " + cube + " --vertex 0", "cube.obj' is one file");
-    expect_refused("explain " + path("nothing") + " --frame 0 --bodies 0 1 --vertex 0", "nothing/scene.json");
+    expect_refused("explain " + path("nothing") + " --frame 0 --bodies 0 1 --vertex 0",
+                   "nothing/scene.json");
     expect_refused(ask("--vertex 0"), "a recording needs --frame and --bodies");
     expect_refused(ask("--vertex 0 --frame 0"), "a recording needs --frame and --bodies");
     expect_refused(ask("--vertex 0 --frame 0 --bodies 1"), "--bodies");

@@ -16,11 +16,12 @@ class ValidateCommandTest : public AppTest {};
 
 TEST_F(ValidateCommandTest, FindsThatAllBackendsOfASceneAgree) {
     for (const std::string how : {"", " --soft --coverage complete"}) {
-        const Outcome outcome =
-            pierce("validate tori --count 4 --seconds 1.5 --every 10" + how + " --json " + path("validation.json"));
+        const Outcome outcome = pierce("validate tori --count 4 --seconds 1.5 --every 10" + how +
+                                       " --json " + path("validation.json"));
         ASSERT_EQ(outcome.code, 0) << outcome.text;
-        EXPECT_THAT(outcome.text, AllOf(HasSubstr("tori: 5 bodies, 9 of 90 frames\n"), HasSubstr("wrong frames"),
-                                        HasSubstr("all backends have the same contacts in every frame\n")));
+        EXPECT_THAT(outcome.text,
+                    AllOf(HasSubstr("tori: 5 bodies, 9 of 90 frames\n"), HasSubstr("wrong frames"),
+                          HasSubstr("all backends have the same contacts in every frame\n")));
         const json written = read("validation.json");
         EXPECT_EQ(written["frames"], 9);
         EXPECT_EQ(written["differing_frames"], 0);
@@ -31,7 +32,8 @@ TEST_F(ValidateCommandTest, FindsThatAllBackendsOfASceneAgree) {
             EXPECT_EQ(backend["contacts"], written["backends"][0]["contacts"]);
             EXPECT_GT(backend["ms"]["median"], 0);
         }
-        EXPECT_EQ(outcome.text.find("left out: cuda: the cuda backend cannot run here: ") == std::string::npos,
+        EXPECT_EQ(outcome.text.find("left out: cuda: the cuda backend cannot run here: ") ==
+                      std::string::npos,
                   has_backend("cuda"))
             << outcome.text;
     }
@@ -39,10 +41,12 @@ TEST_F(ValidateCommandTest, FindsThatAllBackendsOfASceneAgree) {
 
 TEST_F(ValidateCommandTest, TakesRecordingsAndTheBackendsItIsTold) {
     ASSERT_EQ(pierce("run tori --count 3 --seconds 1.5 --record " + path("motion")).code, 0);
-    const Outcome outcome = pierce("validate " + path("motion") + " --every 20 --backends bvh,embree");
+    const Outcome outcome = pierce("validate " + path("motion") +
+                                   " --every 20 --backends bvh,embree");
     EXPECT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_THAT(outcome.text, AllOf(HasSubstr("4 bodies, 5 of 90 frames"), HasSubstr("embree 3."),
-                                    HasSubstr("bvh, 1 thread"), Not(HasSubstr("reference")), Not(HasSubstr("left out"))));
+                                    HasSubstr("bvh, 1 thread"), Not(HasSubstr("reference")),
+                                    Not(HasSubstr("left out"))));
 }
 
 TEST_F(ValidateCommandTest, LeavesTheReferenceOutOfLargeScenes) {
@@ -53,10 +57,12 @@ TEST_F(ValidateCommandTest, LeavesTheReferenceOutOfLargeScenes) {
 
 TEST_F(ValidateCommandTest, RefusesWhatItCannotValidate) {
     expect_refused("validate", "input");
-    expect_refused("validate torus", "'torus' is neither a scene, see 'pierce scenes', nor a recording's folder");
+    expect_refused("validate torus",
+                   "'torus' is neither a scene, see 'pierce scenes', nor a recording's folder");
     expect_refused("validate " + path("nothing"), "nothing");
     expect_refused("validate " + folder.string(), "scene.json");
-    expect_refused("validate " + folder.string() + " --count 3", "--count, --soft and --seconds are for scenes");
+    expect_refused("validate " + folder.string() + " --count 3",
+                   "--count, --soft and --seconds are for scenes");
     expect_refused("validate tori --every 0", "--every");
     expect_refused("validate tori --seconds 0", "--seconds");
     expect_refused("validate tori --backends bvh", "--backends");
@@ -78,7 +84,8 @@ TEST_F(ValidateCommandTest, SaysWhyThereIsNoCuda) {
 TEST_F(ValidateCommandTest, SaysWhatAutomaticCameTo) {
     const Outcome outcome = pierce("run tori --count 1 --seconds 0.1 --backend automatic");
     EXPECT_EQ(outcome.code, 0) << outcome.text;
-    EXPECT_THAT(outcome.text, HasSubstr(has_backend("cuda") ? "method rays, cuda, " : "method rays, embree "));
+    EXPECT_THAT(outcome.text,
+                HasSubstr(has_backend("cuda") ? "method rays, cuda, " : "method rays, embree "));
 }
 
 }  // namespace

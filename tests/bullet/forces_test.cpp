@@ -35,11 +35,13 @@ struct Overlap {
     std::vector<MeshData> shape;
     std::vector<BodyId> body;
 
-    explicit Overlap(test::Random& random, const Settings& settings = {}) : world(reference_backend(), settings) {
+    explicit Overlap(test::Random& random, const Settings& settings = {})
+        : world(reference_backend(), settings) {
         for (int k = 0; k < 2; ++k) {
             shape.push_back(test::random_closed_mesh(random));
             const MeshId mesh = world.add_mesh("shape", shape.back());
-            shape.back().positions = test::placed(shape.back(), {random.in_box(0.5), random.rotation()});
+            shape.back().positions = test::placed(shape.back(),
+                                                  {random.in_box(0.5), random.rotation()});
             body.push_back(world.add_deforming_body(mesh, shape.back().positions));
         }
         world.detect();
@@ -56,17 +58,21 @@ TEST(PenaltyForceTest, ConservesMomentumToRounding) {
             ++contacts;
             edges += c.is_edge();
             const int source = static_cast<int>(c.source), target = 1 - source;
-            const Triangle& t = overlap.shape[static_cast<std::size_t>(target)].triangles[c.triangle];
+            const Triangle& t = overlap.shape[static_cast<std::size_t>(target)]
+                                    .triangles[c.triangle];
             const Vec3f* corner[3];
-            for (int k = 0; k < 3; ++k) corner[k] = &overlap.shape[static_cast<std::size_t>(target)].positions[t.vertex[k]];
+            for (int k = 0; k < 3; ++k)
+                corner[k] = &overlap.shape[static_cast<std::size_t>(target)].positions[t.vertex[k]];
             const PenaltyForce force = penalty_force(
                 c, {.stiffness = 1000, .damping = 3},
-                {{random.in_box(1), random.in_box(1)}, {random.in_box(1), random.in_box(1), random.in_box(1)}});
+                {{random.in_box(1), random.in_box(1)},
+                 {random.in_box(1), random.in_box(1), random.in_box(1)}});
             Vec3d sum, torque, push;
             double size = 0;
             const std::uint32_t vertex[2] = {c.vertex, c.edge_end};
             for (int k = 0; k < (c.is_edge() ? 2 : 1); ++k) {
-                const Vec3d at = to_double(overlap.shape[static_cast<std::size_t>(source)].positions[vertex[k]]);
+                const Vec3d at = to_double(
+                    overlap.shape[static_cast<std::size_t>(source)].positions[vertex[k]]);
                 push += force.on_source[k];
                 torque += cross(at, force.on_source[k]);
                 size += length(force.on_source[k]);
@@ -94,9 +100,11 @@ TEST(ContactFrameTest, PointsLieOneDepthApartAlongTheNormal) {
         for (const Contact& c : overlap.world.contacts()) {
             const bullet::FramedContact f = bullet::face_frame(c);
             const Vec3d apart = f.point_a - f.point_b;
-            EXPECT_NEAR(length(apart - f.distance * f.normal_on_b), 0, 1e-9) << "Bullet: (A - B) . normal = distance";
+            EXPECT_NEAR(length(apart - f.distance * f.normal_on_b), 0, 1e-9)
+                << "Bullet: (A - B) . normal = distance";
             EXPECT_LE(f.distance, 0);
-            EXPECT_LE(-f.distance, c.penetration_depth() + 1e-9) << "a face's depth is never more than the ray's";
+            EXPECT_LE(-f.distance, c.penetration_depth() + 1e-9)
+                << "a face's depth is never more than the ray's";
         }
     }
 }
@@ -174,12 +182,15 @@ void expect_pile(const SceneSetup& scene, int steps, double lowest_allowed, Drif
     EXPECT_LT(deepest, 0.5) << "a tube is 1 thick";
     EXPECT_LT(simulation.kinetic_energy_per_mass(), 1e-3);
     for (std::uint32_t b = 1; b < scene.bodies.size(); ++b) {
-        for (std::uint32_t v = 0; v < 300; ++v) ASSERT_GT(simulation.vertex_position(b, v).z, lowest_allowed);
+        for (std::uint32_t v = 0; v < 300; ++v)
+            ASSERT_GT(simulation.vertex_position(b, v).z, lowest_allowed);
         EXPECT_NEAR(simulation.volume_ratio(b), 1, 0.1);
     }
 }
 
-TEST(SimulationTest, AHundredToriStayAboveThePlaneAndComeToRest) { expect_pile(make_scene("tori"), 720, -0.1, {0.02, 0.5}); }
+TEST(SimulationTest, AHundredToriStayAboveThePlaneAndComeToRest) {
+    expect_pile(make_scene("tori"), 720, -0.1, {0.02, 0.5});
+}
 
 // A hundredth and a tenth of a percent of a torus' width.
 TEST(SimulationTest, AHundredSoftToriKeepTheirVolumeAndComeToRest) {
@@ -189,7 +200,8 @@ TEST(SimulationTest, AHundredSoftToriKeepTheirVolumeAndComeToRest) {
 TEST(SimulationTest, RefusesWhatItCannotDo) {
     const SceneSetup soft = make_scene("tori", {1, true, 1});
     EXPECT_THROW(Simulation(soft, Method::gimpact), InputError);
-    EXPECT_THROW(Simulation(make_scene("tori", {1, false, 1}), Method::rays, {"cuda", 1}), InputError);
+    EXPECT_THROW(Simulation(make_scene("tori", {1, false, 1}), Method::rays, {"cuda", 1}),
+                 InputError);
     Simulation simulation(make_scene("tori", {1, false, 1}), Method::rays, {"embree", 1});
     EXPECT_THROW(simulation.step(0), InputError);
     EXPECT_THROW(simulation.step(-dt), InputError);
@@ -203,7 +215,8 @@ TEST(SimulationTest, BaselinesHoldToriUpToo) {
         for (int i = 0; i < 240; ++i) touching += simulation.step(dt).touching.size();
         EXPECT_GT(touching, 0u);
         for (std::uint32_t b = 1; b < scene.bodies.size(); ++b)
-            for (std::uint32_t v = 0; v < 300; ++v) EXPECT_GT(simulation.vertex_position(b, v).z, -0.3);
+            for (std::uint32_t v = 0; v < 300; ++v)
+                EXPECT_GT(simulation.vertex_position(b, v).z, -0.3);
     }
 }
 
@@ -222,7 +235,8 @@ TEST(SoftDampingTest, StopsVibrationAndKeepsTheMotionAsAWhole) {
     for (int i = 0; i < soft->m_nodes.size(); ++i) {
         const Vec3d noise = random.in_box(1);
         const btVector3 x = soft->m_nodes[i].m_x;
-        soft->m_nodes[i].m_v = btVector3(3, 0, 1) + btVector3(0, 2, 1).cross(x) + bullet::to_bullet(noise);
+        soft->m_nodes[i].m_v = btVector3(3, 0, 1) + btVector3(0, 2, 1).cross(x) +
+                               bullet::to_bullet(noise);
     }
     struct Motion {
         Vec3d momentum, spin;
@@ -231,7 +245,8 @@ TEST(SoftDampingTest, StopsVibrationAndKeepsTheMotionAsAWhole) {
     const auto motion = [&] {
         Motion m{};
         for (int i = 0; i < soft->m_nodes.size(); ++i) {
-            const Vec3d x = bullet::from_bullet(soft->m_nodes[i].m_x), v = bullet::from_bullet(soft->m_nodes[i].m_v);
+            const Vec3d x = bullet::from_bullet(soft->m_nodes[i].m_x),
+                        v = bullet::from_bullet(soft->m_nodes[i].m_v);
             m.momentum += v;
             m.spin += cross(x, v);
             m.energy += length_squared(v);
@@ -270,12 +285,14 @@ TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
     rigid.setLinearVelocity({2, 0, 0});
     bullet_world.addRigidBody(&rigid);
     std::vector<btScalar> coordinates;
-    for (Vec3f p : ball.positions) coordinates.insert(coordinates.end(), {p.x + btScalar(2.5), p.y, p.z});
+    for (Vec3f p : ball.positions)
+        coordinates.insert(coordinates.end(), {p.x + btScalar(2.5), p.y, p.z});
     std::vector<int> indices;
     for (const Triangle& t : ball.triangles)
         for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
     std::unique_ptr<btSoftBody> soft(btSoftBodyHelpers::CreateFromTriMesh(
-        bullet_world.getWorldInfo(), coordinates.data(), indices.data(), static_cast<int>(ball.triangles.size()), false));
+        bullet_world.getWorldInfo(), coordinates.data(), indices.data(),
+        static_cast<int>(ball.triangles.size()), false));
     soft->setTotalMass(1);
     soft->m_cfg.kMT = btScalar(0.3);
     soft->setPose(false, true);

@@ -1,4 +1,5 @@
-// Sheets moved by anything at all stay on their sides: the promise of SheetResponse, without a simulation around it.
+// Sheets moved by anything at all stay on their sides: the promise of SheetResponse, without a
+// simulation around it.
 #include "pierce/bullet/sheet_response.hpp"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -62,9 +63,13 @@ protected:
         std::uint32_t count = 0;
         for (std::uint32_t a = 0; a < soft.size(); ++a) {
             count += scenes::self_crossings(mesh.triangles, positions(a)).count;
-            count += scenes::crossings(mesh.triangles, positions(a), ball_mesh.triangles, ball_mesh.positions).count;
+            count += scenes::crossings(mesh.triangles, positions(a), ball_mesh.triangles,
+                                       ball_mesh.positions)
+                         .count;
             for (std::uint32_t b = a + 1; b < soft.size(); ++b)
-                count += scenes::crossings(mesh.triangles, positions(a), mesh.triangles, positions(b)).count;
+                count += scenes::crossings(mesh.triangles, positions(a), mesh.triangles,
+                                           positions(b))
+                             .count;
         }
         return count;
     }
@@ -109,7 +114,9 @@ TEST_F(SheetResponseTest, PullingBackAloneIsEnoughAndIsReported) {
 TEST_F(SheetResponseTest, SheetsThatMeetKeepTheirMomentumAndAGap) {
     make(2, {});
     // Above the ball, towards each other, the upper one twice as fast.
-    const SheetReport& report = step([](std::uint32_t s, std::uint32_t) { return Vec3d{0, 0, s == 0 ? 0.04 : -0.08}; });
+    const SheetReport& report = step([](std::uint32_t s, std::uint32_t) {
+        return Vec3d{0, 0, s == 0 ? 0.04 : -0.08};
+    });
     EXPECT_GT(report.crossings, 0u);
     EXPECT_EQ(report.pulled_back, 0u);
     double momentum = 0, mass = 0, lowest = 1;
@@ -137,7 +144,8 @@ TEST_F(SheetResponseTest, APlateThatIsLedIntoASheetPushesItAndIsNotPassed) {
     const auto place = [&](double down) {
         rigid.setWorldTransform(to_bullet(Pose{above - Vec3d{0, 0, down}, {}}));
         std::vector<Vec3f> at;
-        for (Vec3f p : plate.positions) at.push_back(to_float(to_double(p) + above - Vec3d{0, 0, down}));
+        for (Vec3f p : plate.positions)
+            at.push_back(to_float(to_double(p) + above - Vec3d{0, 0, down}));
         return at;
     };
     place(0);
@@ -149,7 +157,8 @@ TEST_F(SheetResponseTest, APlateThatIsLedIntoASheetPushesItAndIsNotPassed) {
         const std::vector<Vec3f> at = place(0.01 * i);
         met += step([](std::uint32_t, std::uint32_t) { return Vec3d{}; }).contacts;
         ASSERT_EQ(response->report().crossings_left, 0u) << "step " << i;
-        ASSERT_EQ(scenes::crossings(mesh.triangles, positions(0), plate.triangles, at).count, 0u) << "step " << i;
+        ASSERT_EQ(scenes::crossings(mesh.triangles, positions(0), plate.triangles, at).count, 0u)
+            << "step " << i;
         ASSERT_EQ(crossing_count(), 0u) << "step " << i;
         for (Vec3f p : positions(0)) {
             ASSERT_LT(p.z, at[0].z) << "a vertex is above the plate's lower side, step " << i;
@@ -187,8 +196,8 @@ struct ThrownSheet {
     explicit ThrownSheet(double mass) {
         btVector3 inertia(0, 0, 0);
         if (mass > 0) shape.calculateLocalInertia(static_cast<btScalar>(mass), inertia);
-        rigid = std::make_unique<btRigidBody>(
-            btRigidBody::btRigidBodyConstructionInfo(static_cast<btScalar>(mass), nullptr, &shape, inertia));
+        rigid = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(
+            static_cast<btScalar>(mass), nullptr, &shape, inertia));
         rigid->setWorldTransform(to_bullet(start));
         rigid->updateInertiaTensor();
     }
@@ -202,12 +211,15 @@ TEST_F(SheetResponseTest, AFreeBodyTakesTheMomentumThatTheSheetLoses) {
         bodies.clear();
         make(1, {});
         ThrownSheet thrown(mass);
-        const BodyId box = world.add_rigid_body(world.add_mesh("box", scenes::box({-0.3, -0.3, -0.1}, {0.3, 0.3, 0.1})),
-                                                ThrownSheet::start);
+        const BodyId box = world.add_rigid_body(
+            world.add_mesh("box", scenes::box({-0.3, -0.3, -0.1}, {0.3, 0.3, 0.1})),
+            ThrownSheet::start);
         response->bind(*thrown.rigid, box);
         soft[0]->soft().m_cfg.kDP = 0;
         const double speed = 0.12 / dt;
-        const SheetReport& report = step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.12}; });
+        const SheetReport& report = step([](std::uint32_t, std::uint32_t) {
+            return Vec3d{0, 0, 0.12};
+        });
         EXPECT_GT(report.crossings, 0u);
         EXPECT_EQ(report.pulled_back, 0u);
         EXPECT_EQ(report.moved_bodies, 1u);
@@ -218,7 +230,8 @@ TEST_F(SheetResponseTest, AFreeBodyTakesTheMomentumThatTheSheetLoses) {
         const btAlignedObjectArray<btSoftBody::Node>& all = soft[0]->soft().m_nodes;
         for (int i = 0; i < all.size(); ++i) {
             const double m = 1 / static_cast<double>(all[i].m_im);
-            const Vec3d v = from_bullet(all[i].m_v), begin = from_bullet(all[i].m_q), end = from_bullet(all[i].m_x);
+            const Vec3d v = from_bullet(all[i].m_v), begin = from_bullet(all[i].m_q),
+                        end = from_bullet(all[i].m_x);
             nodes_mass += m;
             momentum += m * v;
             spin += m * cross(end, v);
@@ -226,12 +239,16 @@ TEST_F(SheetResponseTest, AFreeBodyTakesTheMomentumThatTheSheetLoses) {
         }
         const Vec3d taken = mass * from_bullet(rigid.getLinearVelocity());
         EXPECT_GT(taken.z, 0.01 * nodes_mass * speed) << "it was hit";
-        EXPECT_LT(length(momentum + taken - Vec3d{0, 0, nodes_mass * speed}), 1e-4 * nodes_mass * speed) << "mass " << mass;
+        EXPECT_LT(length(momentum + taken - Vec3d{0, 0, nodes_mass * speed}),
+                  1e-4 * nodes_mass * speed)
+            << "mass " << mass;
         const btMatrix3x3 inertia = rigid.getInvInertiaTensorWorld().inverse();
-        const Vec3d spin_taken =
-            cross(ThrownSheet::start.position, taken) + from_bullet(inertia * rigid.getAngularVelocity());
-        // A push acts on the sheet and on the box a thickness apart, and both go on during the step.
-        EXPECT_LT(length(spin + spin_taken - spin_before), 0.05 * length(cross(ThrownSheet::start.position, taken)))
+        const Vec3d spin_taken = cross(ThrownSheet::start.position, taken) +
+                                 from_bullet(inertia * rigid.getAngularVelocity());
+        // A push acts on the sheet and on the box a thickness apart, and both go on during the
+        // step.
+        EXPECT_LT(length(spin + spin_taken - spin_before),
+                  0.05 * length(cross(ThrownSheet::start.position, taken)))
             << "mass " << mass;
         EXPECT_GT(from_bullet(rigid.getLinearVelocity()).z, 0);
         world.remove_body(box);
@@ -242,34 +259,46 @@ TEST_F(SheetResponseTest, AFreeBodyTakesTheMomentumThatTheSheetLoses) {
 TEST_F(SheetResponseTest, ASleepingBodyIsWokenByAStrongPushOnly) {
     make(1, {});
     ThrownSheet thrown(1);
-    const BodyId box =
-        world.add_rigid_body(world.add_mesh("box", scenes::box({-0.3, -0.3, -0.1}, {0.3, 0.3, 0.1})), ThrownSheet::start);
+    const BodyId box = world.add_rigid_body(
+        world.add_mesh("box", scenes::box({-0.3, -0.3, -0.1}, {0.3, 0.3, 0.1})),
+        ThrownSheet::start);
     response->bind(*thrown.rigid, box);
     thrown.rigid->setActivationState(ISLAND_SLEEPING);
     const auto touches = [&] {
-        return std::ranges::any_of(world.contacts(), [&](const Contact& c) { return c.b == box && c.of_sheet; });
+        return std::ranges::any_of(world.contacts(),
+                                   [&](const Contact& c) { return c.b == box && c.of_sheet; });
     };
     // Slowly, until it lies against the box.
     for (int i = 0; i < 16; ++i) {
-        EXPECT_EQ(step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.006}; }).moved_bodies, 0u);
+        EXPECT_EQ(step([](std::uint32_t, std::uint32_t) {
+                      return Vec3d{0, 0, 0.006};
+                  }).moved_bodies,
+                  0u);
         EXPECT_FALSE(thrown.rigid->isActive());
     }
     EXPECT_TRUE(touches());
     step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.1}; });
     EXPECT_TRUE(thrown.rigid->isActive());
-    EXPECT_EQ(thrown.rigid->getWorldTransform().getOrigin().distance(to_bullet(ThrownSheet::start.position)), 0)
+    EXPECT_EQ(thrown.rigid->getWorldTransform().getOrigin().distance(
+                  to_bullet(ThrownSheet::start.position)),
+              0)
         << "not in that step";
     EXPECT_EQ(crossing_count(), 0u);
-    EXPECT_EQ(step([](std::uint32_t, std::uint32_t) { return Vec3d{0, 0, 0.05}; }).moved_bodies, 1u);
+    EXPECT_EQ(step([](std::uint32_t, std::uint32_t) {
+                  return Vec3d{0, 0, 0.05};
+              }).moved_bodies,
+              1u);
 }
 
 TEST_F(SheetResponseTest, SheetsThatStartTangledEndEveryStepAndAreReported) {
     make(2, {});
     // The upper sheet's middle column hangs through the lower one.
     auto& upper = soft[1]->soft().m_nodes;
-    for (int i = 0; i < upper.size(); ++i) upper[i].m_x += btVector3(btScalar(0.03), btScalar(0.04), 0);
+    for (int i = 0; i < upper.size(); ++i)
+        upper[i].m_x += btVector3(btScalar(0.03), btScalar(0.04), 0);
     for (std::uint32_t j = 0; j < nodes; ++j)
-        upper[static_cast<int>(j * nodes + nodes / 2)].m_x.setZ(static_cast<btScalar>(height - gap));
+        upper[static_cast<int>(j * nodes + nodes / 2)].m_x.setZ(
+            static_cast<btScalar>(height - gap));
     response = std::make_unique<SheetResponse>(world, SheetSettings{});
     for (std::uint32_t s = 0; s < 2; ++s) response->bind(soft[s]->soft(), bodies[s]);
     ASSERT_GT(crossing_count(), 0u);

@@ -59,12 +59,14 @@ public:
 
     btSoftBody& add(const MeshData& mesh, const btVector3& at, const btVector3& velocity) {
         std::vector<btScalar> coordinates;
-        for (Vec3f p : mesh.positions) coordinates.insert(coordinates.end(), {p.x + at.x(), p.y + at.y(), p.z + at.z()});
+        for (Vec3f p : mesh.positions)
+            coordinates.insert(coordinates.end(), {p.x + at.x(), p.y + at.y(), p.z + at.z()});
         std::vector<int> corners;
         for (const Triangle& t : mesh.triangles)
             for (std::uint32_t v : t.vertex) corners.push_back(static_cast<int>(v));
-        softs_.emplace_back(btSoftBodyHelpers::CreateFromTriMesh(bullet_.getWorldInfo(), coordinates.data(), corners.data(),
-                                                                 static_cast<int>(mesh.triangles.size()), false));
+        softs_.emplace_back(btSoftBodyHelpers::CreateFromTriMesh(
+            bullet_.getWorldInfo(), coordinates.data(), corners.data(),
+            static_cast<int>(mesh.triangles.size()), false));
         btSoftBody& soft = *softs_.back();
         soft.generateBendingConstraints(2);
         soft.m_cfg.piterations = 8;
@@ -80,9 +82,11 @@ public:
         return soft;
     }
 
-    btRigidBody& add_box(const btVector3& lower, const btVector3& upper, btScalar mass, const btVector3& at) {
+    btRigidBody& add_box(const btVector3& lower, const btVector3& upper, btScalar mass,
+                         const btVector3& at) {
         shapes_.push_back(std::make_unique<btBoxShape>(0.5 * (upper - lower)));
-        const btVector3 middle = btScalar(0.5) * (lower + upper), half = btScalar(0.5) * (upper - lower);
+        const btVector3 middle = btScalar(0.5) * (lower + upper),
+                        half = btScalar(0.5) * (upper - lower);
         btVector3 inertia(0, 0, 0);
         if (mass > 0) shapes_.back()->calculateLocalInertia(mass, inertia);
         btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes_.back().get(), inertia);
@@ -90,8 +94,10 @@ public:
         info.m_friction = ground_friction;
         boxes_.push_back(std::make_unique<btRigidBody>(info));
         bullet_.addRigidBody(boxes_.back().get());
-        const MeshId mesh = world_.add_mesh("box", scenes::box(bullet::from_bullet(-half), bullet::from_bullet(half)));
-        dispatcher_.bind(*boxes_.back(), mass > 0 ? world_.add_rigid_body(mesh) : world_.add_fixed_body(mesh));
+        const MeshId mesh = world_.add_mesh(
+            "box", scenes::box(bullet::from_bullet(-half), bullet::from_bullet(half)));
+        dispatcher_.bind(*boxes_.back(),
+                         mass > 0 ? world_.add_rigid_body(mesh) : world_.add_fixed_body(mesh));
         return *boxes_.back();
     }
 
@@ -117,7 +123,8 @@ private:
     btDbvtBroadphase broadphase_;
     btSequentialImpulseConstraintSolver solver_;
     bullet::SoftSolver soft_solver_;
-    btSoftRigidDynamicsWorld bullet_{&dispatcher_, &broadphase_, &solver_, &configuration_, &soft_solver_};
+    btSoftRigidDynamicsWorld bullet_{&dispatcher_, &broadphase_, &solver_, &configuration_,
+                                     &soft_solver_};
     std::vector<std::unique_ptr<btBoxShape>> shapes_;
     std::vector<std::unique_ptr<btRigidBody>> boxes_;
     std::vector<std::unique_ptr<btSoftBody>> softs_;
@@ -151,7 +158,8 @@ TEST(SoftSolverTest, ASleepingBodyWakesWhenHit) {
     ASSERT_TRUE(scene.step_until(2, [&] { return !sleeps(first); }));
     ASSERT_TRUE(scene.step_until(2, [&] { return center(first).distance(before) > 0.02; }))
         << "it is pushed, not just awake";
-    EXPECT_TRUE(scene.step_until(12, [&] { return sleeps(first) && sleeps(second); })) << "and both come to rest";
+    EXPECT_TRUE(scene.step_until(12, [&] { return sleeps(first) && sleeps(second); }))
+        << "and both come to rest";
     EXPECT_GT(center(second).z(), 0.5) << "one on the other";
 }
 
@@ -232,7 +240,8 @@ TEST(SoftSolverTest, TwoBodiesThatMeetKeepTheirMomentum) {
     const btScalar first = velocity(a).x();
     for (int i = 0; i < steps_per_second / 2; ++i) {
         scene.step();
-        EXPECT_NEAR((velocity(a) + velocity(b)).distance(before), 0, 1e-3) << "to Bullet's rounding";
+        EXPECT_NEAR((velocity(a) + velocity(b)).distance(before), 0, 1e-3)
+            << "to Bullet's rounding";
     }
     EXPECT_LT(velocity(a).x(), first - 0.5) << "they have met";
 }

@@ -1,14 +1,15 @@
-// The triangle closest to a point: every tracer's is brute force's, to the last bit and the smallest id.
+// The triangle closest to a point: every tracer's is brute force's, to the last bit and the
+// smallest id.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/serial_executor.hpp"
+#include "core/mesh/surface.hpp"
 #include "core/trace/brute_force_tracer.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
-#include "core/mesh/surface.hpp"
 #include "cpu_embree/embree_tracer.hpp"
 #include "scenes/shapes.hpp"
 #include "support/random.hpp"
@@ -27,7 +28,8 @@ BodyView body_of(const Mesh& mesh, Motion motion, std::uint64_t key) {
     return body;
 }
 
-/// Points to ask from, all near a mesh's box: anywhere, on its vertices, edges and triangles, and at their mirror images.
+/// Points to ask from, all near a mesh's box: anywhere, on its vertices, edges and triangles, and
+/// at their mirror images.
 std::vector<Vec3d> points_around(const Mesh& mesh, test::Random& random) {
     const Box box = mesh.view().box;
     std::vector<Vec3d> points{box.center()};
@@ -35,9 +37,8 @@ std::vector<Vec3d> points_around(const Mesh& mesh, test::Random& random) {
         Vec3d weight = random.in_box(0.6);
         points.push_back(box.center());
         for (int k = 0; k < 3; ++k) points.back()[k] += weight[k] * (box.upper[k] - box.lower[k]);
-        const Triangle& t =
-            mesh.view()
-                .triangles[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.view().triangles.size) - 1))];
+        const Triangle& t = mesh.view().triangles[static_cast<std::size_t>(
+            random.integer(0, static_cast<int>(mesh.view().triangles.size) - 1))];
         const auto corner = [&](int k) { return to_double(mesh.view().positions[t.vertex[k]]); };
         points.push_back(corner(0));
         points.push_back(0.5 * (corner(0) + corner(1)));
@@ -47,13 +48,14 @@ std::vector<Vec3d> points_around(const Mesh& mesh, test::Random& random) {
 }
 
 template <class T, class E>
-std::vector<std::uint32_t> closest(T& tracer, E& executor, const BodyView& body, const std::vector<Ray>& rays) {
+std::vector<std::uint32_t> closest(T& tracer, E& executor, const BodyView& body,
+                                   const std::vector<Ray>& rays) {
     const std::vector<std::uint32_t> wanted{1};
     std::vector<std::uint32_t> triangles(rays.size(), 12345);
     const View<const BodyView> bodies{&body, 1};
     tracer.update(executor, bodies, view_of(wanted));
-    tracer.closest_triangles(executor, "closest", bodies, static_cast<std::uint32_t>(rays.size()), view_of(rays),
-                             view_of(triangles));
+    tracer.closest_triangles(executor, "closest", bodies, static_cast<std::uint32_t>(rays.size()),
+                             view_of(rays), view_of(triangles));
     return triangles;
 }
 
@@ -86,7 +88,8 @@ int expect_all_tracers_agree(const BodyView& body, const std::vector<Ray>& rays)
 
 std::vector<Ray> rays_from(const std::vector<Vec3d>& points, double limit) {
     std::vector<Ray> rays(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) rays[i] = {.origin = points[i], .direction = {0, 0, 1}, .t_max = limit};
+    for (std::size_t i = 0; i < points.size(); ++i)
+        rays[i] = {.origin = points[i], .direction = {0, 0, 1}, .t_max = limit};
     return rays;
 }
 
@@ -101,7 +104,8 @@ TEST(ClosestTrianglesTest, OfRandomMeshesAreBruteForces) {
         const Mesh mesh("any", data);
         const double limit = m % 3 == 0 ? mesh.view().box.extent() : random.uniform(0, 0.3);
         for (Motion motion : {Motion::rigid, Motion::deforming})
-            expect_all_tracers_agree(body_of(mesh, motion, 1), rays_from(points_around(mesh, random), limit));
+            expect_all_tracers_agree(body_of(mesh, motion, 1),
+                                     rays_from(points_around(mesh, random), limit));
     }
 }
 
@@ -114,7 +118,8 @@ TEST(ClosestTrianglesTest, OfEquallyCloseOnesTheFirstIsTaken) {
     for (int i = 0; i < 50; ++i) {
         const int far = random.integer(0, 4);
         const double x = far / 8.0, y = random.integer(-far, far) / 8.0;
-        for (Vec3d p : {Vec3d{x, x, y}, Vec3d{-x, y, x}, Vec3d{y, x, -x}, Vec3d{-x, -x, -x}}) points.push_back(p);
+        for (Vec3d p : {Vec3d{x, x, y}, Vec3d{-x, y, x}, Vec3d{y, x, -x}, Vec3d{-x, -x, -x}})
+            points.push_back(p);
     }
     EXPECT_EQ(expect_all_tracers_agree(body_of(box, Motion::rigid, 1), rays_from(points, 1)),
               static_cast<int>(points.size()));
@@ -122,7 +127,8 @@ TEST(ClosestTrianglesTest, OfEquallyCloseOnesTheFirstIsTaken) {
     // Every triangle has a twin.
     MeshData twice = scenes::sphere(1, 2);
     const std::size_t count = twice.triangles.size();
-    for (std::size_t t = 0; t < count; ++t) twice.triangles.push_back(twice.triangles[count - 1 - t]);
+    for (std::size_t t = 0; t < count; ++t)
+        twice.triangles.push_back(twice.triangles[count - 1 - t]);
     const Mesh twins("twins", twice);
     const std::vector<Vec3d> around = points_around(twins, random);
     EXPECT_EQ(expect_all_tracers_agree(body_of(twins, Motion::rigid, 2), rays_from(around, 2)),
@@ -140,7 +146,8 @@ TEST(ClosestTrianglesTest, LimitsAreInclusiveAndEndTheSearch) {
     expect_all_tracers_agree(body_of(box, Motion::rigid, 1), rays);
     SerialExecutor serial;
     BruteForceTracer brute_force;
-    const std::vector<std::uint32_t> found = closest(brute_force, serial, body_of(box, Motion::rigid, 1), rays);
+    const std::vector<std::uint32_t> found = closest(brute_force, serial,
+                                                     body_of(box, Motion::rigid, 1), rays);
     EXPECT_EQ(found[0], 0u);
     for (int i : {1, 2, 3}) EXPECT_EQ(found[static_cast<std::size_t>(i)], no_triangle) << i;
     EXPECT_NE(found[4], no_triangle);

@@ -23,7 +23,8 @@ using test::SolidVec;
 std::vector<SolidVec> inward_of(const Mesh& mesh, const Pose& pose) {
     const Frame frame = frame_of(pose);
     std::vector<SolidVec> inward;
-    for (Vec3f n : mesh.normals()) inward.push_back(exact(-1.0 * normalized(frame.rotation * to_double(n))));
+    for (Vec3f n : mesh.normals())
+        inward.push_back(exact(-1.0 * normalized(frame.rotation * to_double(n))));
     return inward;
 }
 
@@ -33,14 +34,18 @@ class ContactsTest : public testing::TestWithParam<test::NamedBackend> {};
 void expect_defined_contacts(World& world, BodyId a, BodyId b, const std::array<Solid, 2>& solid,
                              const std::array<std::vector<SolidVec>, 2>& inward) {
     for (int side = 0; side < 2; ++side) {
-        const test::Expected expected = test::expected_contacts(solid[side], inward[side], solid[1 - side]);
+        const test::Expected expected = test::expected_contacts(solid[side], inward[side],
+                                                                solid[1 - side]);
         std::vector<Contact> found;
         for (const Contact& c : world.contacts())
             if (static_cast<int>(c.source) == side) found.push_back(c);
-        const auto unclear = [&](std::uint32_t v) { return std::ranges::binary_search(expected.unclear, v); };
+        const auto unclear = [&](std::uint32_t v) {
+            return std::ranges::binary_search(expected.unclear, v);
+        };
         for (const test::ExpectedContact& e : expected.contacts) {
             const auto it = std::ranges::find(found, e.vertex, &Contact::vertex);
-            ASSERT_NE(it, found.end()) << "missing: side " << side << " vertex " << e.vertex << " depth " << (double)e.depth;
+            ASSERT_NE(it, found.end()) << "missing: side " << side << " vertex " << e.vertex
+                                       << " depth " << (double)e.depth;
             EXPECT_EQ(it->triangle, e.triangle);
             EXPECT_NEAR(it->penetration_depth(), static_cast<double>(e.depth), 1e-6);
         }
@@ -48,13 +53,15 @@ void expect_defined_contacts(World& world, BodyId a, BodyId b, const std::array<
             EXPECT_EQ(c.a, a);
             EXPECT_EQ(c.b, b);
             EXPECT_TRUE(unclear(c.vertex) ||
-                        std::ranges::any_of(expected.contacts, [&](const auto& e) { return e.vertex == c.vertex; }))
+                        std::ranges::any_of(expected.contacts,
+                                            [&](const auto& e) { return e.vertex == c.vertex; }))
                 << "false: side " << side << " vertex " << c.vertex;
             // The segment lies in both bodies and ends on the target.
             if (unclear(c.vertex)) continue;
-            const SolidVec p = exact(side == 0 ? c.point_a : c.point_b), q = exact(side == 0 ? c.point_b : c.point_a);
-            const long double margin =
-                std::min(0.4L, 1e-4L / std::max(static_cast<long double>(c.penetration_depth()), 1e-9L));
+            const SolidVec p = exact(side == 0 ? c.point_a : c.point_b),
+                           q = exact(side == 0 ? c.point_b : c.point_a);
+            const long double margin = std::min(
+                0.4L, 1e-4L / std::max(static_cast<long double>(c.penetration_depth()), 1e-9L));
             EXPECT_EQ(test::crossings_between(p, q, solid[1 - side], ~0u, margin), 0);
             EXPECT_EQ(test::crossings_between(p, q, solid[side], c.vertex, margin), 0);
             if (c.penetration_depth() > 1e-3) {
@@ -74,14 +81,19 @@ TEST_P(ContactsTest, RandomRigidPairsMatchTheDefinition) {
     for (int i = 0; i < 60 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
         World world(GetParam().make());
-        const MeshData data[2] = {test::random_closed_mesh(random), test::random_closed_mesh(random)};
-        const Pose pose[2] = {{random.in_box(0.6), random.rotation()}, {random.in_box(0.6), random.rotation()}};
-        const MeshId mesh[2] = {world.add_mesh("first", data[0]), world.add_mesh("second", data[1])};
-        const BodyId a = world.add_rigid_body(mesh[0], pose[0]), b = world.add_rigid_body(mesh[1], pose[1]);
+        const MeshData data[2] = {test::random_closed_mesh(random),
+                                  test::random_closed_mesh(random)};
+        const Pose pose[2] = {{random.in_box(0.6), random.rotation()},
+                              {random.in_box(0.6), random.rotation()}};
+        const MeshId mesh[2] = {world.add_mesh("first", data[0]),
+                                world.add_mesh("second", data[1])};
+        const BodyId a = world.add_rigid_body(mesh[0], pose[0]),
+                     b = world.add_rigid_body(mesh[1], pose[1]);
         world.detect();
         contacts += world.contacts().size();
-        expect_defined_contacts(world, a, b, {solid_of(data[0], pose[0]), solid_of(data[1], pose[1])},
-                                {inward_of(world.mesh(mesh[0]), pose[0]), inward_of(world.mesh(mesh[1]), pose[1])});
+        expect_defined_contacts(
+            world, a, b, {solid_of(data[0], pose[0]), solid_of(data[1], pose[1])},
+            {inward_of(world.mesh(mesh[0]), pose[0]), inward_of(world.mesh(mesh[1]), pose[1])});
     }
     EXPECT_GT(contacts, 1000u);
 }
@@ -114,18 +126,28 @@ TEST_P(ContactsTest, RandomDeformingPairsMatchTheDefinition) {
     EXPECT_GT(contacts, 1000u);
 }
 
-/// A pyramid over a U-shaped base with its apex above the gap: straight down from the apex is outside, although all normals
-/// around it point up. With `floor`, the same mesh has a box below that this ray enters.
+/// A pyramid over a U-shaped base with its apex above the gap: straight down from the apex is
+/// outside, although all normals around it point up. With `floor`, the same mesh has a box below
+/// that this ray enters.
 MeshData u_pyramid(bool floor) {
-    MeshData mesh{
-        {{0, 1, 0}, {-5, -5, -1}, {5, -5, -1}, {5, 5, -1}, {1, 5, -1}, {1, -1, -1}, {-1, -1, -1}, {-1, 5, -1}, {-5, 5, -1}},
-        {}};
+    MeshData mesh{{{0, 1, 0},
+                   {-5, -5, -1},
+                   {5, -5, -1},
+                   {5, 5, -1},
+                   {1, 5, -1},
+                   {1, -1, -1},
+                   {-1, -1, -1},
+                   {-1, 5, -1},
+                   {-5, 5, -1}},
+                  {}};
     for (std::uint32_t k = 1; k <= 8; ++k) mesh.triangles.push_back({{0, k, k % 8 + 1}});
-    for (Triangle t : {Triangle{{1, 5, 2}}, {{1, 6, 5}}, {{2, 4, 3}}, {{2, 5, 4}}, {{1, 7, 6}}, {{1, 8, 7}}})
+    for (Triangle t :
+         {Triangle{{1, 5, 2}}, {{1, 6, 5}}, {{2, 4, 3}}, {{2, 5, 4}}, {{1, 7, 6}}, {{1, 8, 7}}})
         mesh.triangles.push_back(t);
     if (!floor) return mesh;
     const MeshData below = scenes::box({-4, -4, -3}, {4, 4.5, -2});
-    for (Triangle t : below.triangles) mesh.triangles.push_back({{t.vertex[0] + 9, t.vertex[1] + 9, t.vertex[2] + 9}});
+    for (Triangle t : below.triangles)
+        mesh.triangles.push_back({{t.vertex[0] + 9, t.vertex[1] + 9, t.vertex[2] + 9}});
     mesh.positions.insert(mesh.positions.end(), below.positions.begin(), below.positions.end());
     return mesh;
 }
@@ -143,28 +165,35 @@ TEST_P(ContactsTest, ARayThatStartsOutsideItsOwnBodyIsNoContact) {
             const BodyId second = world.add_fixed_body(b);
             world.detect();
             EXPECT_TRUE(world.contacts().empty()) << "only the apex is inside the slab";
-            expect_defined_contacts(world, first, second, {solid_of(pyramid, {}), solid_of(slab, {})},
+            expect_defined_contacts(world, first, second,
+                                    {solid_of(pyramid, {}), solid_of(slab, {})},
                                     {inward_of(world.mesh(a), {}), inward_of(world.mesh(b), {})});
         }
     }
 }
 
 TEST_P(ContactsTest, ASmallBodyAtACornerOfAHugeOne) {
-    // The huge body's vertices share a patch whose centre is half a million units away from each of them.
-    const MeshData huge = scenes::box({0, 0, 0}, {0x1p20, 0x1p20, 0x1p20}), small = scenes::sphere(0.1, 2);
+    // The huge body's vertices share a patch whose centre is half a million units away from each of
+    // them.
+    const MeshData huge = scenes::box({0, 0, 0}, {0x1p20, 0x1p20, 0x1p20}),
+                   small = scenes::sphere(0.1, 2);
     for (bool deforming : {false, true})
         for (int i = 0; i < 8; ++i) {
-            // The corner is just inside the ball, at a place where float32 far from it sees it a few hundredths off.
+            // The corner is just inside the ball, at a place where float32 far from it sees it a
+            // few hundredths off.
             const Vec3d inward = normalized(Vec3d{1.0, 1.0 + 0.1 * i, 1.0});
             const Pose pose{-0.095 * inward, {}};
             World world(GetParam().make());
             const MeshId mesh = world.add_mesh("huge", huge);
-            const BodyId a = deforming ? world.add_deforming_body(mesh) : world.add_rigid_body(mesh);
+            const BodyId a = deforming ? world.add_deforming_body(mesh)
+                                       : world.add_rigid_body(mesh);
             const BodyId b = world.add_rigid_body(world.add_mesh("small", small), pose);
             world.detect();
-            EXPECT_TRUE(std::ranges::any_of(world.contacts(), [](const Contact& c) { return c.source == Side::a; }));
-            expect_defined_contacts(world, a, b, {solid_of(huge, {}), solid_of(small, pose)},
-                                    {inward_of(world.mesh(mesh), {}), inward_of(world.mesh(world.mesh_of(b)), pose)});
+            EXPECT_TRUE(std::ranges::any_of(world.contacts(),
+                                            [](const Contact& c) { return c.source == Side::a; }));
+            expect_defined_contacts(
+                world, a, b, {solid_of(huge, {}), solid_of(small, pose)},
+                {inward_of(world.mesh(mesh), {}), inward_of(world.mesh(world.mesh_of(b)), pose)});
         }
 }
 
@@ -181,8 +210,9 @@ TEST_P(ContactsTest, AFlattenedBodyIsSeenAsThinAsItIs) {
         for (Vec3f& p : ball.positions) p.z += height;
         world.set_positions(flat, ball.positions);
         world.detect();
-        expect_defined_contacts(world, fixed, flat, {solid_of(block, {}), solid_of(ball, {})},
-                                {inward_of(world.mesh(world.mesh_of(fixed)), {}), inward_of(Mesh("now", ball), {})});
+        expect_defined_contacts(
+            world, fixed, flat, {solid_of(block, {}), solid_of(ball, {})},
+            {inward_of(world.mesh(world.mesh_of(fixed)), {}), inward_of(Mesh("now", ball), {})});
     }
     EXPECT_GT(world.contacts().size(), 20u) << "down at the block's face";
     EXPECT_LT(world.contacts().size(), ball.positions.size());
@@ -194,13 +224,15 @@ TEST_P(ContactsTest, WhatTheyAddUpToIsSaid) {
     World world(GetParam().make());
     const MeshId mesh = world.add_mesh("torus", scenes::torus(0.6, 0.3, 20, 12));
     std::vector<BodyId> bodies;
-    for (int b = 0; b < 12; ++b) bodies.push_back(world.add_rigid_body(mesh, {random.in_box(0.8), random.rotation()}));
+    for (int b = 0; b < 12; ++b)
+        bodies.push_back(world.add_rigid_body(mesh, {random.in_box(0.8), random.rotation()}));
     std::size_t touching = 0;
     // Now and then nothing moves, and contacts may be kept as they are.
     for (int step = 0; step < 12; ++step) {
         SCOPED_TRACE("step " + std::to_string(step));
         if (step % 3 != 2)
-            for (BodyId body : bodies) world.set_pose(body, {random.in_box(0.8), random.rotation()});
+            for (BodyId body : bodies)
+                world.set_pose(body, {random.in_box(0.8), random.rotation()});
         world.detect();
         std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
         double deepest = 0, sum = 0;
@@ -213,13 +245,15 @@ TEST_P(ContactsTest, WhatTheyAddUpToIsSaid) {
         ASSERT_EQ(stats.contacts, world.contacts().size());
         ASSERT_EQ(stats.touching_pairs, pairs.size());
         ASSERT_EQ(stats.penetration_max, deepest);
-        ASSERT_NEAR(stats.penetration_mean, sum / static_cast<double>(world.contacts().size()), 1e-12);
+        ASSERT_NEAR(stats.penetration_mean, sum / static_cast<double>(world.contacts().size()),
+                    1e-12);
         touching += pairs.size();
     }
     EXPECT_GT(touching, 100u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, ContactsTest, testing::ValuesIn(test::backends()), test::backend_name);
+INSTANTIATE_TEST_SUITE_P(Backends, ContactsTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
 
 }  // namespace
 }  // namespace pierce

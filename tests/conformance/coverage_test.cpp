@@ -1,5 +1,5 @@
-// Complete coverage against overlap by definition, and re-projection against the closest point, both found again in long
-// double by tests/support/brute_force.
+// Complete coverage against overlap by definition, and re-projection against the closest point,
+// both found again in long double by tests/support/brute_force.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,15 +23,21 @@ using test::Solid;
 using test::solid_of;
 using test::SolidVec;
 
-Settings complete(bool reproject = false) { return {.coverage = Coverage::complete, .reproject = reproject}; }
+Settings complete(bool reproject = false) {
+    return {.coverage = Coverage::complete, .reproject = reproject};
+}
 
-SolidVec middle_of(SolidVec a, SolidVec b) { return {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2}; }
+SolidVec middle_of(SolidVec a, SolidVec b) {
+    return {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2};
+}
 
 bool edges_cross(const Solid& from, const Solid& into) {
     for (const Triangle& t : from.triangles)
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t a = t.vertex[k], b = t.vertex[(k + 1) % 3];
-            if (a < b && test::crossings_between(from.positions[a], from.positions[b], into, ~0u, 0) > 0) return true;
+            if (a < b &&
+                test::crossings_between(from.positions[a], from.positions[b], into, ~0u, 0) > 0)
+                return true;
         }
     return false;
 }
@@ -66,8 +72,8 @@ struct Two {
     std::array<BodyId, 2> body;
     std::array<Solid, 2> solid;
 
-    Two(const test::NamedBackend& backend, const Settings& settings, MeshData a, Pose pose_a, MeshData b, Pose pose_b,
-        bool deforming = false)
+    Two(const test::NamedBackend& backend, const Settings& settings, MeshData a, Pose pose_a,
+        MeshData b, Pose pose_b, bool deforming = false)
         : world(backend.make(), settings), data{std::move(a), std::move(b)}, pose{pose_a, pose_b} {
         for (std::size_t k = 0; k < 2; ++k) {
             const MeshId mesh = world.add_mesh("mesh", data[k]);
@@ -91,13 +97,15 @@ struct Two {
     }
 };
 
-/// Of every vertex in contact: the contact's depth over the vertex's distance to the target's surface.
+/// Of every vertex in contact: the contact's depth over the vertex's distance to the target's
+/// surface.
 void add_depth_ratios(const Two& two, std::vector<double>& ratios) {
     for (const Contact& c : two.world.contacts()) {
         const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
         const Vec3d p = source == 0 ? c.point_a : c.point_b;
         const double distance = distance_to_surface(p, two.data[target], two.pose[target]);
-        if (distance > least_depth(two.data[target])) ratios.push_back(c.penetration_depth() / distance);
+        if (distance > least_depth(two.data[target]))
+            ratios.push_back(c.penetration_depth() / distance);
     }
     std::ranges::sort(ratios);
 }
@@ -116,8 +124,10 @@ TEST_P(CoverageTest, FindsEveryOverlapAndInventsNone) {
     for (int i = 0; i < 150 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
         const double spread = random.uniform(0.2, 1.1);
-        const Pose a{random.in_box(spread), random.rotation()}, b{random.in_box(spread), random.rotation()};
-        MeshData first = test::random_closed_mesh(random), second = test::random_closed_mesh(random);
+        const Pose a{random.in_box(spread), random.rotation()},
+            b{random.in_box(spread), random.rotation()};
+        MeshData first = test::random_closed_mesh(random),
+                 second = test::random_closed_mesh(random);
         const auto shrink = static_cast<float>(i % 5 == 0 ? random.uniform(0.05, 0.4) : 1);
         for (Vec3f& p : first.positions) p = shrink * p;
         Two two(GetParam(), complete(), first, a, second, b, i % 3 == 0);
@@ -126,11 +136,13 @@ TEST_P(CoverageTest, FindsEveryOverlapAndInventsNone) {
         overlapping += expected;
         apart += !expected;
         separated += static_cast<int>(two.world.stats().separated_pairs);
-        by_vertices += std::ranges::any_of(two.world.contacts(),
-                                           [](const Contact& c) { return !c.is_edge() && c.found != Found::separation; });
+        by_vertices += std::ranges::any_of(two.world.contacts(), [](const Contact& c) {
+            return !c.is_edge() && c.found != Found::separation;
+        });
         for (const Contact& c : two.world.contacts()) {
             const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
-            const Vec3d p = source == 0 ? c.point_a : c.point_b, q = source == 0 ? c.point_b : c.point_a;
+            const Vec3d p = source == 0 ? c.point_a : c.point_b,
+                        q = source == 0 ? c.point_b : c.point_a;
             if (c.penetration_depth() < 1e-3) continue;
             const SolidVec middle = middle_of(exact(p), exact(q));
             EXPECT_TRUE(test::is_inside(middle, two.solid[target]));
@@ -140,8 +152,9 @@ TEST_P(CoverageTest, FindsEveryOverlapAndInventsNone) {
             if (!c.is_edge()) continue;
             ++edge_contacts;
             const Frame frame = frame_of(two.pose[source]);
-            const Vec3d end[2] = {frame.to_parent(to_double(two.data[source].positions[c.vertex])),
-                                  frame.to_parent(to_double(two.data[source].positions[c.edge_end]))};
+            const Vec3d end[2] = {
+                frame.to_parent(to_double(two.data[source].positions[c.vertex])),
+                frame.to_parent(to_double(two.data[source].positions[c.edge_end]))};
             EXPECT_LT(length(c.source_weight(0) * end[0] + c.source_weight(1) * end[1] - p), 1e-6);
             EXPECT_TRUE(test::is_inside(exact(p), two.solid[target]));
         }
@@ -156,16 +169,20 @@ TEST_P(CoverageTest, EveryChordOfEveryEdgeIsFound) {
     test::Random random(9);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     for (int i = 0; i < 40; ++i) {
-        Two two(GetParam(), complete(), test::random_closed_mesh(random), {random.in_box(0.5), random.rotation()},
-                test::random_closed_mesh(random), {random.in_box(0.5), random.rotation()}, i % 2 == 0);
+        Two two(GetParam(), complete(), test::random_closed_mesh(random),
+                {random.in_box(0.5), random.rotation()}, test::random_closed_mesh(random),
+                {random.in_box(0.5), random.rotation()}, i % 2 == 0);
         std::uint32_t chords = 0;
         for (std::size_t k = 0; k < 2; ++k)
-            for (const Edge& e : edges_of(two.world.mesh(two.world.mesh_of(two.body[k])).view()).edges) {
-                const SolidVec a = two.solid[k].positions[e.vertex[0]], b = two.solid[k].positions[e.vertex[1]];
+            for (const Edge& e :
+                 edges_of(two.world.mesh(two.world.mesh_of(two.body[k])).view()).edges) {
+                const SolidVec a = two.solid[k].positions[e.vertex[0]],
+                               b = two.solid[k].positions[e.vertex[1]];
                 const int crossings = test::crossings_between(a, b, two.solid[1 - k], ~0u, 0);
                 // Each chord has two ends: crossings, or ends of the edge that are inside.
                 if (crossings > 0)
-                    chords += static_cast<std::uint32_t>(crossings + test::is_inside(a, two.solid[1 - k]) +
+                    chords += static_cast<std::uint32_t>(crossings +
+                                                         test::is_inside(a, two.solid[1 - k]) +
                                                          test::is_inside(b, two.solid[1 - k])) /
                               2;
             }
@@ -174,8 +191,10 @@ TEST_P(CoverageTest, EveryChordOfEveryEdgeIsFound) {
 }
 
 TEST_P(CoverageTest, BarsThatCrossWithoutAVertexInside) {
-    const MeshData a = scenes::box({-2, -0.1, -0.1}, {2, 0.1, 0.1}), b = scenes::box({-0.1, -2, 0}, {0.1, 2, 0.2});
-    EXPECT_TRUE(Two(GetParam(), {}, a, {}, b, {}).world.contacts().empty()) << "vertices see nothing";
+    const MeshData a = scenes::box({-2, -0.1, -0.1}, {2, 0.1, 0.1}),
+                   b = scenes::box({-0.1, -2, 0}, {0.1, 2, 0.2});
+    EXPECT_TRUE(Two(GetParam(), {}, a, {}, b, {}).world.contacts().empty())
+        << "vertices see nothing";
     Two two(GetParam(), complete(), a, {}, b, {});
     Vec3d sum;
     int ridges = 0;
@@ -190,18 +209,21 @@ TEST_P(CoverageTest, BarsThatCrossWithoutAVertexInside) {
         }
     }
     EXPECT_EQ(ridges, 2);
-    EXPECT_LT(std::hypot(sum.x, sum.y), 1e-6 * sum.z) << "a lies below b, and the normal points from a to b";
+    EXPECT_LT(std::hypot(sum.x, sum.y), 1e-6 * sum.z)
+        << "a lies below b, and the normal points from a to b";
 }
 
-/// Of two convex bodies with whole coordinates: true if no plane lies between them, nor touches both. Exact.
-bool convex_bodies_overlap(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b, const std::vector<Triangle>& of_a,
-                           const std::vector<Triangle>& of_b) {
+/// Of two convex bodies with whole coordinates: true if no plane lies between them, nor touches
+/// both. Exact.
+bool convex_bodies_overlap(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b,
+                           const std::vector<Triangle>& of_a, const std::vector<Triangle>& of_b) {
     std::vector<Vec3d> axes, edges[2];
     const std::vector<Vec3d>* points[] = {&a, &b};
     const std::vector<Triangle>* triangles[] = {&of_a, &of_b};
     for (int k = 0; k < 2; ++k)
         for (const Triangle& t : *triangles[k]) {
-            const Vec3d p = (*points[k])[t.vertex[0]], q = (*points[k])[t.vertex[1]], r = (*points[k])[t.vertex[2]];
+            const Vec3d p = (*points[k])[t.vertex[0]], q = (*points[k])[t.vertex[1]],
+                        r = (*points[k])[t.vertex[2]];
             axes.push_back(cross(q - p, r - p));
             edges[k].insert(edges[k].end(), {q - p, r - q, p - r});
         }
@@ -228,7 +250,8 @@ std::vector<Vec3d> placed_at_whole_numbers(const MeshData& mesh, const Pose& pos
 /// Their corners lie on each other's edges and faces in every way there is.
 TEST_P(CoverageTest, AlignedBodiesOfWholeNumbersHaveAContactExactlyIfTheyOverlap) {
     MeshData box, tetrahedron, octahedron;
-    for (int k = 0; k < 8; ++k) box.positions.push_back({k & 1 ? 2.f : 0.f, k & 2 ? 2.f : 0.f, k & 4 ? 2.f : 0.f});
+    for (int k = 0; k < 8; ++k)
+        box.positions.push_back({k & 1 ? 2.f : 0.f, k & 2 ? 2.f : 0.f, k & 4 ? 2.f : 0.f});
     box.triangles = {{{0, 2, 3}}, {{0, 3, 1}}, {{4, 5, 7}}, {{4, 7, 6}}, {{0, 1, 5}}, {{0, 5, 4}},
                      {{2, 6, 7}}, {{2, 7, 3}}, {{0, 4, 6}}, {{0, 6, 2}}, {{1, 3, 7}}, {{1, 7, 5}}};
     tetrahedron.positions = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
@@ -261,23 +284,27 @@ TEST_P(CoverageTest, AlignedBodiesOfWholeNumbersHaveAContactExactlyIfTheyOverlap
                     for (int y = -reach; y <= reach; ++y)
                         for (int z = -reach; z <= reach; ++z) {
                             const Pose pose{{double(x), double(y), double(z)}, turn};
-                            const bool overlap = convex_bodies_overlap(still, placed_at_whole_numbers(*second, pose),
-                                                                       first->triangles, second->triangles);
+                            const bool overlap = convex_bodies_overlap(
+                                still, placed_at_whole_numbers(*second, pose), first->triangles,
+                                second->triangles);
                             world.set_pose(moving, pose);
                             world.detect();
-                            const bool deep =
-                                std::ranges::any_of(world.contacts(), [](const Contact& c) { return c.distance < 0; });
+                            const bool deep = std::ranges::any_of(
+                                world.contacts(), [](const Contact& c) { return c.distance < 0; });
                             if (deep == overlap || wrong++ > 0) continue;
-                            ADD_FAILURE() << first->positions.size() << " and " << second->positions.size()
-                                          << " vertices, overlap " << overlap << ", at " << x << ' ' << y << ' ' << z
-                                          << ", turned by " << turn.x << ' ' << turn.y << ' ' << turn.z << ' ' << turn.w;
+                            ADD_FAILURE()
+                                << first->positions.size() << " and " << second->positions.size()
+                                << " vertices, overlap " << overlap << ", at " << x << ' ' << y
+                                << ' ' << z << ", turned by " << turn.x << ' ' << turn.y << ' '
+                                << turn.z << ' ' << turn.w;
                         }
             EXPECT_EQ(wrong, 0);
         }
 }
 
 TEST_P(CoverageTest, APlateInsideABlock) {
-    const MeshData plate = scenes::box({-1, -1, 0}, {1, 1, 0.01}), block = scenes::box({-2, -2, -2}, {2, 2, 2});
+    const MeshData plate = scenes::box({-1, -1, 0}, {1, 1, 0.01}),
+                   block = scenes::box({-2, -2, -2}, {2, 2, 2});
     for (bool deforming : {false, true}) {
         EXPECT_TRUE(Two(GetParam(), {}, plate, {}, block, {}, deforming).world.contacts().empty());
         Two two(GetParam(), complete(), plate, {}, block, {}, deforming);
@@ -294,8 +321,10 @@ TEST_P(CoverageTest, APlateInsideABlock) {
 }
 
 TEST_P(CoverageTest, APlateThroughABlock) {
-    // Surfaces cross, but every inward ray leaves the thin plate first, or the block's side before the plate's far end.
-    const MeshData plate = scenes::box({-3, -3, 0}, {3, 3, 0.01}), block = scenes::box({-2, -2, -2}, {2, 2, 2});
+    // Surfaces cross, but every inward ray leaves the thin plate first, or the block's side before
+    // the plate's far end.
+    const MeshData plate = scenes::box({-3, -3, 0}, {3, 3, 0.01}),
+                   block = scenes::box({-2, -2, -2}, {2, 2, 2});
     EXPECT_TRUE(Two(GetParam(), {}, plate, {}, block, {}).world.contacts().empty());
     Two two(GetParam(), complete(), plate, {}, block, {});
     EXPECT_EQ(two.world.stats().separated_pairs, 1u);
@@ -304,25 +333,34 @@ TEST_P(CoverageTest, APlateThroughABlock) {
 }
 
 TEST_P(CoverageTest, BodiesInsideEachOther) {
-    // A ball in a ball, both parts of a body in a ball, and a ball in a hollow: the last one is outside.
+    // A ball in a ball, both parts of a body in a ball, and a ball in a hollow: the last one is
+    // outside.
     const MeshData small = scenes::sphere(0.2, 2), large = scenes::sphere(1, 3);
-    EXPECT_FALSE(Two(GetParam(), complete(), small, {{0.3, 0.2, 0.1}, {}}, large, {}).world.contacts().empty());
+    EXPECT_FALSE(Two(GetParam(), complete(), small, {{0.3, 0.2, 0.1}, {}}, large, {})
+                     .world.contacts()
+                     .empty());
     MeshData two_parts = small;
     const auto first = static_cast<std::uint32_t>(small.positions.size());
     for (Vec3f p : small.positions) two_parts.positions.push_back(p + Vec3f{5, 0, 0});
     for (Triangle t : small.triangles)
-        two_parts.triangles.push_back({{t.vertex[0] + first, t.vertex[1] + first, t.vertex[2] + first}});
+        two_parts.triangles.push_back(
+            {{t.vertex[0] + first, t.vertex[1] + first, t.vertex[2] + first}});
     for (double x : {0.0, -5.0})
-        EXPECT_FALSE(Two(GetParam(), complete(), two_parts, {{x, 0, 0}, {}}, large, {}).world.contacts().empty())
+        EXPECT_FALSE(Two(GetParam(), complete(), two_parts, {{x, 0, 0}, {}}, large, {})
+                         .world.contacts()
+                         .empty())
             << "whichever part is inside";
     MeshData hollow = large;
     const auto inner = static_cast<std::uint32_t>(hollow.positions.size());
     for (Vec3f p : large.positions) hollow.positions.push_back(0.9f * p);
     for (Triangle t : large.triangles)
-        hollow.triangles.push_back({{t.vertex[0] + inner, t.vertex[2] + inner, t.vertex[1] + inner}});
+        hollow.triangles.push_back(
+            {{t.vertex[0] + inner, t.vertex[2] + inner, t.vertex[1] + inner}});
     EXPECT_TRUE(Two(GetParam(), complete(), small, {}, hollow, {}).world.contacts().empty());
     EXPECT_FALSE(
-        Two(GetParam(), complete(), scenes::sphere(0.02, 1), {{0.95, 0, 0}, {}}, hollow, {}).world.contacts().empty());
+        Two(GetParam(), complete(), scenes::sphere(0.02, 1), {{0.95, 0, 0}, {}}, hollow, {})
+            .world.contacts()
+            .empty());
 }
 
 TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointAndNeverDeepens) {
@@ -331,8 +369,10 @@ TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointAndNeverDeepens) {
     std::size_t moved = 0;
     for (int i = 0; i < 60 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
-        const Pose a{random.in_box(0.5), random.rotation()}, b{random.in_box(0.5), random.rotation()};
-        const MeshData first = test::random_closed_mesh(random), second = test::random_closed_mesh(random);
+        const Pose a{random.in_box(0.5), random.rotation()},
+            b{random.in_box(0.5), random.rotation()};
+        const MeshData first = test::random_closed_mesh(random),
+                       second = test::random_closed_mesh(random);
         Two plain(GetParam(), complete(), first, a, second, b, i % 2 == 0);
         Two two(GetParam(), complete(true), first, a, second, b, i % 2 == 0);
         ASSERT_EQ(two.world.contacts().size(), plain.world.contacts().size());
@@ -343,7 +383,8 @@ TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointAndNeverDeepens) {
             if (!c.reprojected) continue;
             ++moved;
             const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
-            const Vec3d p = source == 0 ? c.point_a : c.point_b, q = source == 0 ? c.point_b : c.point_a;
+            const Vec3d p = source == 0 ? c.point_a : c.point_b,
+                        q = source == 0 ? c.point_b : c.point_a;
             const double closest = distance_to_surface(p, two.data[target], two.pose[target]);
             EXPECT_NEAR(c.penetration_depth(), closest, 1e-6);
             EXPECT_LT(distance_to_surface(q, two.data[target], two.pose[target]), 1e-6);
@@ -361,7 +402,8 @@ TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
     ASSERT_EQ(ball.triangles.size(), 5120u);
     for (double overlap : {0.025, 0.25}) {
         SCOPED_TRACE("overlap of " + std::to_string(overlap) + " diameters");
-        const Pose a{{}, random.rotation()}, b{(2 - 2 * overlap) * random.unit_vector(), random.rotation()};
+        const Pose a{{}, random.rotation()},
+            b{(2 - 2 * overlap) * random.unit_vector(), random.rotation()};
         std::vector<double> rays, moved;
         add_depth_ratios(Two(GetParam(), {}, ball, a, ball, b), rays);
         add_depth_ratios(Two(GetParam(), {.reproject = true}, ball, a, ball, b), moved);
@@ -374,20 +416,23 @@ TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
 }
 
 TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) {
-    // In bands of distance between the bodies' middles, as parts of the diameter of the ball around them.
+    // In bands of distance between the bodies' middles, as parts of the diameter of the ball around
+    // them.
     test::Random random(32);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     for (const char* scene : {"tori", "bunnies"}) {
         const MeshData mesh = scenes::make_scene(scene, {1}).meshes[1].data;
         double diameter = 0;
         for (Vec3f p : mesh.positions) diameter = std::max(diameter, 2 * length(to_double(p)));
-        Two plain(GetParam(), {}, mesh, {}, mesh, {}), reprojecting(GetParam(), {.reproject = true}, mesh, {}, mesh, {});
+        Two plain(GetParam(), {}, mesh, {}, mesh, {}),
+            reprojecting(GetParam(), {.reproject = true}, mesh, {}, mesh, {});
         for (const auto& [nearest, farthest] : {std::pair{0.05, 0.5}, {0.5, 1.0}}) {
             SCOPED_TRACE(scene + (" at " + std::to_string(nearest)));
             std::vector<double> rays, moved;
             for (int i = 0; i < 200 && moved.size() < 100; ++i) {
                 const double apart = random.uniform(nearest, farthest) * diameter;
-                const Pose a{{}, random.rotation()}, b{apart * random.unit_vector(), random.rotation()};
+                const Pose a{{}, random.rotation()},
+                    b{apart * random.unit_vector(), random.rotation()};
                 for (Two* two : {&plain, &reprojecting}) two->move(a, b);
                 add_depth_ratios(plain, rays);
                 add_depth_ratios(reprojecting, moved);
@@ -401,7 +446,8 @@ TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) 
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, CoverageTest, testing::ValuesIn(test::backends()), test::backend_name);
+INSTANTIATE_TEST_SUITE_P(Backends, CoverageTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
 
 }  // namespace
 }  // namespace pierce

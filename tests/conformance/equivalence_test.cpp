@@ -38,7 +38,8 @@ Recording record(const Case& wanted) {
     return wanted.as_vertices ? as_deforming(recording) : recording;
 }
 
-std::vector<std::uint64_t> hashes(const Recording& recording, const RaySettings& settings, std::uint32_t& contacts) {
+std::vector<std::uint64_t> hashes(const Recording& recording, const RaySettings& settings,
+                                  std::uint32_t& contacts) {
     const auto detector = make_detector(scene_of(recording), Method::rays, settings);
     std::vector<std::uint64_t> result;
     contacts = 0;
@@ -55,8 +56,8 @@ TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
     const Recording recording = record(GetParam());
     for (const Settings& settings : {Settings{}, Settings{.coverage = Coverage::complete},
                                      Settings{.coverage = Coverage::complete, .reproject = true}}) {
-        SCOPED_TRACE(testing::Message() << "complete " << (settings.coverage == Coverage::complete) << ", reproject "
-                                        << settings.reproject);
+        SCOPED_TRACE(testing::Message() << "complete " << (settings.coverage == Coverage::complete)
+                                        << ", reproject " << settings.reproject);
         std::uint32_t expected_contacts = 0, contacts = 0;
         const auto expected = hashes(recording, {"reference", 1, settings}, expected_contacts);
         EXPECT_GT(expected_contacts, 100u);
@@ -65,24 +66,26 @@ TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
             EXPECT_EQ(hashes(recording, {"cuda", 1, settings}, contacts), expected);
         }
         for (int threads : {1, 2, 5}) {
-            EXPECT_EQ(hashes(recording, {"embree", threads, settings}, contacts), expected) << threads << " threads";
+            EXPECT_EQ(hashes(recording, {"embree", threads, settings}, contacts), expected)
+                << threads << " threads";
             EXPECT_EQ(contacts, expected_contacts);
         }
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EquivalenceTest,
-                         testing::Values(Case{"tori", false, false}, Case{"tori", false, true}, Case{"tori", true, false},
-                                         Case{"bunnies", false, false}, Case{"bunnies", true, false},
-                                         Case{"cloth-capsule", true, false}, Case{"cloth-fold", true, false},
-                                         Case{"cloth-catch", true, false}, Case{"cloth-twist", true, false},
-                                         Case{"ball-squash", true, false}),
-                         [](const testing::TestParamInfo<Case>& tested) {
-                             std::string scene = tested.param.scene;
-                             std::ranges::replace(scene, '-', '_');
-                             return scene + (tested.param.soft ? "_soft" : "_rigid") +
-                                    (tested.param.as_vertices ? "_as_vertices" : "");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, EquivalenceTest,
+    testing::Values(Case{"tori", false, false}, Case{"tori", false, true},
+                    Case{"tori", true, false}, Case{"bunnies", false, false},
+                    Case{"bunnies", true, false}, Case{"cloth-capsule", true, false},
+                    Case{"cloth-fold", true, false}, Case{"cloth-catch", true, false},
+                    Case{"cloth-twist", true, false}, Case{"ball-squash", true, false}),
+    [](const testing::TestParamInfo<Case>& tested) {
+        std::string scene = tested.param.scene;
+        std::ranges::replace(scene, '-', '_');
+        return scene + (tested.param.soft ? "_soft" : "_rigid") +
+               (tested.param.as_vertices ? "_as_vertices" : "");
+    });
 
 /// Meshes that coincide: every ray meets vertices and edges, and every hit is a tie.
 TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
@@ -92,13 +95,14 @@ TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
         const MeshData mesh = test::random_closed_mesh(random);
         // Shifts by sums of vertex differences put vertices on vertices and edges on edges.
         const auto vertex = [&] {
-            return to_double(
-                mesh.positions[static_cast<std::size_t>(random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
+            return to_double(mesh.positions[static_cast<std::size_t>(
+                random.integer(0, static_cast<int>(mesh.positions.size()) - 1))]);
         };
         const Vec3d shift = i % 3 == 0 ? Vec3d{} : vertex() - vertex();
         std::vector<std::uint64_t> found;
         for (const test::NamedBackend& backend : test::backends()) {
-            World world(backend.make(), {.coverage = i % 2 == 0 ? Coverage::complete : Coverage::vertices});
+            World world(backend.make(),
+                        {.coverage = i % 2 == 0 ? Coverage::complete : Coverage::vertices});
             const MeshId id = world.add_mesh("mesh", mesh);
             world.add_rigid_body(id);
             world.add_rigid_body(id, {shift, {}});
@@ -110,10 +114,12 @@ TEST(TieTest, BackendsAgreeOnCoincidentMeshes) {
     }
 }
 
-/// Boxes that share faces, edges, corners and halves of them, turned every way, facing outward or inward.
+/// Boxes that share faces, edges, corners and halves of them, turned every way, facing outward or
+/// inward.
 TEST(TieTest, BackendsAgreeOnBoxesOnAGrid) {
     MeshData box;
-    for (int k = 0; k < 8; ++k) box.positions.push_back({k & 1 ? 1.f : 0.f, k & 2 ? 1.f : 0.f, k & 4 ? 1.f : 0.f});
+    for (int k = 0; k < 8; ++k)
+        box.positions.push_back({k & 1 ? 1.f : 0.f, k & 2 ? 1.f : 0.f, k & 4 ? 1.f : 0.f});
     box.triangles = {{{0, 2, 3}}, {{0, 3, 1}}, {{4, 5, 7}}, {{4, 7, 6}}, {{0, 1, 5}}, {{0, 5, 4}},
                      {{2, 6, 7}}, {{2, 7, 3}}, {{0, 4, 6}}, {{0, 6, 2}}, {{1, 3, 7}}, {{1, 7, 5}}};
     MeshData flipped = box;
@@ -130,7 +136,8 @@ TEST(TieTest, BackendsAgreeOnBoxesOnAGrid) {
         }
         for (const Quaternion& turn : turns)
             for (int place = 0; place < 125; ++place) {
-                const Pose pose{{place % 5 * 0.5 - 1, place / 5 % 5 * 0.5 - 1, place / 25 * 0.5 - 1}, turn};
+                const Pose pose{
+                    {place % 5 * 0.5 - 1, place / 5 % 5 * 0.5 - 1, place / 25 * 0.5 - 1}, turn};
                 std::vector<std::uint64_t> found;
                 for (std::size_t w = 0; w < worlds.size(); ++w) {
                     worlds[w].set_pose(moving[w], pose);

@@ -1,5 +1,6 @@
-// The contacts of the scenes are what they were: one hash per scene, coverage and memory, the same for every backend and
-// number of threads. PIERCE_WRITE_GOLDEN=1 writes the file anew; CHANGELOG.md says why it changed.
+// The contacts of the scenes are what they were: one hash per scene, coverage and memory, the same
+// for every backend and number of threads. PIERCE_WRITE_GOLDEN=1 writes the file anew; CHANGELOG.md
+// says why it changed.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -57,14 +58,16 @@ std::string result(const Recording& recording, const RaySettings& settings) {
 std::string name_of(const Case& c, Coverage coverage, Temporal temporal) {
     static constexpr const char* memories[] = {"off", "paper", "certified"};
     return std::string(c.scene) + (c.soft ? " soft " : " rigid ") +
-           (coverage == Coverage::complete ? "complete " : "vertices ") + memories[static_cast<int>(temporal)];
+           (coverage == Coverage::complete ? "complete " : "vertices ") +
+           memories[static_cast<int>(temporal)];
 }
 
 std::map<std::string, std::string> golden() {
     std::map<std::string, std::string> all;
     std::ifstream file(PIERCE_GOLDEN);
     for (std::string line; std::getline(file, line);)
-        if (const std::size_t at = line.find(": "); at != std::string::npos) all[line.substr(0, at)] = line.substr(at + 2);
+        if (const std::size_t at = line.find(": "); at != std::string::npos)
+            all[line.substr(0, at)] = line.substr(at + 2);
     return all;
 }
 

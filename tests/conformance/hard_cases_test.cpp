@@ -1,4 +1,5 @@
-// The twenty-five hard cases with their exact answers, as they are and under changes that must not matter.
+// The twenty-five hard cases with their exact answers, as they are and under changes that must not
+// matter.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,14 +27,17 @@ using scenes::Meets;
 using test::Change;
 
 constexpr double rounding = 0x1p-50;                          ///< of the numbers a ray is made of
-constexpr double normal_rounding = 4 * constants::float_ulp;  ///< directions come from float32 normals
+constexpr double normal_rounding = 4 * constants::float_ulp;  ///< directions come from float32
+                                                              ///< normals
 
 struct Param {
     test::NamedBackend backend;
     HardCase hard;
 };
 
-void PrintTo(const Param& param, std::ostream* os) { *os << param.backend.name << " " << param.hard.name; }
+void PrintTo(const Param& param, std::ostream* os) {
+    *os << param.backend.name << " " << param.hard.name;
+}
 
 std::vector<Param> params(const std::function<bool(const HardCase&)>& wanted) {
     std::vector<Param> all;
@@ -45,7 +49,8 @@ std::vector<Param> params(const std::function<bool(const HardCase&)>& wanted) {
 
 std::string param_name(const testing::TestParamInfo<Param>& info) {
     const std::string number = std::to_string(info.param.hard.number);
-    return info.param.backend.name + "_" + (number.size() < 2 ? "0" : "") + number + "_" + info.param.hard.name;
+    return info.param.backend.name + "_" + (number.size() < 2 ? "0" : "") + number + "_" +
+           info.param.hard.name;
 }
 
 class HardRaysTest : public testing::TestWithParam<Param> {};
@@ -58,26 +63,32 @@ TEST_P(HardRaysTest, MeetWhatTheyMust) {
             by_vertices.by_pose = false;  // a ray's mesh has no pose
             const auto mesh = by_vertices.mesh(ray.mesh);
             if (!mesh) continue;
-            const scenes::Met met = probe.meet(*mesh, change.point(ray.origin), change.direction(ray.direction),
-                                               change.deforming ? Motion::deforming : Motion::fixed);
+            const scenes::Met met = probe.meet(
+                *mesh, change.point(ray.origin), change.direction(ray.direction),
+                change.deforming ? Motion::deforming : Motion::fixed);
             ASSERT_EQ(met.how, ray.meets) << change.name;
             const double size = std::max(change.scale * ray.t, length(change.offset));
             ASSERT_NEAR(met.t, change.scale * ray.t, rounding * size) << change.name;
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, HardRaysTest, testing::ValuesIn(params([](const HardCase& c) { return !c.rays.empty(); })),
+INSTANTIATE_TEST_SUITE_P(All, HardRaysTest, testing::ValuesIn(params([](const HardCase& c) {
+                             return !c.rays.empty();
+                         })),
                          param_name);
 
 TEST(HardCasesTest, ASmallDepthUnderAHugeFaceIsExact) {
     const HardRay ray = scenes::hard_cases()[10].rays[1];
     ASSERT_EQ(ray.origin.z, -0x1p-10);
-    const scenes::Met met = scenes::RayProbe(reference_backend()).meet(ray.mesh, ray.origin, ray.direction);
+    const scenes::Met met = scenes::RayProbe(reference_backend())
+                                .meet(ray.mesh, ray.origin, ray.direction);
     const Triangle& t = ray.mesh.triangles[met.triangle];
     const auto corner = [&](int k) { return to_double(ray.mesh.positions[t.vertex[k]]); };
-    EXPECT_NEAR(cross_triangle({ray.origin, ray.direction}, corner(0), corner(1), corner(2)).t, 0x1p-10, 0x1p-30)
+    EXPECT_NEAR(cross_triangle({ray.origin, ray.direction}, corner(0), corner(1), corner(2)).t,
+                0x1p-10, 0x1p-30)
         << "the triangle test itself does not lose it";
-    GTEST_SKIP() << "an exit at 2^-10 is reported as touching, because the touch tolerance of a body of extent 3e6 is 2.8";
+    GTEST_SKIP() << "an exit at 2^-10 is reported as touching, because the touch tolerance of a "
+                    "body of extent 3e6 is 2.8";
 }
 
 class HardBodiesTest : public testing::TestWithParam<Param> {};
@@ -103,14 +114,17 @@ struct Observed {
 class Scene {
 public:
     /// Nothing to observe if float32 would round a coordinate.
-    Scene(const test::NamedBackend& backend, const HardBodies& bodies, const Change& change, const Settings& settings)
+    Scene(const test::NamedBackend& backend, const HardBodies& bodies, const Change& change,
+          const Settings& settings)
         : bodies_(bodies), world_(backend.make(), settings) {
         const std::optional<MeshData> first = change.mesh(bodies.a), second = change.mesh(bodies.b);
         exact_ = first && second;
         if (!exact_) return;
-        const MeshId meshes[2] = {world_.add_mesh("first", *first), world_.add_mesh("second", *second)};
+        const MeshId meshes[2] = {world_.add_mesh("first", *first),
+                                  world_.add_mesh("second", *second)};
         for (int k : {change.swapped ? 1 : 0, change.swapped ? 0 : 1})
-            body_[k] = change.deforming ? world_.add_deforming_body(meshes[k]) : world_.add_rigid_body(meshes[k]);
+            body_[k] = change.deforming ? world_.add_deforming_body(meshes[k])
+                                        : world_.add_rigid_body(meshes[k]);
     }
 
     bool exact() const { return exact_; }
@@ -119,7 +133,8 @@ public:
     /// Their contacts under a change that differs from the scene's in its offset by pose at most.
     Observed observe(const Change& change) {
         if (!change.deforming)
-            for (BodyId body : body_) world_.set_pose(body, {change.by_pose ? change.offset : Vec3d{}, {}});
+            for (BodyId body : body_)
+                world_.set_pose(body, {change.by_pose ? change.offset : Vec3d{}, {}});
         world_.detect();
         Observed observed;
         Vec3d sum;
@@ -155,12 +170,14 @@ private:
 
 void expect_answer(const Observed& observed, const HardContacts& answer) {
     const auto count = [&](bool of_a, bool edge) {
-        return std::ranges::count_if(observed.contacts, [&](const Seen& s) { return s.of_a == of_a && s.edge == edge; });
+        return std::ranges::count_if(
+            observed.contacts, [&](const Seen& s) { return s.of_a == of_a && s.edge == edge; });
     };
     ASSERT_EQ(!observed.contacts.empty(), answer.any());
     for (const Seen& s : observed.contacts) {
         ASSERT_EQ(s.separates, answer.separated);
-        for (double number : {s.distance, dot(s.from, s.to), length(s.normal)}) ASSERT_TRUE(std::isfinite(number));
+        for (double number : {s.distance, dot(s.from, s.to), length(s.normal)})
+            ASSERT_TRUE(std::isfinite(number));
         ASSERT_LE(s.distance, 0);
     }
     if (!answer.separated) {
@@ -188,12 +205,15 @@ void expect_same(const Observed& changed, const Observed& plain) {
     std::vector<bool> taken(changed.contacts.size());
     for (const Seen& s : plain.contacts) {
         const auto match = std::ranges::find_if(changed.contacts, [&](const Seen& c) {
-            return !taken[static_cast<std::size_t>(&c - changed.contacts.data())] && c.of_a == s.of_a && c.edge == s.edge &&
-                   std::abs(c.distance - s.distance) <= tolerance && length(c.from - s.from) <= tolerance &&
-                   length(c.to - s.to) <= tolerance && length(c.normal - s.normal) <= normal_rounding;
+            return !taken[static_cast<std::size_t>(&c - changed.contacts.data())] &&
+                   c.of_a == s.of_a && c.edge == s.edge &&
+                   std::abs(c.distance - s.distance) <= tolerance &&
+                   length(c.from - s.from) <= tolerance && length(c.to - s.to) <= tolerance &&
+                   length(c.normal - s.normal) <= normal_rounding;
         });
         ASSERT_NE(match, changed.contacts.end())
-            << "none like that at (" << s.from.x << ", " << s.from.y << ", " << s.from.z << "), distance " << s.distance;
+            << "none like that at (" << s.from.x << ", " << s.from.y << ", " << s.from.z
+            << "), distance " << s.distance;
         taken[static_cast<std::size_t>(match - changed.contacts.begin())] = true;
     }
 }
@@ -212,17 +232,21 @@ void expect_scaled_exactly(const Observed& changed, const Observed& plain) {
 TEST_P(HardBodiesTest, AreInContactAsTheyMust) {
     for (const HardBodies& bodies : GetParam().hard.bodies)
         for (Coverage coverage : {Coverage::vertices, Coverage::complete}) {
-            SCOPED_TRACE(bodies.situation + (coverage == Coverage::complete ? " complete" : " vertices"));
+            SCOPED_TRACE(bodies.situation +
+                         (coverage == Coverage::complete ? " complete" : " vertices"));
             const Settings settings{.coverage = coverage};
-            const HardContacts& answer = coverage == Coverage::complete ? bodies.complete : bodies.vertices;
+            const HardContacts& answer = coverage == Coverage::complete ? bodies.complete
+                                                                        : bodies.vertices;
             Scene unchanged(GetParam().backend, bodies, {}, settings);
             const Observed plain = unchanged.observe({});
             for (const Change& change : test::changes()) {
                 SCOPED_TRACE(change.name);
                 std::optional<Scene> own;
-                if (!change.by_pose || change.shuffle_seed != 0) own.emplace(GetParam().backend, bodies, change, settings);
+                if (!change.by_pose || change.shuffle_seed != 0)
+                    own.emplace(GetParam().backend, bodies, change, settings);
                 Scene& scene = own ? *own : unchanged;
-                if (!scene.exact()) continue;  // rounded bodies have other answers; their poses go as far
+                if (!scene.exact())
+                    continue;  // rounded bodies have other answers; their poses go as far
                 const Observed observed = scene.observe(change);
                 expect_answer(observed, answer);
                 expect_same(observed, plain);
@@ -235,7 +259,8 @@ TEST_P(HardBodiesTest, AreInContactAsTheyMust) {
 TEST_P(HardBodiesTest, AreAsDeepAsTheyMustOnceReprojected) {
     for (const HardBodies& bodies : GetParam().hard.bodies) {
         if (bodies.reprojected < 0) continue;
-        const Observed observed = Scene(GetParam().backend, bodies, {}, {.reproject = true}).observe({});
+        const Observed observed = Scene(GetParam().backend, bodies, {}, {.reproject = true})
+                                      .observe({});
         EXPECT_NEAR(observed.deepest, bodies.reprojected, normal_rounding * observed.extent);
     }
 }
@@ -243,15 +268,19 @@ TEST_P(HardBodiesTest, AreAsDeepAsTheyMustOnceReprojected) {
 TEST_P(HardBodiesTest, OpenOnesAreNamedByThePlan) {
     for (const HardBodies& bodies : GetParam().hard.bodies) {
         Scene scene(GetParam().backend, bodies, {}, {});
-        for (const auto& [name, data] : {std::pair{"'first': open", &bodies.a}, {"'second': open", &bodies.b}}) {
-            const bool noted = std::ranges::any_of(
-                scene.notes(), [&](const std::string& note) { return note.find(name) != std::string::npos; });
+        for (const auto& [name, data] :
+             {std::pair{"'first': open", &bodies.a}, {"'second': open", &bodies.b}}) {
+            const bool noted = std::ranges::any_of(scene.notes(), [&](const std::string& note) {
+                return note.find(name) != std::string::npos;
+            });
             EXPECT_EQ(noted, !Mesh("", *data).traits().closed());
         }
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, HardBodiesTest, testing::ValuesIn(params([](const HardCase& c) { return !c.bodies.empty(); })),
+INSTANTIATE_TEST_SUITE_P(All, HardBodiesTest, testing::ValuesIn(params([](const HardCase& c) {
+                             return !c.bodies.empty();
+                         })),
                          param_name);
 
 TEST(HardMeshesTest, DefectsAreFound) {
@@ -259,7 +288,8 @@ TEST(HardMeshesTest, DefectsAreFound) {
         for (const scenes::HardFinding& expected : hard.findings) {
             const MeshReport report = check_mesh(expected.mesh);
             const MeshFinding* found = report.find(expected.kind);
-            EXPECT_EQ(found == nullptr ? 0 : found->count, expected.count) << hard.name << ": " << name(expected.kind);
+            EXPECT_EQ(found == nullptr ? 0 : found->count, expected.count)
+                << hard.name << ": " << name(expected.kind);
         }
 }
 

@@ -1,5 +1,5 @@
-// Complete coverage on meshes that were scanned or modelled (Debian's libcgal-demo), many at a time: colliding pairs against
-// exact predicates.
+// Complete coverage on meshes that were scanned or modelled (Debian's libcgal-demo), many at a
+// time: colliding pairs against exact predicates.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,13 +50,15 @@ struct Kind {
     std::string mesh;
     double size = 1;
     bool deforms = false;
-    std::string within = "";  ///< its middle is put inside the body of this mesh, if there is one before it
+    std::string within = "";  ///< its middle is put inside the body of this mesh, if there is one
+                              ///< before it
 };
 
 /// Bodies of many meshes, how they stand, and which of them overlap.
 class Crowd {
 public:
-    explicit Crowd(std::vector<Kind> kinds) : kinds_(std::move(kinds)), poses_(kinds_.size()), twists_(kinds_.size()) {
+    explicit Crowd(std::vector<Kind> kinds)
+        : kinds_(std::move(kinds)), poses_(kinds_.size()), twists_(kinds_.size()) {
         for (const Kind& kind : kinds_) {
             meshes_.push_back(read_scaled(kind.mesh, kind.size));
             rest_.push_back(exact(meshes_.back()));
@@ -97,15 +99,18 @@ public:
         }
     }
 
-    /// Puts two rigid bodies side by side, all others far away, and returns by how much b must move along x to and fro: at
-    /// the first place the two overlap, at the second, further by `width`, they do not.
+    /// Puts two rigid bodies side by side, all others far away, and returns by how much b must move
+    /// along x to and fro: at the first place the two overlap, at the second, further by `width`,
+    /// they do not.
     std::array<double, 2> part(std::size_t a, std::size_t b, test::Random& random, double width) {
-        for (std::size_t i = 0; i < kinds_.size(); ++i) poses_[i].position = {0, 100.0 + static_cast<double>(i) * 10, 0};
+        for (std::size_t i = 0; i < kinds_.size(); ++i)
+            poses_[i].position = {0, 100.0 + static_cast<double>(i) * 10, 0};
         poses_[a] = {{}, random.rotation()};
         poses_[b] = {{}, random.rotation()};
         const auto overlap_at = [&](double x) {
             place(b, x);
-            return rest_[a].overlaps(rest_[b], relative_frame(frame_of(poses_[b]), frame_of(poses_[a])));
+            return rest_[a].overlaps(rest_[b],
+                                     relative_frame(frame_of(poses_[b]), frame_of(poses_[a])));
         };
         double inside = 0, outside = 4;
         while (!overlap_at(inside)) inside = random.uniform(-1, 1);
@@ -148,22 +153,25 @@ public:
         return result;
     }
 
-    /// True if two touch tolerances' way, in one of 26 directions, parts the two: they overlap by less than that.
+    /// True if two touch tolerances' way, in one of 26 directions, parts the two: they overlap by
+    /// less than that.
     bool overlap_within_tolerance(Pair pair) const {
         std::deque<truth::ExactMesh> deformed;
         const Placed a = placed(pair.first, deformed), b = placed(pair.second, deformed);
-        const double way = 2 * constants::touch_tolerance * std::max(a.mesh->box().extent(), b.mesh->box().extent());
+        const double way = 2 * constants::touch_tolerance *
+                           std::max(a.mesh->box().extent(), b.mesh->box().extent());
         for (int direction = 0; direction < 27; ++direction) {
             Frame moved = b.frame;
-            moved.origin += way * normalized(Vec3d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0});
+            moved.origin += way * normalized(Vec3d{direction % 3 - 1.0, direction / 3 % 3 - 1.0,
+                                                   direction / 9 - 1.0});
             if (!a.mesh->overlaps(*b.mesh, relative_frame(moved, a.frame))) return true;
         }
         return false;
     }
 
     std::string name(Pair pair) const {
-        return kinds_[pair.first].mesh + " (" + std::to_string(pair.first) + ") and " + kinds_[pair.second].mesh + " (" +
-               std::to_string(pair.second) + ")";
+        return kinds_[pair.first].mesh + " (" + std::to_string(pair.first) + ") and " +
+               kinds_[pair.second].mesh + " (" + std::to_string(pair.second) + ")";
     }
 
 private:
@@ -182,7 +190,8 @@ private:
         MeshData mesh = meshes_[i];
         for (Vec3f& p : mesh.positions) {
             const Vec3d q = to_double(p);
-            const double angle = twists_[i] * q.z / kinds_[i].size, c = std::cos(angle), s = std::sin(angle);
+            const double angle = twists_[i] * q.z / kinds_[i].size, c = std::cos(angle),
+                         s = std::sin(angle);
             p = to_float({c * q.x - s * q.y, s * q.x + c * q.y, q.z});
         }
         return test::placed(mesh, poses_[i]);
@@ -190,7 +199,8 @@ private:
 
     Vec3d point_inside(std::size_t i, test::Random& random) const {
         for (;;)
-            if (const Vec3d p = random.in_box(0.5); rest_[i].where(p) == truth::Where::inside) return p;
+            if (const Vec3d p = random.in_box(0.5); rest_[i].where(p) == truth::Where::inside)
+                return p;
     }
 
     std::vector<Kind> kinds_;
@@ -222,7 +232,8 @@ Pairs without(const Pairs& all, const Pairs& some) {
 
 class LargeScenesTest : public testing::Test {
 protected:
-    LargeScenesTest() : random(2024), trace(__FILE__, __LINE__, "seed " + std::to_string(random.seed())) {}
+    LargeScenesTest()
+        : random(2024), trace(__FILE__, __LINE__, "seed " + std::to_string(random.seed())) {}
 
     void SetUp() override {
         if (!fs::exists(PIERCE_MESH_FOLDER)) GTEST_SKIP() << "libcgal-demo is not installed";
@@ -235,7 +246,8 @@ protected:
         }
     }
 
-    /// One step of every world, each of which must find the pairs that overlap, by more than the tolerance, and no others.
+    /// One step of every world, each of which must find the pairs that overlap, by more than the
+    /// tolerance, and no others.
     void compare(const Crowd& crowd, std::vector<World>& worlds) {
         const Crowd::Overlaps truth = crowd.overlaps();
         for (World& world : worlds) {
@@ -247,7 +259,8 @@ protected:
                 ++seen["missed"];
                 EXPECT_TRUE(crowd.overlap_within_tolerance(p)) << crowd.name(p) << " are missed";
             }
-            for (Pair p : without(found.overlapping, truth.pairs)) ADD_FAILURE() << crowd.name(p) << " do not overlap";
+            for (Pair p : without(found.overlapping, truth.pairs))
+                ADD_FAILURE() << crowd.name(p) << " do not overlap";
         }
         const FoundPairs found(worlds[0]);
         seen["pairs of boxes"] += worlds[0].stats().pairs;
@@ -275,7 +288,9 @@ protected:
     std::map<std::string, std::size_t> seen;
 };
 
-Settings complete(Temporal temporal) { return {.coverage = Coverage::complete, .temporal = temporal}; }
+Settings complete(Temporal temporal) {
+    return {.coverage = Coverage::complete, .temporal = temporal};
+}
 
 TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
     Crowd crowd({{"armadillo"},
@@ -307,7 +322,14 @@ TEST_F(LargeScenesTest, CompleteCoverageFindsThePairsThatOverlapAndNoOthers) {
 }
 
 TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
-    Crowd crowd({{"elephant"}, {"dino"}, {"knot2"}, {"anchor"}, {"fandisk"}, {"hand"}, {"cactus"}, {"rotor"}});
+    Crowd crowd({{"elephant"},
+                 {"dino"},
+                 {"knot2"},
+                 {"anchor"},
+                 {"fandisk"},
+                 {"hand"},
+                 {"cactus"},
+                 {"rotor"}});
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(embree_backend(), complete(temporal)));
@@ -315,7 +337,8 @@ TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
         const int a = random.integer(0, 7), b = (a + random.integer(1, 7)) % 8;
         const double width = std::pow(10, random.uniform(-5, -2));
         SCOPED_TRACE("pair " + std::to_string(i) + ", width " + std::to_string(width));
-        for (double x : crowd.part(static_cast<std::size_t>(a), static_cast<std::size_t>(b), random, width)) {
+        for (double x :
+             crowd.part(static_cast<std::size_t>(a), static_cast<std::size_t>(b), random, width)) {
             crowd.place(static_cast<std::size_t>(b), x);
             compare(crowd, worlds);
         }
@@ -326,7 +349,12 @@ TEST_F(LargeScenesTest, AlsoWhereTheyBarelyOverlap) {
 }
 
 TEST_F(LargeScenesTest, SoDoesTheReference) {
-    Crowd crowd({{"anchor"}, {"spool"}, {"hand"}, {"helmet"}, {"cactus", 1, true}, {"rotor", 0.05, false, "anchor"}});
+    Crowd crowd({{"anchor"},
+                 {"spool"},
+                 {"hand"},
+                 {"helmet"},
+                 {"cactus", 1, true},
+                 {"rotor", 0.05, false, "anchor"}});
     std::vector<World> worlds;
     for (Temporal temporal : {Temporal::certified, Temporal::off})
         worlds.push_back(crowd.world(reference_backend(), complete(temporal)));

@@ -1,5 +1,5 @@
-// Sheets on recorded motion of all scenes of cloth, in which nothing keeps them off themselves, against exact truth:
-// continuous detection misses nothing and invents nothing.
+// Sheets on recorded motion of all scenes of cloth, in which nothing keeps them off themselves,
+// against exact truth: continuous detection misses nothing and invents nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,12 +38,14 @@ const Recorded& recorded(const Motion& motion) {
     const auto [at, is_new] = all.try_emplace(motion.name);
     Recorded& made = at->second;
     if (!is_new) return made;
-    made.recording = scenes::crossing_motion(motion.name, {.seconds = motion.seconds, .dt = dt, .nodes = motion.nodes});
+    made.recording = scenes::crossing_motion(
+        motion.name, {.seconds = motion.seconds, .dt = dt, .nodes = motion.nodes});
     const truth::SheetTruth truth(made.recording);
     for (std::uint32_t f = 0; f < made.recording.frame_count; ++f) {
         scenes::TrueSheetFrame frame{f, {}, {}};
         for (const truth::SheetMeeting& m : truth.meetings(f))
-            frame.meetings.push_back({m.features == truth::Features::edges, m.a, m.item, m.b, m.other});
+            frame.meetings.push_back(
+                {m.features == truth::Features::edges, m.a, m.item, m.b, m.other});
         made.truth.push_back(std::move(frame));
     }
     return made;
@@ -81,9 +83,11 @@ constexpr Motion motions[] = {{"cloth-capsule", 14, 2.5, true, false},
                               {"layers", 8, 0.5, false, true}};
 
 INSTANTIATE_TEST_SUITE_P(Backends, RecordedSheetsTest,
-                         testing::Combine(testing::ValuesIn(test::backends()), testing::ValuesIn(motions)),
+                         testing::Combine(testing::ValuesIn(test::backends()),
+                                          testing::ValuesIn(motions)),
                          [](const auto& made) {
-                             std::string name = std::get<0>(made.param).name + "_" + std::get<1>(made.param).name;
+                             std::string name = std::get<0>(made.param).name + "_" +
+                                                std::get<1>(made.param).name;
                              std::ranges::replace(name, '-', '_');
                              return name;
                          });

@@ -45,14 +45,17 @@ TEST_P(SelfOverlapTest, VerticesInsideAnotherPartOfTheirBodyAreInContactWithIt) 
 
         const Mesh& mesh = world.mesh(world.mesh_of(body));
         std::vector<test::SolidVec> inward;
-        const View<const Vec3f> view{positions.data(), static_cast<std::uint32_t>(positions.size())};
+        const View<const Vec3f> view{positions.data(),
+                                     static_cast<std::uint32_t>(positions.size())};
         for (std::uint32_t v = 0; v < positions.size(); ++v)
             inward.push_back(test::exact(-vertex_normal(mesh.view(), view, v)));
-        const test::Expected expected =
-            test::expected_self_contacts(test::solid_of({positions, torus.triangles}, {}), inward, test::solid_of(torus, {}),
-                                         static_cast<long double>(constants::self_distance * mesh.view().mean_edge_length));
+        const test::Expected expected = test::expected_self_contacts(
+            test::solid_of({positions, torus.triangles}, {}), inward, test::solid_of(torus, {}),
+            static_cast<long double>(constants::self_distance * mesh.view().mean_edge_length));
         EXPECT_LT(expected.unclear.size(), positions.size() / 10);
-        const auto unclear = [&](std::uint32_t v) { return std::ranges::count(expected.unclear, v) > 0; };
+        const auto unclear = [&](std::uint32_t v) {
+            return std::ranges::count(expected.unclear, v) > 0;
+        };
         std::size_t clear = 0;
         for (const Contact& c : world.contacts()) {
             EXPECT_EQ(c.a, body);
@@ -61,13 +64,15 @@ TEST_P(SelfOverlapTest, VerticesInsideAnotherPartOfTheirBodyAreInContactWithIt) 
             EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-12);
             if (unclear(c.vertex)) continue;
             ++clear;
-            const auto e = std::ranges::find(expected.contacts, c.vertex, &test::ExpectedContact::vertex);
+            const auto e = std::ranges::find(expected.contacts, c.vertex,
+                                             &test::ExpectedContact::vertex);
             ASSERT_NE(e, expected.contacts.end()) << "false: vertex " << c.vertex;
             EXPECT_EQ(c.triangle, e->triangle);
             EXPECT_NEAR(c.penetration_depth(), static_cast<double>(e->depth), 1e-6);
         }
-        EXPECT_EQ(clear, static_cast<std::size_t>(
-                             std::ranges::count_if(expected.contacts, [&](const auto& e) { return !unclear(e.vertex); })));
+        EXPECT_EQ(clear,
+                  static_cast<std::size_t>(std::ranges::count_if(
+                      expected.contacts, [&](const auto& e) { return !unclear(e.vertex); })));
         contacts += clear;
         EXPECT_TRUE(by > 0 || world.contacts().empty());
 
@@ -116,7 +121,8 @@ TEST_P(SelfOverlapTest, OthersAreFoundAsBeforeAndOverSteps) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, SelfOverlapTest, testing::ValuesIn(test::backends()), test::backend_name);
+INSTANTIATE_TEST_SUITE_P(Backends, SelfOverlapTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
 
 }  // namespace
 }  // namespace pierce

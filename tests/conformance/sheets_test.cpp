@@ -1,5 +1,5 @@
-// Sheets against continuous collision by definition: every vertex and triangle, every two edges, tested one by one; and the
-// hard cases that a single pose does not answer: 20, 24 and 25.
+// Sheets against continuous collision by definition: every vertex and triangle, every two edges,
+// tested one by one; and the hard cases that a single pose does not answer: 20, 24 and 25.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +34,8 @@ MeshData flat(std::uint32_t cells, float cell, Vec3f corner) {
     MeshData mesh;
     for (std::uint32_t y = 0; y <= cells; ++y)
         for (std::uint32_t x = 0; x <= cells; ++x)
-            mesh.positions.push_back(corner + Vec3f{cell * static_cast<float>(x), cell * static_cast<float>(y), 0});
+            mesh.positions.push_back(
+                corner + Vec3f{cell * static_cast<float>(x), cell * static_cast<float>(y), 0});
     const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * (cells + 1) + x; };
     for (std::uint32_t y = 0; y < cells; ++y)
         for (std::uint32_t x = 0; x < cells; ++x) {
@@ -44,13 +45,15 @@ MeshData flat(std::uint32_t cells, float cell, Vec3f corner) {
     return mesh;
 }
 
-BodyId add_sheet(World& world, const MeshData& mesh, double thickness, SelfCollision self = SelfCollision::on) {
+BodyId add_sheet(World& world, const MeshData& mesh, double thickness,
+                 SelfCollision self = SelfCollision::on) {
     const BodyId body = world.add_deforming_body(world.add_mesh("sheet", mesh));
     world.set_collision(body, {self, true, thickness});
     return body;
 }
 
-std::span<const Contact> step(World& world, BodyId body, std::span<const Vec3f> from, std::span<const Vec3f> to) {
+std::span<const Contact> step(World& world, BodyId body, std::span<const Vec3f> from,
+                              std::span<const Vec3f> to) {
     world.set_motion(body, from, to);
     world.detect();
     return world.contacts();
@@ -59,7 +62,8 @@ std::span<const Contact> step(World& world, BodyId body, std::span<const Vec3f> 
 TEST_P(SheetsTest, LayersThatMoveTogetherDoNotMeet) {
     const MeshData mesh = joined(flat(4, 0.25f, {0, 0, 0}), flat(4, 0.25f, {0.03f, 0.02f, 0.1f}));
     const auto to = moved(mesh.positions, {0, 0, 0.2f});
-    for (const SelfCollision how : {SelfCollision::on, SelfCollision::rays, SelfCollision::published}) {
+    for (const SelfCollision how :
+         {SelfCollision::on, SelfCollision::rays, SelfCollision::published}) {
         World world(GetParam().make());
         const BodyId body = add_sheet(world, mesh, 0.01, how);
         const auto contacts = step(world, body, mesh.positions, to);
@@ -72,7 +76,8 @@ TEST_P(SheetsTest, LayersThatMoveTogetherDoNotMeet) {
 
 TEST_P(SheetsTest, AVertexThatPassesThroughAPlateInOneStepIsReported) {
     // Hard case 24: from z = 1 to z = -1 through abs(z) <= 0.005.
-    const BodyId plate = world_.add_fixed_body(world_.add_mesh("plate", scenes::box({-1, -1, -0.005f}, {1, 1, 0.005f})));
+    const BodyId plate = world_.add_fixed_body(
+        world_.add_mesh("plate", scenes::box({-1, -1, -0.005f}, {1, 1, 0.005f})));
     const MeshData mesh = flat(1, 0.1f, {0.03f, 0.02f, 1});
     const BodyId body = add_sheet(world_, mesh, 0);
     std::set<std::uint32_t> met;
@@ -108,7 +113,8 @@ TEST_P(SheetsTest, ASheetInsideASolidIsPushedOutTheShortWayWhicheverWayItFaces) 
 }
 
 TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
-    const MeshData mesh = joined(flat(4, 0.25f, {-0.5f, -0.5f, 0}), flat(1, 0.05f, {0.02f, 0.15f, 0.2f}));
+    const MeshData mesh = joined(flat(4, 0.25f, {-0.5f, -0.5f, 0}),
+                                 flat(1, 0.05f, {0.02f, 0.15f, 0.2f}));
     const BodyId body = add_sheet(world_, mesh, 0.02);
     std::vector<Vec3f> now = mesh.positions;
     const auto lower_by = [&](float dz) {
@@ -127,7 +133,8 @@ TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
         EXPECT_EQ(c.found, Found::crossing);
         EXPECT_NEAR(c.distance, -0.05, 1e-5);
         EXPECT_NEAR(c.time, 2.0 / 3, 1e-4);
-        EXPECT_NEAR(c.normal.z, -1, 1e-6) << "from the vertex' body, a, to b: away from where the vertex belongs";
+        EXPECT_NEAR(c.normal.z, -1, 1e-6)
+            << "from the vertex' body, a, to b: away from where the vertex belongs";
         EXPECT_EQ(c.age, 0u);
     }
     for (int k = 0; k < 3; ++k) {
@@ -150,7 +157,8 @@ TEST_P(SheetsTest, AVertexIsPushedBackToTheSideItCameFromUntilItIsThere) {
 }
 
 TEST_P(SheetsTest, AVertexThatPassesOneTriangleAndEndsOverItsNeighborBelongsOnTheSideItCameFrom) {
-    // From above the cell (0, 0) to below the cell (1, 0): through one triangle, and then close to another one.
+    // From above the cell (0, 0) to below the cell (1, 0): through one triangle, and then close to
+    // another one.
     MeshData mesh = joined(flat(4, 0.25f, {0, 0, 0}), flat(1, 0.01f, {0.2f, 0.05f, 0.1f}));
     const BodyId body = add_sheet(world_, mesh, 0.02);
     std::vector<Vec3f> to = mesh.positions;
@@ -198,19 +206,23 @@ TEST_P(SheetsTest, WhatStartsTangledHasADirectionOrSaysSo) {
 }
 
 TEST_P(SheetsTest, WhatIsRefused) {
-    const BodyId rigid = world_.add_rigid_body(world_.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1})));
+    const BodyId rigid = world_.add_rigid_body(
+        world_.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1})));
     EXPECT_THROW(world_.set_collision(rigid, {SelfCollision::on, true, 0}), InputError);
     const BodyId open = world_.add_deforming_body(world_.add_mesh("sheet", flat(1, 1, {})));
-    EXPECT_THROW(world_.set_collision(open, {SelfCollision::on, false, 0}), InputError) << "no inside";
+    EXPECT_THROW(world_.set_collision(open, {SelfCollision::on, false, 0}), InputError)
+        << "no inside";
     EXPECT_THROW(world_.set_collision(open, {SelfCollision::on, true, -1}), InputError);
     EXPECT_THROW(world_.set_collision(open, {SelfCollision::off, false, 1}), InputError);
     EXPECT_NO_THROW(world_.set_collision(open, {SelfCollision::on, true, 0.1}));
-    const BodyId closed = world_.add_deforming_body(world_.add_mesh("solid", scenes::box({0, 0, 0}, {1, 1, 1})));
+    const BodyId closed = world_.add_deforming_body(
+        world_.add_mesh("solid", scenes::box({0, 0, 0}, {1, 1, 1})));
     EXPECT_THROW(world_.set_collision(closed, {SelfCollision::rays, false, 0}), InputError);
     EXPECT_NO_THROW(world_.set_collision(closed, {SelfCollision::on, false, 0}));
 }
 
-/// Two features that meet during a step: kind (0: vertex and triangle, 1: edges), bodies and features.
+/// Two features that meet during a step: kind (0: vertex and triangle, 1: edges), bodies and
+/// features.
 using Meeting = std::tuple<int, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>;
 
 struct Moving {
@@ -226,21 +238,25 @@ std::set<Meeting> all_meetings(const std::vector<Moving>& bodies) {
     Impact impact;
     for (std::uint32_t a = 0; a < bodies.size(); ++a)
         for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-            const auto edges_a = bodies[a].mesh->view().edges, edges_b = bodies[b].mesh->view().edges;
+            const auto edges_a = bodies[a].mesh->view().edges,
+                       edges_b = bodies[b].mesh->view().edges;
             for (std::uint32_t v = 0; v < bodies[a].start.size(); ++v)
                 for (std::uint32_t t = 0; t < bodies[b].mesh->triangles().size(); ++t) {
                     const Triangle& tri = bodies[b].mesh->triangles()[t];
                     if (a == b && has_vertex(tri, v)) continue;
-                    if (vertex_meets_face(bodies[a].at(v), bodies[b].at(tri.vertex[0]), bodies[b].at(tri.vertex[1]),
-                                          bodies[b].at(tri.vertex[2]), impact))
+                    if (vertex_meets_face(bodies[a].at(v), bodies[b].at(tri.vertex[0]),
+                                          bodies[b].at(tri.vertex[1]), bodies[b].at(tri.vertex[2]),
+                                          impact))
                         all.insert({0, a, v, b, t});
                 }
             if (a > b) continue;
             for (std::uint32_t e = 0; e < edges_a.size; ++e)
                 for (std::uint32_t f = a == b ? e + 1 : 0; f < edges_b.size; ++f) {
                     const auto &p = edges_a[e].vertex, &q = edges_b[f].vertex;
-                    if (a == b && (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1])) continue;
-                    if (edges_meet(bodies[a].at(p[0]), bodies[a].at(p[1]), bodies[b].at(q[0]), bodies[b].at(q[1]), impact))
+                    if (a == b && (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]))
+                        continue;
+                    if (edges_meet(bodies[a].at(p[0]), bodies[a].at(p[1]), bodies[b].at(q[0]),
+                                   bodies[b].at(q[1]), impact))
                         all.insert({1, a, e, b, f});
                 }
         }
@@ -269,7 +285,8 @@ TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
         test::Random random(seed);
         World world(GetParam().make());
         // Two crumpled sheets, one of two layers, that move wildly.
-        const MeshData first = joined(flat(3, 0.3f, {0, 0, 0}), flat(2, 0.4f, {0.1f, 0.05f, 0.12f})),
+        const MeshData first = joined(flat(3, 0.3f, {0, 0, 0}),
+                                      flat(2, 0.4f, {0.1f, 0.05f, 0.12f})),
                        second = flat(3, 0.3f, {0.05f, -0.04f, 0.2f});
         std::vector<Moving> bodies;
         std::vector<BodyId> ids;
@@ -277,7 +294,8 @@ TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
             ids.push_back(add_sheet(world, *mesh, 0.02));
             Moving m{&world.mesh(world.mesh_of(ids.back())), mesh->positions, mesh->positions};
             const auto shake = [&](Vec3f p, double by) {
-                return p + to_float(by * Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+                return p + to_float(by * Vec3d{random.uniform(-1, 1), random.uniform(-1, 1),
+                                               random.uniform(-1, 1)});
             };
             for (Vec3f& p : m.start) p = shake(p, 0.04);
             for (std::size_t v = 0; v < m.end.size(); ++v) m.end[v] = shake(m.start[v], 0.12);
@@ -291,7 +309,8 @@ TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
 
         World reference(reference_backend());
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            reference.set_motion(add_sheet(reference, b == 0 ? first : second, 0.02), bodies[b].start, bodies[b].end);
+            reference.set_motion(add_sheet(reference, b == 0 ? first : second, 0.02),
+                                 bodies[b].start, bodies[b].end);
         }
         reference.detect();
         EXPECT_EQ(contact_hash(world.contacts()), contact_hash(reference.contacts()));
@@ -299,8 +318,8 @@ TEST_P(SheetsTest, NothingThatMeetsDuringAStepIsMissedAndNothingElseCrosses) {
 }
 
 TEST_P(SheetsTest, ASheetMeetsASolidThatDeforms) {
-    // A ball that bends comes up through a sheet that sinks into it. They begin apart, so that everything comes from
-    // outside.
+    // A ball that bends comes up through a sheet that sinks into it. They begin apart, so that
+    // everything comes from outside.
     const MeshData sheet = flat(5, 0.2f, {-0.5f, -0.45f, 0}), ball = scenes::sphere(0.3, 2);
     World reference(reference_backend());
     std::vector<Moving> bodies;
@@ -323,15 +342,17 @@ TEST_P(SheetsTest, ASheetMeetsASolidThatDeforms) {
 }
 
 TEST_P(SheetsTest, SheetsOfSeveralSectionsAreSearchedWhole) {
-    // 6272 triangles each, where a section has 4096; every vertex against every triangle of the other, by definition.
+    // 6272 triangles each, where a section has 4096; every vertex against every triangle of the
+    // other, by definition.
     constexpr double thickness = 0.04, doubt = 1e-9;
     test::Random random(12);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     std::vector<MeshData> sheets;
     std::vector<BodyId> bodies;
     for (int s = 0; s < 2; ++s) {
-        sheets.push_back(
-            flat(56, 0.1f, {0.03f * static_cast<float>(s), 0.02f * static_cast<float>(s), 0.042f * static_cast<float>(s)}));
+        sheets.push_back(flat(56, 0.1f,
+                              {0.03f * static_cast<float>(s), 0.02f * static_cast<float>(s),
+                               0.042f * static_cast<float>(s)}));
         for (Vec3f& p : sheets.back().positions) p.z += static_cast<float>(random.uniform(0, 0.02));
         bodies.push_back(add_sheet(world_, sheets.back(), thickness, SelfCollision::off));
         world_.set_motion(bodies.back(), sheets.back().positions, sheets.back().positions);
@@ -343,23 +364,28 @@ TEST_P(SheetsTest, SheetsOfSeveralSectionsAreSearchedWhole) {
 
     std::size_t expected = 0, doubtful = 0;
     for (int side = 0; side < 2; ++side) {
-        const MeshData &from = sheets[static_cast<std::size_t>(side)], &onto = sheets[static_cast<std::size_t>(1 - side)];
+        const MeshData &from = sheets[static_cast<std::size_t>(side)],
+                       &onto = sheets[static_cast<std::size_t>(1 - side)];
         for (std::uint32_t t = 0; t < onto.triangles.size(); ++t) {
             Vec3d corner[3];
-            for (int k = 0; k < 3; ++k) corner[k] = to_double(onto.positions[onto.triangles[t].vertex[k]]);
+            for (int k = 0; k < 3; ++k)
+                corner[k] = to_double(onto.positions[onto.triangles[t].vertex[k]]);
             const Vec3d n = cross(corner[1] - corner[0], corner[2] - corner[0]);
             for (std::uint32_t v = 0; v < from.positions.size(); ++v) {
                 const Vec3d p = to_double(from.positions[v]);
                 double inside = thickness - std::fabs(dot(normalized(n), p - corner[0]));
                 if (inside < -doubt) continue;
                 for (int k = 0; k < 3; ++k)
-                    inside = std::min(inside, dot(n, cross(corner[(k + 1) % 3] - corner[k], p - corner[k])) / dot(n, n));
+                    inside = std::min(
+                        inside,
+                        dot(n, cross(corner[(k + 1) % 3] - corner[k], p - corner[k])) / dot(n, n));
                 const bool has = found.contains({side, v, t});
                 if (std::fabs(inside) < doubt) {
                     doubtful += has;
                     continue;
                 }
-                ASSERT_EQ(has, inside > 0) << "side " << side << ", vertex " << v << ", triangle " << t;
+                ASSERT_EQ(has, inside > 0)
+                    << "side " << side << ", vertex " << v << ", triangle " << t;
                 expected += has;
             }
         }
@@ -380,8 +406,9 @@ TEST_P(SheetsTest, SheetsOfSeveralSectionsAreSearchedWhole) {
 TEST_P(SheetsTest, ASheetMeetsRigidBodiesThatMove) {
     const MeshData mesh = flat(6, 0.2f, {-0.6f, -0.6f, 0});
     const BodyId body = add_sheet(world_, mesh, 0.02, SelfCollision::off);
-    const BodyId ball = world_.add_rigid_body(world_.add_mesh("box", scenes::box({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f})),
-                                              {{0.03, 0.04, 0.3}, {}});
+    const BodyId ball = world_.add_rigid_body(
+        world_.add_mesh("box", scenes::box({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f})),
+        {{0.03, 0.04, 0.3}, {}});
     world_.detect();
     EXPECT_EQ(world_.contacts().size(), 0u);
     world_.set_pose(ball, {{0.03, 0.04, -0.5}, {0.1, 0.2, 0, 1}});
@@ -398,7 +425,8 @@ TEST_P(SheetsTest, ASheetMeetsRigidBodiesThatMove) {
     EXPECT_EQ(corners.size(), 8u) << "all corners of the box went through";
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, SheetsTest, testing::ValuesIn(test::backends()), test::backend_name);
+INSTANTIATE_TEST_SUITE_P(Backends, SheetsTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
 
 }  // namespace
 }  // namespace pierce

@@ -1,5 +1,5 @@
-// Steps that remember: the certified mode against tracing everything, the paper's mode where it must and where it may
-// differ.
+// Steps that remember: the certified mode against tracing everything, the paper's mode where it
+// must and where it may differ.
 #include <gtest/gtest.h>
 
 #include "pierce/contact_hash.hpp"
@@ -30,11 +30,14 @@ Settings without_memory(Settings settings) {
 
 class TemporalTest : public testing::TestWithParam<test::NamedBackend> {};
 
-/// Bodies that rest, creep, slide, spin, jump, deform, vanish, break and change their triangles, in two worlds alike.
+/// Bodies that rest, creep, slide, spin, jump, deform, vanish, break and change their triangles, in
+/// two worlds alike.
 class TwoWorlds {
 public:
     TwoWorlds(const test::NamedBackend& backend, Settings settings, test::Random& random)
-        : random_(random), plain_(backend.make(), without_memory(settings)), remembering_(backend.make(), settings) {
+        : random_(random),
+          plain_(backend.make(), without_memory(settings)),
+          remembering_(backend.make(), settings) {
         for (int i = 0; i < 5; ++i) add_body();
     }
 
@@ -55,7 +58,8 @@ public:
             put(body, random_.integer(0, 40) == 0);
         }
         if (random_.integer(0, 20) == 0) {
-            const auto i = static_cast<std::size_t>(random_.integer(0, static_cast<int>(bodies_.size()) - 1));
+            const auto i = static_cast<std::size_t>(
+                random_.integer(0, static_cast<int>(bodies_.size()) - 1));
             for (World* world : {&plain_, &remembering_}) world->remove_body(bodies_[i].id);
             bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(i));
             add_body();
@@ -131,9 +135,11 @@ TEST_P(TemporalTest, CertifiedIsTracingEverything) {
         TwoWorlds worlds(GetParam(), settings, random);
         for (int step = 0; step < 60; ++step) {
             worlds.step();
-            ASSERT_EQ(contact_hash(worlds.remembering().contacts()), contact_hash(worlds.plain().contacts()))
+            ASSERT_EQ(contact_hash(worlds.remembering().contacts()),
+                      contact_hash(worlds.plain().contacts()))
                 << "scene " << scene << " step " << step;
-            ASSERT_EQ(ages(worlds.remembering()), ages(worlds.plain())) << "scene " << scene << " step " << step;
+            ASSERT_EQ(ages(worlds.remembering()), ages(worlds.plain()))
+                << "scene " << scene << " step " << step;
             const StepStats& stats = worlds.remembering().stats();
             contacts += stats.contacts;
             certified += stats.certified;
@@ -150,8 +156,10 @@ TEST_P(TemporalTest, CertifiedIsTracingEverything) {
 }
 
 TEST_P(TemporalTest, ABodyThatGrowsASpikeIsSeenToTouch) {
-    // Its frame hardly moves and most of it stays as it is: only the motion of the shape itself tells.
-    World certified(GetParam().make(), with(Temporal::certified)), plain(GetParam().make(), with(Temporal::off));
+    // Its frame hardly moves and most of it stays as it is: only the motion of the shape itself
+    // tells.
+    World certified(GetParam().make(), with(Temporal::certified)),
+        plain(GetParam().make(), with(Temporal::off));
     const MeshData ball = scenes::sphere(1, 4);
     for (World* world : {&certified, &plain}) {
         world->add_fixed_body(world->add_mesh("plate", scenes::box({-5, -5, -1}, {5, 5, 0})));
@@ -169,7 +177,8 @@ TEST_P(TemporalTest, ABodyThatGrowsASpikeIsSeenToTouch) {
             world->detect();
         }
         most = std::max(most, plain.contacts().size());
-        ASSERT_EQ(contact_hash(certified.contacts()), contact_hash(plain.contacts())) << "step " << i;
+        ASSERT_EQ(contact_hash(certified.contacts()), contact_hash(plain.contacts()))
+            << "step " << i;
     }
     EXPECT_GT(most, 3u);
 }
@@ -183,14 +192,16 @@ TEST_P(TemporalTest, PaperModeHoldsNothingStale) {
             for (int step = 0; step < 60; ++step) {
                 worlds.step();
                 for (const Contact& c : worlds.remembering().contacts()) {
-                    // Whatever it missed, what it reports is there: on the hit triangle, at the depth it says.
+                    // Whatever it missed, what it reports is there: on the hit triangle, at the
+                    // depth it says.
                     const BodyId target = c.source == Side::a ? c.b : c.a;
-                    const Mesh& mesh = worlds.remembering().mesh(worlds.remembering().mesh_of(target));
+                    const Mesh& mesh = worlds.remembering().mesh(
+                        worlds.remembering().mesh_of(target));
                     ASSERT_LT(c.triangle, mesh.triangles().size());
                     Vec3d q;
                     for (int k = 0; k < 3; ++k)
-                        q += c.barycentric[k] *
-                             worlds.remembering().vertex_position(target, mesh.triangles()[c.triangle].vertex[k]);
+                        q += c.barycentric[k] * worlds.remembering().vertex_position(
+                                                    target, mesh.triangles()[c.triangle].vertex[k]);
                     EXPECT_NEAR(length(q - (c.source == Side::a ? c.point_b : c.point_a)), 0, 1e-6);
                     EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-5);
                 }
@@ -198,7 +209,8 @@ TEST_P(TemporalTest, PaperModeHoldsNothingStale) {
         }
 }
 
-/// A ball that sinks into a plate. The paper's mode does not see vertices that enter between full passes; prediction does.
+/// A ball that sinks into a plate. The paper's mode does not see vertices that enter between full
+/// passes; prediction does.
 struct Sinking {
     World world;
     BodyId ball;
@@ -224,7 +236,8 @@ TEST_P(TemporalTest, PredictionSeesVerticesEnterBetweenFullPasses) {
     for (bool deforming : {false, true}) {
         std::size_t missed = 0, missed_with_prediction = 0, total = 0;
         std::uint32_t came_true = 0;
-        Sinking plain(GetParam(), with(Temporal::off), deforming), paper(GetParam(), with(Temporal::paper), deforming),
+        Sinking plain(GetParam(), with(Temporal::off), deforming),
+            paper(GetParam(), with(Temporal::paper), deforming),
             predicting(GetParam(), with(Temporal::paper, true), deforming);
         for (int i = 0; i < 60; ++i) {
             const double height = 1.02 - 0.002 * i;
@@ -260,7 +273,8 @@ TEST_P(TemporalTest, FullPassesComeEveryKSteps) {
 }
 
 TEST_P(TemporalTest, ASmallBodyOnAHugeOneIsWalked) {
-    // The ball turns, so that a far end of the plate goes a long way, seen from it. The ball's vertices do not.
+    // The ball turns, so that a far end of the plate goes a long way, seen from it. The ball's
+    // vertices do not.
     Settings settings = with(Temporal::paper);
     World world(GetParam().make(), settings);
     world.add_fixed_body(world.add_mesh("plate", scenes::box({-500, -500, -1}, {500, 500, 0})));
@@ -277,14 +291,16 @@ TEST_P(TemporalTest, ASmallBodyOnAHugeOneIsWalked) {
 }
 
 TEST_P(TemporalTest, B4ANearerSheetIsSeenByTheNextFullPass) {
-    // A flat plate comes up inside the ball's vertex' way to the far side of a box: the walk stays on the far side.
+    // A flat plate comes up inside the ball's vertex' way to the far side of a box: the walk stays
+    // on the far side.
     Settings settings = with(Temporal::paper);
     settings.full_every = 5;
     World world(GetParam().make(), settings), plain(GetParam().make(), with(Temporal::off));
     MeshData fold = scenes::box({-2, -2, -2}, {2, 2, 0.5});
     // A slot cut by hand: the inner walls of a thin box, turned inside out, inside the block.
     const MeshData slot = scenes::box({-1.5, -1.5, -0.2}, {1.5, 1.5, -0.19});
-    for (Triangle t : slot.triangles) fold.triangles.push_back({{t.vertex[0] + 8, t.vertex[2] + 8, t.vertex[1] + 8}});
+    for (Triangle t : slot.triangles)
+        fold.triangles.push_back({{t.vertex[0] + 8, t.vertex[2] + 8, t.vertex[1] + 8}});
     fold.positions.insert(fold.positions.end(), slot.positions.begin(), slot.positions.end());
     for (World* w : {&world, &plain}) {
         w->add_deforming_body(w->add_mesh("fold", fold));
@@ -292,9 +308,11 @@ TEST_P(TemporalTest, B4ANearerSheetIsSeenByTheNextFullPass) {
     }
     int late = 0, differ = 0;
     for (int i = 0; i < 20; ++i) {
-        // The slot's walls move up past the spike's end, so that they come between it and the block's top.
+        // The slot's walls move up past the spike's end, so that they come between it and the
+        // block's top.
         std::vector<Vec3f> positions = fold.positions;
-        for (std::size_t v = 8; v < positions.size(); ++v) positions[v].z += 0.01f * static_cast<float>(i) - 0.2f;
+        for (std::size_t v = 8; v < positions.size(); ++v)
+            positions[v].z += 0.01f * static_cast<float>(i) - 0.2f;
         for (World* w : {&world, &plain}) {
             w->set_positions({0, 1}, positions);
             w->detect();
@@ -313,7 +331,8 @@ TEST_P(TemporalTest, B5ClothSlidingInItsPlaneHasNoContacts) {
         MeshData sheet{{}, {}};
         for (int y = 0; y < 6; ++y)
             for (int x = 0; x < 6; ++x)
-                sheet.positions.push_back({0.2f * static_cast<float>(x), 0.2f * static_cast<float>(y), 0});
+                sheet.positions.push_back(
+                    {0.2f * static_cast<float>(x), 0.2f * static_cast<float>(y), 0});
         for (std::uint32_t y = 0; y < 5; ++y)
             for (std::uint32_t x = 0; x < 5; ++x) {
                 const std::uint32_t v = 6 * y + x;
@@ -347,7 +366,8 @@ TEST_P(TemporalTest, B6B7RecordsDieWithTopologyAndBodies) {
         for (const Contact& c : scene.world.contacts()) EXPECT_EQ(c.age, 0u);
         // Other triangles: fewer vertices than the records name.
         const MeshData coarse = scenes::sphere(1, 1);
-        scene.world.set_mesh(scene.ball, scene.world.add_mesh("coarse", coarse), test::placed(coarse, {{0, 0, 0.9}, {}}));
+        scene.world.set_mesh(scene.ball, scene.world.add_mesh("coarse", coarse),
+                             test::placed(coarse, {{0, 0, 0.9}, {}}));
         scene.world.detect();
         for (const Contact& c : scene.world.contacts()) {
             EXPECT_LT(c.vertex, coarse.positions.size());
@@ -360,7 +380,8 @@ TEST_P(TemporalTest, B6B7RecordsDieWithTopologyAndBodies) {
         const MeshId mesh = scene.world.add_mesh("ball", scenes::sphere(1, 3));
         scene.ball = scene.world.add_rigid_body(mesh);
         EXPECT_EQ(scene.at(0.9), before);
-        for (const Contact& c : scene.world.contacts()) EXPECT_EQ(c.age, 0u) << "another body in the same slot";
+        for (const Contact& c : scene.world.contacts())
+            EXPECT_EQ(c.age, 0u) << "another body in the same slot";
     }
 }
 
@@ -379,7 +400,8 @@ TEST_P(TemporalTest, ContactsOfBodiesThatRestCostNoRays) {
     Sinking scene(GetParam(), with(Temporal::certified)), plain(GetParam(), with(Temporal::off));
     const auto rays = [&] { return scene.world.stats().rays + scene.world.stats().walks; };
     const auto expect_same = [&](const char* when) {
-        EXPECT_EQ(contact_hash(scene.world.contacts()), contact_hash(plain.world.contacts())) << when;
+        EXPECT_EQ(contact_hash(scene.world.contacts()), contact_hash(plain.world.contacts()))
+            << when;
         EXPECT_EQ(ages(scene.world), ages(plain.world)) << when;
     };
     for (int step = 0; step < 4; ++step) {
@@ -396,7 +418,8 @@ TEST_P(TemporalTest, ContactsOfBodiesThatRestCostNoRays) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, TemporalTest, testing::ValuesIn(test::backends()), test::backend_name);
+INSTANTIATE_TEST_SUITE_P(Backends, TemporalTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
 
 /// Certified against off on every frame of simulated scenes.
 TEST(TemporalScenesTest, CertifiedGivesTheSameHashOnEveryFrame) {

@@ -1,5 +1,5 @@
-// No ray aimed at a vertex or an edge slips out of a closed mesh. PIERCE_LEAK_RAYS sets how many are tried in all; the bench
-// program pierce_leaks compares other triangle tests.
+// No ray aimed at a vertex or an edge slips out of a closed mesh. PIERCE_LEAK_RAYS sets how many
+// are tried in all; the bench program pierce_leaks compares other triangle tests.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,8 @@ class WatertightTest : public testing::TestWithParam<test::NamedBackend> {};
 TEST_P(WatertightTest, NoRayAtAVertexOrAnEdgeIsLost) {
     scenes::RayProbe probe(GetParam().make());
     const bool looks_at_all = GetParam().name == "reference";  // 1280 triangles for each ray
-    const std::size_t share = rays_in_all() / (looks_at_all ? 400 : 8 * (test::backends().size() - 1));
+    const std::size_t share = rays_in_all() /
+                              (looks_at_all ? 400 : 8 * (test::backends().size() - 1));
     std::uint32_t seed = 1;
     for (const MeshData& mesh : {scenes::sphere(1, 3), bumpy_ball()})
         for (double offset : {0.0, 1e5})
@@ -51,14 +52,16 @@ TEST_P(WatertightTest, NoRayAtAVertexOrAnEdgeIsLost) {
                 for (std::size_t left = share; left > 0;) {
                     const std::size_t count = std::min<std::size_t>(left, 1 << 18);
                     const auto met = probe.meet(moved, rays.next(count));
-                    ASSERT_EQ(std::ranges::count(met, scenes::Meets::exit, &scenes::Met::how), std::ssize(met))
+                    ASSERT_EQ(std::ranges::count(met, scenes::Meets::exit, &scenes::Met::how),
+                              std::ssize(met))
                         << "offset " << offset << (aim == Aim::vertices ? ", vertices" : ", edges");
                     left -= count;
                 }
             }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, WatertightTest, testing::ValuesIn(test::backends()), test::backend_name);
+INSTANTIATE_TEST_SUITE_P(Backends, WatertightTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
 
 }  // namespace
 }  // namespace pierce

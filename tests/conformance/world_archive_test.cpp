@@ -18,7 +18,8 @@ using testing::HasSubstr;
 /// Solids that move, one that deforms, and a sheet that goes through one of them.
 class SavedRun {
 public:
-    SavedRun(std::unique_ptr<Backend> backend, const Settings& settings) : world(std::move(backend), settings) {
+    SavedRun(std::unique_ptr<Backend> backend, const Settings& settings)
+        : world(std::move(backend), settings) {
         test::Random random(5);
         const MeshId solid = world.add_mesh("solid", test::random_closed_mesh(random));
         square_ = {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}}};
@@ -78,7 +79,8 @@ TEST(WorldArchiveTest, ARunGoesOnWithEqualHashesOnAnyBackend) {
                 others.emplace_back(restored(saved, backend.make()), run);
             for (int step = 0; step < 8; ++step) {
                 const std::uint64_t expected = run.next();
-                for (SavedRun& other : others) EXPECT_EQ(other.next(), expected) << other.world.backend() << ' ' << step;
+                for (SavedRun& other : others)
+                    EXPECT_EQ(other.next(), expected) << other.world.backend() << ' ' << step;
             }
             EXPECT_FALSE(run.world.contacts().empty());
         }
@@ -102,7 +104,8 @@ TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     for (int i = 0; i < 100; ++i) {
         std::string damaged = saved;
-        char& byte = damaged[static_cast<std::size_t>(random.integer(28, static_cast<int>(saved.size()) - 1))];
+        char& byte = damaged[static_cast<std::size_t>(
+            random.integer(28, static_cast<int>(saved.size()) - 1))];
         byte = static_cast<char>(byte ^ (1 << random.integer(0, 7)));
         refused(damaged, "its checksum differs");
     }
@@ -111,7 +114,8 @@ TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
 TEST(WorldArchiveTest, HandlesStayWhatTheyWere) {
     SavedRun run(reference_backend(), {});
     World world = restored(run.saved());
-    EXPECT_THROW(world.remove_body({0, 1}), InputError) << "the first body was removed, and its place taken";
+    EXPECT_THROW(world.remove_body({0, 1}), InputError)
+        << "the first body was removed, and its place taken";
     EXPECT_EQ(world.motion_of({0, 2}), Motion::fixed);
     EXPECT_TRUE(world.contacts().empty());
 }

@@ -27,14 +27,16 @@ TEST(EmbreeBackendTest, RefitsOnlyDeformingBodiesThatAreHit) {
     const auto at = [](double x) { return test::placed(scenes::sphere(1, 2), {{x, 0, 0}, {}}); };
     for (double x : {0.0, 1.5, 10.0}) bodies.push_back(world.add_deforming_body(ball, at(x)));
     world.detect();
-    for (int i = 0; i < 3; ++i) world.set_positions(bodies[static_cast<std::size_t>(i)], at(i == 2 ? 10.1 : 1.4 * i));
+    for (int i = 0; i < 3; ++i)
+        world.set_positions(bodies[static_cast<std::size_t>(i)], at(i == 2 ? 10.1 : 1.4 * i));
     world.detect();
     EXPECT_EQ(world.stats().refits, 2u) << "the third ball is far away from both";
     world.detect();
     EXPECT_EQ(world.stats().refits, 0u) << "nothing moved";
 }
 
-/// A body scrambled until its first tree is useless: it is rebuilt, and the contacts are the reference's all along.
+/// A body scrambled until its first tree is useless: it is rebuilt, and the contacts are the
+/// reference's all along.
 TEST(EmbreeBackendTest, RebuildsADecayedTreeAndStaysRight) {
     test::Random random(3);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
@@ -46,9 +48,11 @@ TEST(EmbreeBackendTest, RebuildsADecayedTreeAndStaysRight) {
         const MeshData one = scenes::box({0, 0, 0}, {0.9, 0.9, 0.9});
         for (Triangle t : one.triangles) {
             const auto base = static_cast<std::uint32_t>(boxes.positions.size());
-            boxes.triangles.push_back({{t.vertex[0] + base, t.vertex[1] + base, t.vertex[2] + base}});
+            boxes.triangles.push_back(
+                {{t.vertex[0] + base, t.vertex[1] + base, t.vertex[2] + base}});
         }
-        for (Vec3f p : one.positions) boxes.positions.push_back(p + Vec3f{static_cast<float>(i), 0, 0});
+        for (Vec3f p : one.positions)
+            boxes.positions.push_back(p + Vec3f{static_cast<float>(i), 0, 0});
     }
     const MeshData rod = scenes::box({-1, 0.2, 0.2}, {count + 1, 0.5, 0.5});
     // Fine, so that its rays tell a fresh tree from a decayed one within a few steps.
@@ -72,7 +76,8 @@ TEST(EmbreeBackendTest, RebuildsADecayedTreeAndStaysRight) {
         for (World* world : {&embree, &reference}) world->set_positions({0, 1}, positions);
         embree.detect();
         reference.detect();
-        ASSERT_EQ(contact_hash(embree.contacts()), contact_hash(reference.contacts())) << "step " << step;
+        ASSERT_EQ(contact_hash(embree.contacts()), contact_hash(reference.contacts()))
+            << "step " << step;
         rebuilds += embree.stats().rebuilds;
     }
     EXPECT_GT(rebuilds, 0u);
@@ -97,14 +102,16 @@ TEST(HostSortTest, IsStableForKeysInAnyOrder) {
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     HostSort sort;
     for (int i = 0; i < 300; ++i) {
-        const int size = random.integer(0, 400), spread = random.integer(0, 3) == 0 ? 1 << 30 : random.integer(1, 50);
+        const int size = random.integer(0, 400),
+                  spread = random.integer(0, 3) == 0 ? 1 << 30 : random.integer(1, 50);
         std::vector<std::pair<std::uint64_t, std::uint32_t>> expected;
         std::vector<std::uint64_t> keys;
         std::vector<std::uint32_t> values;
         for (int k = 0; k < size; ++k) {
             const auto noise = static_cast<std::uint64_t>(random.integer(0, spread));
-            keys.push_back((static_cast<std::uint64_t>(i % 2 == 0 ? k : random.integer(0, 20)) << 40) +
-                           (noise << (i % 3 * 8)));
+            keys.push_back(
+                (static_cast<std::uint64_t>(i % 2 == 0 ? k : random.integer(0, 20)) << 40) +
+                (noise << (i % 3 * 8)));
             values.push_back(static_cast<std::uint32_t>(k));
             expected.emplace_back(keys.back(), values.back());
         }
@@ -126,8 +133,10 @@ TEST(TbbExecutorTest, RunsEveryItemOnceAndMatchesTheSerialOne) {
             parallel.for_each("visit", n, [&](std::uint32_t i) { ++visits[i]; });
             EXPECT_EQ(visits, std::vector<std::uint32_t>(n, 1));
             for (std::uint32_t i = 0; i < n; ++i) in[i] = i * 7 % 5;
-            const std::uint32_t total = serial.exclusive_scan("scan", n, view_of(std::as_const(in)), view_of(expected));
-            EXPECT_EQ(parallel.exclusive_scan("scan", n, view_of(std::as_const(in)), view_of(out)), total);
+            const std::uint32_t total = serial.exclusive_scan("scan", n, view_of(std::as_const(in)),
+                                                              view_of(expected));
+            EXPECT_EQ(parallel.exclusive_scan("scan", n, view_of(std::as_const(in)), view_of(out)),
+                      total);
             EXPECT_EQ(out, expected);
         }
     }

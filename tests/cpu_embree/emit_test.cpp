@@ -1,4 +1,5 @@
-// Lists that stages emit: on any number of threads what one thread finds, in the order of the items. Sums, likewise.
+// Lists that stages emit: on any number of threads what one thread finds, in the order of the
+// items. Sums, likewise.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,10 +21,12 @@ struct Things {
 
     std::uint32_t find(std::uint32_t i) const { return counts[i]; }
     static std::uint32_t count(std::uint32_t found) { return found; }
-    void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* list) const {
+    void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+               std::uint64_t* list) const {
         for (std::uint32_t k = 0; k < found; ++k) list[place + k] = std::uint64_t{i} << 32 | k;
     }
-    void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* list, std::uint32_t* items) const {
+    void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* list,
+               std::uint32_t* items) const {
         write(i, found, place, list);
         for (std::uint32_t k = 0; k < found; ++k) items[place + k] = i;
     }
@@ -40,13 +43,17 @@ TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
             std::vector<std::uint32_t> counts(n);
             std::vector<std::uint64_t> expected;
             for (std::uint32_t i = 0; i < n; ++i) {
-                counts[i] = random.integer(0, 2) == 0 ? static_cast<std::uint32_t>(random.integer(0, 40)) : 0;
-                for (std::uint32_t k = 0; k < counts[i]; ++k) expected.push_back(std::uint64_t{i} << 32 | k);
+                counts[i] = random.integer(0, 2) == 0
+                                ? static_cast<std::uint32_t>(random.integer(0, 40))
+                                : 0;
+                for (std::uint32_t k = 0; k < counts[i]; ++k)
+                    expected.push_back(std::uint64_t{i} << 32 | k);
             }
             const Things things{view_of(std::as_const(counts))};
             executor.run([&] { executor.emit("things", n, things, list); });
             serial.emit("things", n, things, of_one_thread);
-            ASSERT_EQ(std::vector(list.begin(), list.end()), expected) << "seed " << random.seed() << ", " << n << " items";
+            ASSERT_EQ(std::vector(list.begin(), list.end()), expected)
+                << "seed " << random.seed() << ", " << n << " items";
             ASSERT_EQ(std::vector(of_one_thread.begin(), of_one_thread.end()), expected);
             executor.run([&] { executor.emit("things", n, things, list, items); });
             ASSERT_EQ(std::vector(list.begin(), list.end()), expected);
@@ -77,9 +84,13 @@ TEST(ReduceTest, SumsDoNotDependOnTheNumberOfThreads) {
             TbbExecutor executor(threads);
             std::vector<std::uint32_t> asked(n);
             double sum = -1;
-            executor.run([&] { executor.reduce("sum", n, NoteTerm{view_of(std::as_const(terms)), view_of(asked)}, sum); });
+            executor.run([&] {
+                executor.reduce("sum", n, NoteTerm{view_of(std::as_const(terms)), view_of(asked)},
+                                sum);
+            });
             if (threads == 1) of_one_thread = sum;
-            ASSERT_EQ(sum, of_one_thread) << "seed " << random.seed() << ", " << n << " terms, " << threads << " threads";
+            ASSERT_EQ(sum, of_one_thread)
+                << "seed " << random.seed() << ", " << n << " terms, " << threads << " threads";
             ASSERT_EQ(asked, std::vector<std::uint32_t>(n, 1));
         }
         for (const double term : terms) in_order += term;

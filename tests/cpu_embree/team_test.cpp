@@ -20,7 +20,8 @@ TEST(TeamTest, GivesEveryItemToOneThreadInStagesThatFollowEachOther) {
         std::vector<std::uint32_t> last;
         for (int stage = 0; stage < 3000; ++stage) {
             // Each stage reads what the one before wrote, wherever that was done.
-            const auto count = static_cast<std::uint32_t>(random.integer(0, stage % 10 == 0 ? 5000 : 60));
+            const auto count = static_cast<std::uint32_t>(
+                random.integer(0, stage % 10 == 0 ? 5000 : 60));
             std::vector<std::uint32_t> items(count, 0);
             team.share(count, static_cast<std::uint32_t>(random.integer(1, 40)),
                        [&](std::uint32_t begin, std::uint32_t end) {
@@ -28,9 +29,11 @@ TEST(TeamTest, GivesEveryItemToOneThreadInStagesThatFollowEachOther) {
                            for (std::uint32_t i = begin; i < end; ++i)
                                items[i] += 1 + (last.empty() ? 0 : last[i % last.size()]);
                        });
-            for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ(items[i], 1 + (last.empty() ? 0 : last[i % last.size()]));
+            for (std::uint32_t i = 0; i < count; ++i)
+                ASSERT_EQ(items[i], 1 + (last.empty() ? 0 : last[i % last.size()]));
             last.assign(items.size(), 0);
-            for (std::uint32_t i = 0; i < count; ++i) last[i] = i + static_cast<std::uint32_t>(stage);
+            for (std::uint32_t i = 0; i < count; ++i)
+                last[i] = i + static_cast<std::uint32_t>(stage);
         }
     }
 }

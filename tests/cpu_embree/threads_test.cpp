@@ -1,5 +1,5 @@
-// The whole pipeline on several threads, and several worlds at once: the thread sanitizer looks on. Without Embree, which is
-// not compiled for it.
+// The whole pipeline on several threads, and several worlds at once: the thread sanitizer looks on.
+// Without Embree, which is not compiled for it.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -19,7 +19,8 @@ namespace {
 
 std::unique_ptr<Backend> threads_without_embree() {
     return std::make_unique<PipelineBackend<TbbExecutor, BruteForceTracer>>(
-        "brute force, 3 threads", std::make_unique<TbbExecutor>(3), std::make_unique<BruteForceTracer>());
+        "brute force, 3 threads", std::make_unique<TbbExecutor>(3),
+        std::make_unique<BruteForceTracer>());
 }
 
 fuzz::Program program_of_seed(std::uint64_t seed) {
@@ -35,7 +36,8 @@ std::vector<std::uint64_t> hashes(const fuzz::Program& program, const fuzz::Make
         fuzz::Player player(backend, program.settings);
         for (const fuzz::Call& call : program.calls) {
             player.play(call);
-            if (call.kind == fuzz::Call::Kind::detect) all.push_back(contact_hash(player.world().contacts()));
+            if (call.kind == fuzz::Call::Kind::detect)
+                all.push_back(contact_hash(player.world().contacts()));
         }
     } catch (const InputError&) {
     }
@@ -47,7 +49,8 @@ TEST(PipelineThreadsTest, StepsOnSeveralThreadsAreThoseOfOne) {
     SCOPED_TRACE("seeds from " + std::to_string(first));
     for (std::uint64_t seed = first; seed < first + 40; ++seed) {
         const fuzz::Program program = program_of_seed(seed);
-        EXPECT_EQ(hashes(program, threads_without_embree), hashes(program, reference_backend)) << "seed " << seed;
+        EXPECT_EQ(hashes(program, threads_without_embree), hashes(program, reference_backend))
+            << "seed " << seed;
     }
 }
 

@@ -9,8 +9,8 @@
 
 namespace pierce::fuzz {
 
-/// Decisions taken from bytes, so that whoever makes the bytes, a seed or libFuzzer, makes the decisions. After the last
-/// byte every answer is the first one.
+/// Decisions taken from bytes, so that whoever makes the bytes, a seed or libFuzzer, makes the
+/// decisions. After the last byte every answer is the first one.
 class Choices {
 public:
     explicit Choices(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}

@@ -1,4 +1,5 @@
-// Hands spoiled files to everything that reads files: each must be taken or refused, in bounded time and memory.
+// Hands spoiled files to everything that reads files: each must be taken or refused, in bounded
+// time and memory.
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -37,7 +38,8 @@ std::string file_of(std::uint64_t seed) {
     return seed / readers % 16 == 0 ? sound : spoiled(sound, seed);
 }
 
-[[noreturn]] void work(Desk& desk, std::uint64_t end, std::chrono::steady_clock::time_point until, bool limits_memory) {
+[[noreturn]] void work(Desk& desk, std::uint64_t end, std::chrono::steady_clock::time_point until,
+                       bool limits_memory) {
     if (limits_memory) {
         const rlimit limit{most_memory, most_memory};
         setrlimit(RLIMIT_AS, &limit);
@@ -46,20 +48,23 @@ std::string file_of(std::uint64_t seed) {
         alarm(longest_file);
         const Reader reader = reader_of(desk.seed);
         // An exception that is not InputError ends the process, and is a failure.
-        ++(read(reader, file_of(desk.seed)) ? desk.taken : desk.refused)[static_cast<std::size_t>(reader)];
+        ++(read(reader, file_of(desk.seed)) ? desk.taken
+                                            : desk.refused)[static_cast<std::size_t>(reader)];
     }
     desk.done = true;
     exit(0);
 }
 
 int run(std::uint64_t seed, std::uint64_t files, double seconds, bool limits_memory) {
-    void* shared = mmap(nullptr, sizeof(Desk), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* shared = mmap(nullptr, sizeof(Desk), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS,
+                        -1, 0);
     if (shared == MAP_FAILED) throw std::runtime_error("no memory to share");
     Desk& desk = *new (shared) Desk;
     desk.seed = seed;
     const std::uint64_t end = files > 0 ? seed + files : ~std::uint64_t{0};
-    const auto until = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                                              std::chrono::duration<double>(files > 0 ? 1e6 : seconds));
+    const auto until = std::chrono::steady_clock::now() +
+                       std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                           std::chrono::duration<double>(files > 0 ? 1e6 : seconds));
     std::map<std::string, std::set<std::uint64_t>> failures;
     while (!desk.done) {
         std::fflush(stdout);
@@ -69,13 +74,15 @@ int run(std::uint64_t seed, std::uint64_t files, double seconds, bool limits_mem
         int status = 0;
         waitpid(child, &status, 0);
         if (desk.done) break;
-        const std::string how =
-            WIFSIGNALED(status) ? name_of_signal(WTERMSIG(status)) : fmt::format("crash: exit {}", WEXITSTATUS(status));
+        const std::string how = WIFSIGNALED(status)
+                                    ? name_of_signal(WTERMSIG(status))
+                                    : fmt::format("crash: exit {}", WEXITSTATUS(status));
         failures[std::string(name_of(reader_of(desk.seed))) + ": " + how].insert(desk.seed);
         ++desk.seed;
     }
     for (std::size_t r = 0; r < readers; ++r)
-        fmt::print("{}: {} taken, {} refused\n", name_of(static_cast<Reader>(r)), desk.taken[r], desk.refused[r]);
+        fmt::print("{}: {} taken, {} refused\n", name_of(static_cast<Reader>(r)), desk.taken[r],
+                   desk.refused[r]);
     for (const auto& [how, seeds] : failures) {
         fmt::print("FAILED {} times: {}; seeds", seeds.size(), how);
         std::size_t left = 10;
@@ -97,7 +104,8 @@ int main(int argc, char** argv) {
     app.add_option("--seed", seed, "first seed");
     app.add_option("--files", files, "how many; 0: as many as there is time for");
     app.add_option("--seconds", seconds, "time");
-    app.add_option("--limit-memory", limits_memory, "off under a sanitizer, which reserves more than there is");
+    app.add_option("--limit-memory", limits_memory,
+                   "off under a sanitizer, which reserves more than there is");
     app.add_flag("--show", show, "print the first seed's file");
     CLI11_PARSE(app, argc, argv);
     if (show) {

@@ -39,7 +39,8 @@ public:
         detect();
         for (std::uint32_t s = 1; s < steps; ++s) {
             move_all();
-            for (std::uint32_t left = choices_.pick({0u, 0u, 0u, 1u, 1u, 2u, 4u}); left > 0; --left) change_something();
+            for (std::uint32_t left = choices_.pick({0u, 0u, 0u, 1u, 1u, 2u, 4u}); left > 0; --left)
+                change_something();
             detect();
         }
         return std::move(program_);
@@ -50,7 +51,8 @@ private:
         Settings& s = program_.settings;
         s.coverage = choices_.pick({Coverage::vertices, Coverage::complete});
         s.reproject = choices_.one_in(3);
-        s.temporal = choices_.pick({Temporal::certified, Temporal::certified, Temporal::off, Temporal::paper});
+        s.temporal = choices_.pick(
+            {Temporal::certified, Temporal::certified, Temporal::off, Temporal::paper});
         s.predict = !choices_.one_in(4);
         if (choices_.one_in(4)) s.prediction_distance = choices_.pick({0.0, 0.1, 10.0});
         if (choices_.one_in(4)) s.full_every = 1 + choices_.below(4);
@@ -87,29 +89,40 @@ private:
         meshes_.push_back(call.data);
     }
 
-    std::uint32_t any_mesh_number() { return choices_.below(static_cast<std::uint32_t>(meshes_.size())); }
-    std::uint32_t any_body_number() { return choices_.below(static_cast<std::uint32_t>(bodies_.size())); }
+    std::uint32_t any_mesh_number() {
+        return choices_.below(static_cast<std::uint32_t>(meshes_.size()));
+    }
+    std::uint32_t any_body_number() {
+        return choices_.below(static_cast<std::uint32_t>(bodies_.size()));
+    }
 
-    double coordinate() { return on_grid_ ? 0.25 * (static_cast<double>(choices_.below(9)) - 4) : choices_.real(-1.2, 1.2); }
+    double coordinate() {
+        return on_grid_ ? 0.25 * (static_cast<double>(choices_.below(9)) - 4)
+                        : choices_.real(-1.2, 1.2);
+    }
 
     Pose any_pose() {
         Pose pose;
-        pose.position = {offset_ + scale_ * coordinate(), scale_ * coordinate(), scale_ * coordinate()};
+        pose.position = {offset_ + scale_ * coordinate(), scale_ * coordinate(),
+                         scale_ * coordinate()};
         switch (on_grid_ ? choices_.below(4) : 4 + choices_.below(2)) {
             case 0:
             case 5:
                 break;
             case 1:
-                pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}});
+                pose.rotation = choices_.pick<Quaternion>(
+                    {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}});
                 break;
             case 2:
-                pose.rotation = choices_.pick<Quaternion>({{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}});
+                pose.rotation = choices_.pick<Quaternion>(
+                    {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}});
                 break;
             case 3:
                 pose.rotation = {1, 1, 1, 1};
                 break;
             default:
-                pose.rotation = {choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(0.1, 1)};
+                pose.rotation = {choices_.real(-1, 1), choices_.real(-1, 1), choices_.real(-1, 1),
+                                 choices_.real(0.1, 1)};
         }
         if (!is_tame_ && choices_.one_in(60)) spoil(pose);
         return pose;
@@ -137,20 +150,25 @@ private:
     std::vector<Vec3f> placed(std::uint32_t mesh, const Pose& pose) {
         std::vector<Vec3f> positions;
         const Frame frame = frame_of(pose);
-        for (const Vec3f& p : meshes_[mesh].positions) positions.push_back(to_float(frame.to_parent(to_double(p))));
+        for (const Vec3f& p : meshes_[mesh].positions)
+            positions.push_back(to_float(frame.to_parent(to_double(p))));
         return positions;
     }
 
     /// Where the vertices of a body may be.
     std::vector<Vec3f> any_positions(std::uint32_t mesh, const std::vector<Vec3f>* before) {
-        std::vector<Vec3f> p = before != nullptr && before->size() == meshes_[mesh].positions.size() && !choices_.one_in(3)
+        std::vector<Vec3f> p = before != nullptr &&
+                                       before->size() == meshes_[mesh].positions.size() &&
+                                       !choices_.one_in(3)
                                    ? *before
                                    : placed(mesh, any_pose());
         const auto size = static_cast<std::uint32_t>(p.size());
         if (size == 0) return p;
-        const double step = scale_ * (is_tame_ ? choices_.pick({0.0, 0.01, 0.05}) : choices_.pick({0.0, 0.01, 0.1, 0.5}));
+        const double step = scale_ * (is_tame_ ? choices_.pick({0.0, 0.01, 0.05})
+                                               : choices_.pick({0.0, 0.01, 0.1, 0.5}));
         const auto some = [&] {
-            return step * (on_grid_ ? static_cast<double>(choices_.below(3)) - 1 : choices_.real(-1, 1));
+            return step *
+                   (on_grid_ ? static_cast<double>(choices_.below(3)) - 1 : choices_.real(-1, 1));
         };
         switch (choices_.below(is_tame_ ? 4 : 8)) {
             case 0:
@@ -164,17 +182,21 @@ private:
                 for (Vec3f& v : p) v = to_float(to_double(v) + Vec3d{some(), some(), some()});
                 break;
             case 3:
-                for (Vec3f& v : p) v.z += static_cast<float>(step * std::sin(3 * static_cast<double>(v.x) / scale_));
+                for (Vec3f& v : p)
+                    v.z += static_cast<float>(step *
+                                              std::sin(3 * static_cast<double>(v.x) / scale_));
                 break;
             case 4:
-                p[choices_.below(size)] = to_float({offset_ + scale_ * coordinate(), scale_ * coordinate(), 0});
+                p[choices_.below(size)] = to_float(
+                    {offset_ + scale_ * coordinate(), scale_ * coordinate(), 0});
                 break;
             case 5:
                 p[choices_.below(size)] = p[choices_.below(size)];
                 break;
             case 6: {
                 const std::uint32_t axis = choices_.below(3);
-                for (Vec3f& v : p) (axis == 0 ? v.x : axis == 1 ? v.y : v.z) *= choices_.pick({-1.f, 0.5f, 0.f});
+                for (Vec3f& v : p)
+                    (axis == 0 ? v.x : axis == 1 ? v.y : v.z) *= choices_.pick({-1.f, 0.5f, 0.f});
                 break;
             }
             default:
@@ -185,8 +207,9 @@ private:
         }
         if (is_tame_) return p;
         if (choices_.one_in(40))
-            p[choices_.below(size)].x = choices_.pick(
-                {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e20f, 3e38f});
+            p[choices_.below(size)].x = choices_.pick({std::numeric_limits<float>::quiet_NaN(),
+                                                       std::numeric_limits<float>::infinity(),
+                                                       1e20f, 3e38f});
         if (choices_.one_in(200)) p.pop_back();  // to be refused
         return p;
     }
@@ -194,14 +217,16 @@ private:
     void add_body() {
         KnownBody body;
         body.mesh = any_mesh_number();
-        body.motion = choices_.pick({Motion::fixed, Motion::rigid, Motion::rigid, Motion::deforming, Motion::deforming});
+        body.motion = choices_.pick(
+            {Motion::fixed, Motion::rigid, Motion::rigid, Motion::deforming, Motion::deforming});
         body.pose = any_pose();
         Call& call = push(body.motion == Motion::fixed   ? Kind::add_fixed_body
                           : body.motion == Motion::rigid ? Kind::add_rigid_body
                                                          : Kind::add_deforming_body);
         call.mesh = body.mesh;
         call.pose = body.pose;
-        if (body.motion == Motion::deforming) call.positions = body.positions = any_positions(body.mesh, nullptr);
+        if (body.motion == Motion::deforming)
+            call.positions = body.positions = any_positions(body.mesh, nullptr);
         bodies_.push_back(body);
         if (body.motion == Motion::deforming && choices_.one_in(likes_sheets_ ? 2 : 6))
             set_collision(static_cast<std::uint32_t>(bodies_.size()) - 1);
@@ -211,12 +236,15 @@ private:
         Call& call = push(Kind::set_collision);
         call.body = body;
         call.collision.sheet = likes_sheets_ || choices_.one_in(2);
-        call.collision.self = choices_.pick(
-            {SelfCollision::on, SelfCollision::on, SelfCollision::off, SelfCollision::rays, SelfCollision::published});
+        call.collision.self = choices_.pick({SelfCollision::on, SelfCollision::on,
+                                             SelfCollision::off, SelfCollision::rays,
+                                             SelfCollision::published});
         if (!call.collision.sheet && !choices_.one_in(10))
             call.collision.self = choices_.pick({SelfCollision::on, SelfCollision::off});
-        if (call.collision.sheet) call.collision.thickness = scale_ * choices_.pick({0.0, 0.01, 0.1, 1.0});
-        if (choices_.one_in(100)) call.collision.thickness = choices_.pick({-1.0, HUGE_VAL, std::nan("")});
+        if (call.collision.sheet)
+            call.collision.thickness = scale_ * choices_.pick({0.0, 0.01, 0.1, 1.0});
+        if (choices_.one_in(100))
+            call.collision.thickness = choices_.pick({-1.0, HUGE_VAL, std::nan("")});
         bodies_[body].is_sheet = call.collision.sheet;
     }
 
@@ -243,7 +271,8 @@ private:
         else if (on_grid_)
             pose.position.z += 0.25 * scale_ * (static_cast<double>(choices_.below(3)) - 1);
         else
-            pose.position += Vec3d{choices_.real(-step, step), choices_.real(-step, step), choices_.real(-step, step)};
+            pose.position += Vec3d{choices_.real(-step, step), choices_.real(-step, step),
+                                   choices_.real(-step, step)};
         Call& call = push(with_start ? Kind::set_pose_motion : Kind::set_pose);
         call.body = b;
         if (with_start) call.start_pose = choices_.one_in(2) ? any_pose() : body.pose;
@@ -292,7 +321,8 @@ private:
             case 12: {
                 Call& call = push(Kind::cast_rays);
                 call.pose = any_pose();
-                for (int k = 0; k < 4; ++k) call.positions.push_back(to_float({coordinate(), coordinate(), coordinate()}));
+                for (int k = 0; k < 4; ++k)
+                    call.positions.push_back(to_float({coordinate(), coordinate(), coordinate()}));
                 break;
             }
             case 13:

@@ -5,7 +5,8 @@
 
 namespace pierce::fuzz {
 
-/// A random program: a few small bodies, a few steps, and between those any calls of a World, most of them meaningful.
+/// A random program: a few small bodies, a few steps, and between those any calls of a World, most
+/// of them meaningful.
 Program random_program(Choices& choices);
 
 }  // namespace pierce::fuzz

@@ -63,7 +63,8 @@ constexpr const char* square_obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\
 
 std::string binary_ply() {
     std::string ply =
-        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float "
+        "y\nproperty float z\n"
         "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
     for (float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f}) append(ply, x);
     for (const auto& t : {std::array{0, 1, 2}, {0, 2, 3}}) {
@@ -118,15 +119,19 @@ std::string sound_file(Reader reader, std::uint64_t seed) {
     const bool other = seed % 2 == 1;
     switch (reader) {
         case Reader::obj:
-            return other ? std::string(square_obj) + "vn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3\n" : square_obj;
+            return other ? std::string(square_obj) + "vn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3\n"
+                         : square_obj;
         case Reader::ply:
             return other ? binary_ply()
-                         : "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 "
+                         : "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
+                           "float y\nproperty float z\n"
+                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 "
+                           "0 0\n1 0 0\n0 1 0\n3 0 1 "
                            "2\n";
         case Reader::stl:
             return other ? binary_stl()
-                         : "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+                         : "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 "
+                           "0\nvertex 0 1 0\nendloop\n"
                            "endfacet\nendsolid a\n";
         case Reader::off:
             return "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -137,14 +142,18 @@ std::string sound_file(Reader reader, std::uint64_t seed) {
             return content_of(folder() / "a.npy");
         }
         case Reader::recording:
-            return R"({"format": "pierce-recording", "version": 1, "dt": 0.01, "meshes": [{"name": "m", "file": "m.obj"}],
+            return R"({"format": "pierce-recording", "version": 1, "dt": 0.01, 
+  "meshes": [{"name": "m", "file": "m.obj"}],
  "bodies": [{"name": "b", "mesh": "m", "motion": "rigid", "poses": "p.npy"},
- {"name": "c", "mesh": "m", "motion": "static", "poses": "p.npy", "ground": true, "collision": {"self": "on", "sheet": true}}]})";
+ {"name": "c", "mesh": "m", "motion": "static", "poses": "p.npy", "ground": true,
+   "collision": {"self": "on", "sheet": true}}]})";
         case Reader::truth:
-            return R"({"format": "pierce-truth", "version": 1, "frames": [{"frame": 0, "overlapping": [[0, 1]],
+            return R"({"format": "pierce-truth", "version": 1,
+  "frames": [{"frame": 0, "overlapping": [[0, 1]],
  "inside": [[0, 1, 2, 0.5, 1, 0, 0]]}]})";
         case Reader::sheet_truth:
-            return R"({"format": "pierce-sheet-truth", "version": 1, "frames": [{"frame": 1, "meetings": [[1, 0, 1, 2, 3]],
+            return R"({"format": "pierce-sheet-truth", "version": 1,
+  "frames": [{"frame": 1, "meetings": [[1, 0, 1, 2, 3]],
  "piercings": [[0, 1, 2, 3, 0.5]]}]})";
         case Reader::saved_world:
             return saved_world(seed);
@@ -216,11 +225,13 @@ std::string spoiled(std::string content, std::uint64_t seed) {
     const auto below = [&](std::size_t count) {
         return static_cast<std::size_t>(engine() % std::max<std::size_t>(count, 1));
     };
-    static constexpr const char* words[] = {"-1", "0",  "4294967295",   "18446744073709551615", "1e400", "nan",  "-inf",
-                                            "\n", " ",  "999999999999", "2147483648",           "uint",  "char", "[",
-                                            "{",  "\"", "null"};
+    static constexpr const char* words[] = {
+        "-1", "0",  "4294967295",   "18446744073709551615", "1e400", "nan",  "-inf",
+        "\n", " ",  "999999999999", "2147483648",           "uint",  "char", "[",
+        "{",  "\"", "null"};
     for (std::size_t left = 1 + below(4); left > 0 && !content.empty(); --left) {
-        const std::size_t at = below(content.size()), length = std::min(below(16) + 1, content.size() - at);
+        const std::size_t at = below(content.size()),
+                          length = std::min(below(16) + 1, content.size() - at);
         switch (below(8)) {
             case 0:
                 content[at] = static_cast<char>(content[at] ^ (1 << below(8)));
@@ -245,7 +256,8 @@ std::string spoiled(std::string content, std::uint64_t seed) {
                 const std::size_t digit = content.find_first_of("0123456789", at);
                 if (digit == std::string::npos) break;
                 const std::size_t end = content.find_first_not_of("0123456789.", digit);
-                content.replace(digit, std::min(end, content.size()) - digit, words[below(std::size(words))]);
+                content.replace(digit, std::min(end, content.size()) - digit,
+                                words[below(std::size(words))]);
                 break;
             }
             default:

@@ -11,7 +11,8 @@
 namespace pierce::fuzz {
 namespace {
 
-constexpr double rounding = 1e-12;  // of double arithmetic on coordinates, with some hundred to spare
+constexpr double rounding = 1e-12;  // of double arithmetic on coordinates, with some hundred to
+                                    // spare
 
 /// A body's points and how large it is.
 struct Placed {
@@ -56,7 +57,8 @@ private:
 
     void check(const Contact& c) {
         const auto at_a = placed_.find(c.a), at_b = placed_.find(c.b);
-        if (at_a == placed_.end() || at_b == placed_.end()) return fail("names bodies of the world", c);
+        if (at_a == placed_.end() || at_b == placed_.end())
+            return fail("names bodies of the world", c);
         if (c.a.index > c.b.index) return fail("a is not after b", c);
         const Placed &a = at_a->second, &b = at_b->second;
         if (!a.body->finite || !b.body->finite) return fail("excluded bodies have none", c);
@@ -64,23 +66,28 @@ private:
         if (c.vertex >= source.points.size() || c.triangle >= target.mesh->triangles.size() ||
             (c.is_edge() && c.edge_end >= source.points.size()))
             return fail("ids are in range", c);
-        for (double x : {c.distance, c.along, c.time, c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x, c.point_b.y,
-                         c.point_b.z, c.normal.x, c.normal.y, c.normal.z, c.face_normal.x, c.face_normal.y, c.face_normal.z,
-                         c.barycentric[0], c.barycentric[1], c.barycentric[2]})
+        for (double x : {c.distance, c.along, c.time, c.point_a.x, c.point_a.y, c.point_a.z,
+                         c.point_b.x, c.point_b.y, c.point_b.z, c.normal.x, c.normal.y, c.normal.z,
+                         c.face_normal.x, c.face_normal.y, c.face_normal.z, c.barycentric[0],
+                         c.barycentric[1], c.barycentric[2]})
             if (!std::isfinite(x)) return fail("numbers are finite", c);
-        if (c.is_edge() && !is_edge(*source.mesh, c.vertex, c.edge_end)) return fail("an edge is one of the mesh", c);
-        if (!(c.along >= 0 && c.along <= 1)) return fail("a place along an edge is between its ends", c);
+        if (c.is_edge() && !is_edge(*source.mesh, c.vertex, c.edge_end))
+            return fail("an edge is one of the mesh", c);
+        if (!(c.along >= 0 && c.along <= 1))
+            return fail("a place along an edge is between its ends", c);
         if (!(c.time >= 0 && c.time <= 1)) return fail("a time is within the step", c);
         if (std::fabs(length(c.normal) - 1) > 1e-9 && !(c.unknown_side && length(c.normal) == 0))
             return fail("the normal is unit or flagged", c);
         const double face = length(c.face_normal);
         if (std::fabs(face - 1) > 1e-9 && face != 0) return fail("the face normal is unit", c);
         const double sum = c.barycentric[0] + c.barycentric[1] + c.barycentric[2];
-        if (std::fabs(sum - 1) > 1e-9) return fail("barycentrics sum to one", c, std::to_string(sum));
+        if (std::fabs(sum - 1) > 1e-9)
+            return fail("barycentrics sum to one", c, std::to_string(sum));
         const double size = std::max(source.extent, target.extent);
         // Sheets see float32 coordinates.
         const double digits = c.of_sheet ? rounding + constants::float_ulp : rounding;
-        const double room = digits * (source.coordinate + target.coordinate) + 2 * constants::touch_tolerance * size;
+        const double room = digits * (source.coordinate + target.coordinate) +
+                            2 * constants::touch_tolerance * size;
         if (std::fabs(dot(c.point_b - c.point_a, c.normal) - c.distance) > room && !c.unknown_side)
             return fail("(point_b - point_a) . normal = distance", c,
                         "is " + std::to_string(dot(c.point_b - c.point_a, c.normal)));
@@ -104,18 +111,21 @@ private:
     }
 
     static bool is_edge(const MeshData& mesh, std::uint32_t v, std::uint32_t w) {
-        return v != w &&
-               std::ranges::any_of(mesh.triangles, [&](const Triangle& t) { return has_vertex(t, v) && has_vertex(t, w); });
+        return v != w && std::ranges::any_of(mesh.triangles, [&](const Triangle& t) {
+                   return has_vertex(t, v) && has_vertex(t, w);
+               });
     }
 
     /// Contacts of solids come in this order; of sheets, by pair.
     void check_order() {
         const auto key = [](const Contact& c) {
-            return std::tuple(c.a.index, c.b.index, c.source, c.is_edge(), c.is_edge() ? c.edge : c.vertex, c.chord);
+            return std::tuple(c.a.index, c.b.index, c.source, c.is_edge(),
+                              c.is_edge() ? c.edge : c.vertex, c.chord);
         };
         for (std::size_t i = 1; i < contacts_.size(); ++i) {
             const Contact &before = contacts_[i - 1], &c = contacts_[i];
-            if (!before.of_sheet && !c.of_sheet && key(c) < key(before)) return fail("are in order", c);
+            if (!before.of_sheet && !c.of_sheet && key(c) < key(before))
+                return fail("are in order", c);
         }
     }
 
@@ -134,12 +144,15 @@ std::string to_text(const Contact& c) {
     std::ostringstream s;
     s.precision(17);
     const auto vector = [&](Vec3d v) { s << '(' << v.x << ' ' << v.y << ' ' << v.z << ')'; };
-    s << "bodies " << c.a.index << '-' << c.b.index << " source " << (c.source == Side::a ? 'a' : 'b') << " vertex "
-      << c.vertex;
-    if (c.is_edge()) s << " to " << c.edge_end << " edge " << c.edge << " chord " << c.chord << " along " << c.along;
-    s << " triangle " << c.triangle << " other edge " << c.other_edge << " found " << static_cast<int>(c.found) << " sheet "
-      << c.of_sheet << " reprojected " << c.reprojected << " grazing " << c.grazing << " unknown " << c.unknown_side
-      << " age " << c.age << " time " << c.time << " distance " << c.distance << " weights " << c.barycentric[0] << ' '
+    s << "bodies " << c.a.index << '-' << c.b.index << " source "
+      << (c.source == Side::a ? 'a' : 'b') << " vertex " << c.vertex;
+    if (c.is_edge())
+        s << " to " << c.edge_end << " edge " << c.edge << " chord " << c.chord << " along "
+          << c.along;
+    s << " triangle " << c.triangle << " other edge " << c.other_edge << " found "
+      << static_cast<int>(c.found) << " sheet " << c.of_sheet << " reprojected " << c.reprojected
+      << " grazing " << c.grazing << " unknown " << c.unknown_side << " age " << c.age << " time "
+      << c.time << " distance " << c.distance << " weights " << c.barycentric[0] << ' '
       << c.barycentric[1] << ' ' << c.barycentric[2] << " a ";
     vector(c.point_a);
     s << " b ";

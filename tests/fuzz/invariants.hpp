@@ -9,7 +9,8 @@
 
 namespace pierce::fuzz {
 
-/// What docs/contacts.md says of every contact, whatever the meshes; the first thing that does not hold.
+/// What docs/contacts.md says of every contact, whatever the meshes; the first thing that does not
+/// hold.
 std::optional<Failure> broken_invariant(const Model& model, std::span<const Contact> contacts);
 
 /// A contact in words.

@@ -22,32 +22,40 @@ bool are_alike(Contact a, Contact b, Alike alike) {
             if (c->found == Found::walk || c->found == Found::prediction) c->found = Found::full;
     }
     const auto bits = [](const Contact& c) {
-        return std::tuple(c.a, c.b, c.source, c.grazing, c.found, c.reprojected, c.of_sheet, c.unknown_side, c.vertex,
-                          c.edge_end, c.edge, c.chord, c.other_edge, c.triangle, c.age);
+        return std::tuple(c.a, c.b, c.source, c.grazing, c.found, c.reprojected, c.of_sheet,
+                          c.unknown_side, c.vertex, c.edge_end, c.edge, c.chord, c.other_edge,
+                          c.triangle, c.age);
     };
     const auto numbers = [](const Contact& c) {
-        return std::array{c.along,     c.time,      c.distance,  c.barycentric[0], c.barycentric[1], c.barycentric[2],
-                          c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x,      c.point_b.y,      c.point_b.z,
-                          c.normal.x,  c.normal.y,  c.normal.z,  c.face_normal.x,  c.face_normal.y,  c.face_normal.z};
+        return std::array{c.along,          c.time,           c.distance,  c.barycentric[0],
+                          c.barycentric[1], c.barycentric[2], c.point_a.x, c.point_a.y,
+                          c.point_a.z,      c.point_b.x,      c.point_b.y, c.point_b.z,
+                          c.normal.x,       c.normal.y,       c.normal.z,  c.face_normal.x,
+                          c.face_normal.y,  c.face_normal.z};
     };
     const auto same = [](double x, double y) { return x == y || (x != x && y != y); };
     return bits(a) == bits(b) && std::ranges::equal(numbers(a), numbers(b), same);
 }
 
 /// The first difference of two lists in words; nothing if there is none.
-std::optional<std::string> difference(std::span<const Contact> a, std::span<const Contact> b, Alike alike) {
+std::optional<std::string> difference(std::span<const Contact> a, std::span<const Contact> b,
+                                      Alike alike) {
     for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
-        const auto text = [&](std::span<const Contact> all) { return i < all.size() ? to_text(all[i]) : "nothing"; };
+        const auto text = [&](std::span<const Contact> all) {
+            return i < all.size() ? to_text(all[i]) : "nothing";
+        };
         if (i >= a.size() || i >= b.size() || !are_alike(a[i], b[i], alike))
-            return std::to_string(a.size()) + " and " + std::to_string(b.size()) + " contacts, of which number " +
-                   std::to_string(i) + " is\n    " + text(a) + "\nand\n    " + text(b);
+            return std::to_string(a.size()) + " and " + std::to_string(b.size()) +
+                   " contacts, of which number " + std::to_string(i) + " is\n    " + text(a) +
+                   "\nand\n    " + text(b);
     }
     return std::nullopt;
 }
 
 class Judge {
 public:
-    Judge(const Program& program, const std::vector<test::NamedBackend>& backends, JudgeCounts& counts)
+    Judge(const Program& program, const std::vector<test::NamedBackend>& backends,
+          JudgeCounts& counts)
         : program_(program), backends_(backends), counts_(counts), model_(program.settings) {}
 
     std::optional<Failure> run() {
@@ -60,7 +68,8 @@ public:
 private:
     void fail(const std::string& kind, const std::string& text) {
         if (failure_) return;
-        const std::string call = at_ < program_.calls.size() ? name_of(program_.calls[at_].kind) : "no";
+        const std::string call = at_ < program_.calls.size() ? name_of(program_.calls[at_].kind)
+                                                             : "no";
         failure_ = {kind, "call " + std::to_string(at_) + " (" + call + "): " + text};
     }
 
@@ -72,7 +81,8 @@ private:
             } catch (const InputError&) {
                 ++refused;
             }
-        if (refused > 0 && refused < backends_.size()) fail("backends differ in what they refuse", "settings");
+        if (refused > 0 && refused < backends_.size())
+            fail("backends differ in what they refuse", "settings");
         return refused == 0;
     }
 
@@ -82,15 +92,19 @@ private:
         for (std::size_t i = 0; i < players_.size(); ++i) try {
                 outcomes.push_back(players_[i].play(call));
             } catch (const std::exception& error) {
-                return fail("an exception that is not InputError", backends_[i].name + ": " + error.what());
+                return fail("an exception that is not InputError",
+                            backends_[i].name + ": " + error.what());
             }
-        const bool asks_of_last_step = call.kind == Call::Kind::explain || call.kind == Call::Kind::cast_rays;
+        const bool asks_of_last_step = call.kind == Call::Kind::explain ||
+                                       call.kind == Call::Kind::cast_rays;
         for (std::size_t i = 1; i < players_.size(); ++i) {
             if (asks_of_last_step && restored_.contains(i)) continue;  // it has none
             if (outcomes[i].refused != outcomes[0].refused ||
-                (outcomes[i].text != outcomes[0].text && !(call.kind == Call::Kind::explain && remembers_less(i))))
-                return fail("backends differ in what a call answers", backends_[0].name + ": " + outcomes[0].text + "\n" +
-                                                                          backends_[i].name + ": " + outcomes[i].text);
+                (outcomes[i].text != outcomes[0].text &&
+                 !(call.kind == Call::Kind::explain && remembers_less(i))))
+                return fail("backends differ in what a call answers",
+                            backends_[0].name + ": " + outcomes[0].text + "\n" + backends_[i].name +
+                                ": " + outcomes[i].text);
         }
         if (call.kind == Call::Kind::detect) restored_.clear();
         if (outcomes[0].refused) {
@@ -103,7 +117,8 @@ private:
         if (call.kind == Call::Kind::forget_sides) knows_sides_ = false;
     }
 
-    /// Every second world goes on as another backend has saved it; the others must not notice that they were saved.
+    /// Every second world goes on as another backend has saved it; the others must not notice that
+    /// they were saved.
     void restore() {
         for (std::size_t i = 1; i < players_.size(); i += 2) try {
                 if (remembers_less(i) || remembers_less(i - 1)) continue;
@@ -114,7 +129,8 @@ private:
             }
     }
 
-    /// True for a backend on which certificates do not pay: it casts rays where others have a proof, or walk.
+    /// True for a backend on which certificates do not pay: it casts rays where others have a
+    /// proof, or walk.
     bool remembers_less(std::size_t player) {
         return players_[player].world().plan().temporal != players_[0].world().plan().temporal;
     }
@@ -124,24 +140,30 @@ private:
         ++counts_.steps;
         counts_.contacts += contacts.size();
         for (std::size_t i = 1; i < players_.size(); ++i)
-            if (const auto text = difference(contacts, players_[i].world().contacts(),
-                                             remembers_less(i) ? Alike::but_for_how_found : Alike::in_all))
-                return fail("backends differ", backends_[0].name + " and " + backends_[i].name + ": " + *text);
-        if (const auto broken = broken_invariant(model_, contacts)) return fail(broken->kind, broken->text);
+            if (const auto text = difference(
+                    contacts, players_[i].world().contacts(),
+                    remembers_less(i) ? Alike::but_for_how_found : Alike::in_all))
+                return fail("backends differ",
+                            backends_[0].name + " and " + backends_[i].name + ": " + *text);
+        if (const auto broken = broken_invariant(model_, contacts))
+            return fail(broken->kind, broken->text);
         compare_with_fresh(contacts);
         if (failure_) return;
         if (const auto wrong = contradicted_by_truth(model_, contacts, counts_.oracle))
             return fail(wrong->kind, wrong->text);
-        knows_sides_ = std::ranges::any_of(contacts, [](const Contact& c) { return c.of_sheet && c.distance < 0; });
+        knows_sides_ = std::ranges::any_of(
+            contacts, [](const Contact& c) { return c.of_sheet && c.distance < 0; });
     }
 
-    /// What a step remembers never changes its contacts: a new world in the same state, which remembers nothing, has the
-    /// same. But for the paper's mode, and for the sides of sheets that are through something.
+    /// What a step remembers never changes its contacts: a new world in the same state, which
+    /// remembers nothing, has the same. But for the paper's mode, and for the sides of sheets that
+    /// are through something.
     void compare_with_fresh(std::span<const Contact> contacts) {
         if (program_.settings.temporal == Temporal::paper || knows_sides_) return;
         Player fresh = model_.fresh(backends_[0].make, Temporal::off, pool_);
         fresh.world().detect();
-        std::vector<Contact> expected(fresh.world().contacts().begin(), fresh.world().contacts().end());
+        std::vector<Contact> expected(fresh.world().contacts().begin(),
+                                      fresh.world().contacts().end());
         const std::vector<const ModelBody*> bodies = model_.bodies();
         std::map<BodyId, BodyId> id;
         for (std::size_t i = 0; i < bodies.size(); ++i) id[fresh.bodies()[i]] = bodies[i]->id;
@@ -168,14 +190,15 @@ private:
 }  // namespace
 
 JudgeCounts& JudgeCounts::operator+=(const JudgeCounts& o) {
-    for (const auto member :
-         {&JudgeCounts::worlds, &JudgeCounts::steps, &JudgeCounts::contacts, &JudgeCounts::calls, &JudgeCounts::refused})
+    for (const auto member : {&JudgeCounts::worlds, &JudgeCounts::steps, &JudgeCounts::contacts,
+                              &JudgeCounts::calls, &JudgeCounts::refused})
         this->*member += o.*member;
     oracle += o.oracle;
     return *this;
 }
 
-std::optional<Failure> judge(const Program& program, const std::vector<test::NamedBackend>& backends, JudgeCounts& counts) {
+std::optional<Failure> judge(const Program& program,
+                             const std::vector<test::NamedBackend>& backends, JudgeCounts& counts) {
     return Judge(program, backends, counts).run();
 }
 

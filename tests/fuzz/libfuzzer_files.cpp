@@ -1,4 +1,5 @@
-// libFuzzer's entry to everything that reads files: the first byte says which reader, the rest is the file.
+// libFuzzer's entry to everything that reads files: the first byte says which reader, the rest is
+// the file.
 #include <cstddef>
 #include <cstdint>
 

@@ -11,7 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const std::vector<pierce::test::NamedBackend> backends = pierce::test::backends();
     pierce::fuzz::Choices choices({data, size});
     pierce::fuzz::JudgeCounts counts;
-    if (const auto failure = pierce::fuzz::judge(pierce::fuzz::random_program(choices), backends, counts)) {
+    if (const auto failure = pierce::fuzz::judge(pierce::fuzz::random_program(choices), backends,
+                                                 counts)) {
         std::fprintf(stderr, "%s\n%s\n", failure->kind.c_str(), failure->text.c_str());
         std::abort();
     }

@@ -49,7 +49,8 @@ Program program_of_seed(std::uint64_t seed) {
 std::vector<test::NamedBackend> chosen_backends(const std::string& names) {
     std::vector<test::NamedBackend> chosen;
     for (test::NamedBackend& backend : test::backends())
-        if (names.empty() || ("," + names + ",").find("," + backend.name + ",") != std::string::npos)
+        if (names.empty() ||
+            ("," + names + ",").find("," + backend.name + ",") != std::string::npos)
             chosen.push_back(std::move(backend));
     return chosen;
 }
@@ -118,8 +119,8 @@ private:
                                      std::chrono::duration<double>(options_.seconds));
         int log[2];
         if (pipe(log) != 0) throw std::runtime_error("no pipe");
-        void* shared =
-            mmap(nullptr, options_.jobs * sizeof(Desk), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        void* shared = mmap(nullptr, options_.jobs * sizeof(Desk), PROT_READ | PROT_WRITE,
+                            MAP_SHARED | MAP_ANONYMOUS, -1, 0);
         if (shared == MAP_FAILED) throw std::runtime_error("no memory to share");
         desks_ = static_cast<Desk*>(shared);
         std::map<pid_t, unsigned> running;
@@ -146,8 +147,9 @@ private:
             const unsigned w = at->second;
             running.erase(at);
             if (desks_[w].done) continue;
-            const std::string kind =
-                WIFSIGNALED(status) ? name_of_signal(WTERMSIG(status)) : fmt::format("crash: exit {}", WEXITSTATUS(status));
+            const std::string kind = WIFSIGNALED(status)
+                                         ? name_of_signal(WTERMSIG(status))
+                                         : fmt::format("crash: exit {}", WEXITSTATUS(status));
             found(desks_[w].seed, kind);
             desks_[w].seed += options_.jobs;
             start(w);
@@ -173,13 +175,15 @@ private:
     void report() {
         const OracleCounts& o = counts_.oracle;
         fmt::print(
-            "{} worlds from seed {}, {:.0f} s: {} calls ({} refused), {} steps, {} contacts; {} pairs that overlap and {} "
+            "{} worlds from seed {}, {:.0f} s: {} calls ({} refused), {} steps, {} contacts; {} "
+            "pairs that overlap and {} "
             "that do "
-            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets, {} exact questions about "
+            "not, {} starts and {} ways inside, {} contacts by definition, {} meetings of sheets, "
+            "{} exact questions about "
             "others\n",
-            counts_.worlds, options_.seed, seconds_, counts_.calls, counts_.refused, counts_.steps, counts_.contacts,
-            o.overlapping_pairs, o.apart_pairs, o.inside_vertices, o.segments, o.expected_contacts, o.feature_meetings,
-            o.feature_questions);
+            counts_.worlds, options_.seed, seconds_, counts_.calls, counts_.refused, counts_.steps,
+            counts_.contacts, o.overlapping_pairs, o.apart_pairs, o.inside_vertices, o.segments,
+            o.expected_contacts, o.feature_meetings, o.feature_questions);
         for (const auto& [kind, seeds] : failures_) {
             fmt::print("FAILED {} times: {}; seeds", seeds.size(), kind);
             std::size_t left = 10;
@@ -210,10 +214,12 @@ private:
         std::string name = kind;
         for (char& c : name)
             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-        const std::string path = fmt::format("{}/{}-{}.json", options_.out, name.substr(0, 60), seed);
+        const std::string path = fmt::format("{}/{}-{}.json", options_.out, name.substr(0, 60),
+                                             seed);
         std::ofstream(path) << to_text(program);
         const auto failure = judge_apart(program, backends_);
-        fmt::print("{}: {} calls\n{}\n", path, program.calls.size(), failure ? failure->text : "does not fail again");
+        fmt::print("{}: {} calls\n{}\n", path, program.calls.size(),
+                   failure ? failure->text : "does not fail again");
         std::fflush(stdout);
     }
 

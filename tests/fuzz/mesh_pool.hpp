@@ -7,7 +7,8 @@
 
 namespace pierce::fuzz {
 
-/// Meshes that the worlds of one program share: most of the time of a small world is spent on measuring its meshes.
+/// Meshes that the worlds of one program share: most of the time of a small world is spent on
+/// measuring its meshes.
 class MeshPool {
 public:
     /// The mesh made of `data`. Throws what Mesh's constructor throws.

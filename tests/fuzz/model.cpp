@@ -56,7 +56,8 @@ void move(ModelBody& b, const std::vector<Vec3f>& positions) {
 void Model::skip(const Call& call) {
     using Kind = Call::Kind;
     if (call.kind == Kind::add_mesh) meshes_.emplace_back();
-    if (call.kind == Kind::add_fixed_body || call.kind == Kind::add_rigid_body || call.kind == Kind::add_deforming_body)
+    if (call.kind == Kind::add_fixed_body || call.kind == Kind::add_rigid_body ||
+        call.kind == Kind::add_deforming_body)
         bodies_.emplace_back();
 }
 
@@ -83,7 +84,8 @@ void Model::apply(const Call& call, const Player& player) {
             break;
         case Kind::add_deforming_body: {
             ModelBody& b = add(Motion::deforming);
-            b.positions = b.start = call.positions.empty() ? meshes_[call.mesh].positions : call.positions;
+            b.positions = b.start = call.positions.empty() ? meshes_[call.mesh].positions
+                                                           : call.positions;
             break;
         }
         case Kind::remove_body:
@@ -145,17 +147,21 @@ std::vector<const ModelBody*> Model::bodies() const {
 }
 
 bool Model::has_sheets() const {
-    return std::ranges::any_of(bodies_, [](const ModelBody& b) { return b.used && b.collision.sheet; });
+    return std::ranges::any_of(bodies_,
+                               [](const ModelBody& b) { return b.used && b.collision.sheet; });
 }
 
 std::vector<Vec3d> Model::starts(const ModelBody& body) const {
-    return body.motion == Motion::deforming ? in_double(body.start) : placed(mesh(body), body.start_pose);
+    return body.motion == Motion::deforming ? in_double(body.start)
+                                            : placed(mesh(body), body.start_pose);
 }
 std::vector<Vec3d> Model::ends(const ModelBody& body) const {
-    return body.motion == Motion::deforming ? in_double(body.positions) : placed(mesh(body), body.pose);
+    return body.motion == Motion::deforming ? in_double(body.positions)
+                                            : placed(mesh(body), body.pose);
 }
 
-Player Model::fresh(const MakeBackend& backend, Temporal temporal, std::shared_ptr<MeshPool> pool) const {
+Player Model::fresh(const MakeBackend& backend, Temporal temporal,
+                    std::shared_ptr<MeshPool> pool) const {
     Settings settings = settings_;
     settings.temporal = temporal;
     Player player(backend, settings, std::move(pool));
@@ -169,7 +175,8 @@ Player Model::fresh(const MakeBackend& backend, Temporal temporal, std::shared_p
             player.play(call);
         }
         const bool deforms = b->motion == Motion::deforming;
-        Call add{.kind = b->motion == Motion::fixed ? Call::Kind::add_fixed_body : Call::Kind::add_rigid_body};
+        Call add{.kind = b->motion == Motion::fixed ? Call::Kind::add_fixed_body
+                                                    : Call::Kind::add_rigid_body};
         if (deforms) add.kind = Call::Kind::add_deforming_body;
         add.mesh = number[b->mesh];
         player.play(add);

@@ -20,7 +20,8 @@ struct ModelBody {
     bool used = false;   ///< in the world
 };
 
-/// What a world's documentation says that the world consists of after some calls: its state without its history.
+/// What a world's documentation says that the world consists of after some calls: its state without
+/// its history.
 class Model {
 public:
     explicit Model(const Settings& settings) : settings_(settings) {}
@@ -41,7 +42,8 @@ public:
     std::vector<Vec3d> ends(const ModelBody& body) const;
 
     /// A new world in the same state; its bodies are those of bodies(), in that order.
-    Player fresh(const MakeBackend& backend, Temporal temporal, std::shared_ptr<MeshPool> pool) const;
+    Player fresh(const MakeBackend& backend, Temporal temporal,
+                 std::shared_ptr<MeshPool> pool) const;
 
 private:
     Settings settings_;

@@ -31,31 +31,36 @@ struct Surface {
     std::vector<Triangle> triangles;
     Box box;
     bool proper = false;  ///< closed, does not meet itself, faces outward everywhere
-    double touch = 0;     ///< [length] a place closer to the surface than this is on it, for all that is promised
+    double touch = 0;  ///< [length] a place closer to the surface than this is on it, for all that
+                       ///< is promised
     bool active = false;
 
     Kernel::Triangle_3 face(std::size_t t, Vec3d shift = {}) const {
         const auto& v = triangles[t].vertex;
-        return {exact(points[v[0]] + shift), exact(points[v[1]] + shift), exact(points[v[2]] + shift)};
+        return {exact(points[v[0]] + shift), exact(points[v[1]] + shift),
+                exact(points[v[2]] + shift)};
     }
 
     double distance(Vec3d p) const {
         double squared = HUGE_VAL;
         for (std::size_t t = 0; t < triangles.size(); ++t) {
             const Kernel::Triangle_3 f = face(t);
-            if (!f.is_degenerate()) squared = std::min(squared, CGAL::squared_distance(exact(p), f));
+            if (!f.is_degenerate())
+                squared = std::min(squared, CGAL::squared_distance(exact(p), f));
         }
         return std::sqrt(squared);
     }
 
-    /// How often the surface winds around a point that is not on it: the sum of solid angles (van Oosterom and Strackee
-    /// 1983).
+    /// How often the surface winds around a point that is not on it: the sum of solid angles (van
+    /// Oosterom and Strackee 1983).
     double winding(Vec3d p) const {
         double sum = 0;
         for (const Triangle& t : triangles) {
-            const Vec3d a = points[t.vertex[0]] - p, b = points[t.vertex[1]] - p, c = points[t.vertex[2]] - p;
+            const Vec3d a = points[t.vertex[0]] - p, b = points[t.vertex[1]] - p,
+                        c = points[t.vertex[2]] - p;
             const double x = length(a), y = length(b), z = length(c);
-            sum += 2 * std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+            sum += 2 * std::atan2(dot(a, cross(b, c)),
+                                  x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
         }
         return sum / (4 * std::numbers::pi);
     }
@@ -68,7 +73,8 @@ int shared_corners(const Triangle& a, const Triangle& b) {
     return shared;
 }
 
-/// True if every edge has two triangles that run through it in opposite ways, and no triangle names a vertex twice.
+/// True if every edge has two triangles that run through it in opposite ways, and no triangle names
+/// a vertex twice.
 bool is_manifold(std::span<const Triangle> triangles) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
     for (const Triangle& t : triangles)
@@ -76,7 +82,9 @@ bool is_manifold(std::span<const Triangle> triangles) {
             const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
             if (v == w || ++ways[{v, w}] > 1) return false;
         }
-    return std::ranges::all_of(ways, [&](const auto& way) { return ways.contains({way.first.second, way.first.first}); });
+    return std::ranges::all_of(ways, [&](const auto& way) {
+        return ways.contains({way.first.second, way.first.first});
+    });
 }
 
 /// True if two triangles meet in more than the corners they share.
@@ -91,7 +99,8 @@ bool meet_elsewhere(const Surface& s, std::size_t i, std::size_t j) {
         const auto opposite = [&](const Triangle& x, const Triangle& other) {
             for (int k = 0; k < 3; ++k)
                 if (has_vertex(other, x.vertex[k]))
-                    return Kernel::Segment_3(point(x.vertex[(k + 1) % 3]), point(x.vertex[(k + 2) % 3]));
+                    return Kernel::Segment_3(point(x.vertex[(k + 1) % 3]),
+                                             point(x.vertex[(k + 2) % 3]));
             return Kernel::Segment_3();
         };
         return CGAL::do_intersect(opposite(t, u), b) || CGAL::do_intersect(opposite(u, t), a);
@@ -102,8 +111,9 @@ bool meet_elsewhere(const Surface& s, std::size_t i, std::size_t j) {
         // Folded flat: the corners that are not shared are on one side of the shared edge.
         for (int k = 0; k < 3; ++k)
             if (!has_vertex(u, t.vertex[k]))
-                return CGAL::coplanar_orientation(point(t.vertex[(k + 1) % 3]), point(t.vertex[(k + 2) % 3]),
-                                                  point(t.vertex[k]), point(v)) != CGAL::NEGATIVE;
+                return CGAL::coplanar_orientation(point(t.vertex[(k + 1) % 3]),
+                                                  point(t.vertex[(k + 2) % 3]), point(t.vertex[k]),
+                                                  point(v)) != CGAL::NEGATIVE;
     }
     return false;
 }
@@ -114,9 +124,9 @@ bool has_area(const Surface& s) {
         if (s.face(i).is_degenerate()) return false;
         const auto& v = s.triangles[i].vertex;
         const Vec3d n = cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]);
-        const double longest =
-            std::max({length_squared(s.points[v[1]] - s.points[v[0]]), length_squared(s.points[v[2]] - s.points[v[1]]),
-                      length_squared(s.points[v[0]] - s.points[v[2]])});
+        const double longest = std::max({length_squared(s.points[v[1]] - s.points[v[0]]),
+                                         length_squared(s.points[v[2]] - s.points[v[1]]),
+                                         length_squared(s.points[v[0]] - s.points[v[2]])});
         if (length(n) <= 16 * constants::degenerate_area * longest) return false;
     }
     return true;
@@ -130,9 +140,12 @@ bool is_proper(const Surface& s) {
     for (std::size_t i = 0; i < s.triangles.size(); ++i) {
         const auto& v = s.triangles[i].vertex;
         const Vec3d middle = (1.0 / 3) * (s.points[v[0]] + s.points[v[1]] + s.points[v[2]]);
-        const Vec3d n = normalized(cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]));
+        const Vec3d n = normalized(
+            cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]));
         const Vec3d step = 8 * s.touch * n;
-        if (std::fabs(s.winding(middle + step)) > 0.1 || std::fabs(s.winding(middle - step) - 1) > 0.1) return false;
+        if (std::fabs(s.winding(middle + step)) > 0.1 ||
+            std::fabs(s.winding(middle - step) - 1) > 0.1)
+            return false;
     }
     return true;
 }
@@ -195,13 +208,14 @@ private:
     }
 
     static bool is_pair(const Surface& a, const Surface& b) {
-        return a.active && b.active && !(a.body->motion == Motion::fixed && b.body->motion == Motion::fixed);
+        return a.active && b.active &&
+               !(a.body->motion == Motion::fixed && b.body->motion == Motion::fixed);
     }
     static bool is_solid(const Surface& s) { return s.proper && !s.body->collision.sheet; }
 
     std::size_t contacts_between(const Surface& a, const Surface& b) const {
-        return static_cast<std::size_t>(
-            std::ranges::count_if(contacts_, [&](const Contact& c) { return c.a == a.body->id && c.b == b.body->id; }));
+        return static_cast<std::size_t>(std::ranges::count_if(
+            contacts_, [&](const Contact& c) { return c.a == a.body->id && c.b == b.body->id; }));
     }
 
     static bool overlaps(const Surface& a, const Surface& b, Vec3d shift) {
@@ -210,12 +224,15 @@ private:
                 if (CGAL::do_intersect(a.face(i), b.face(j, shift))) return true;
         const auto holds_one = [](const Surface& x, const Surface& y, Vec3d by) {
             // Every connected part would do; all vertices are simpler.
-            return std::ranges::any_of(y.triangles, [&](const Triangle& t) { return x.holds(y.points[t.vertex[0]] + by); });
+            return std::ranges::any_of(y.triangles, [&](const Triangle& t) {
+                return x.holds(y.points[t.vertex[0]] + by);
+            });
         };
         return holds_one(a, b, shift) || holds_one(b, a, -shift);
     }
 
-    /// Coverage::complete: no overlap is missed, but within the touch tolerance; and what is apart has no contact.
+    /// Coverage::complete: no overlap is missed, but within the touch tolerance; and what is apart
+    /// has no contact.
     std::optional<Failure> judge_pair(const Surface& a, const Surface& b) {
         if (!is_pair(a, b) || !is_solid(a) || !is_solid(b)) return std::nullopt;
         const bool found = contacts_between(a, b) > 0;
@@ -223,7 +240,8 @@ private:
         if (!found && !complete) return std::nullopt;
         const double by = 4 * (a.touch + b.touch);
         if (!overlap(a.box.inflated(by), b.box.inflated(by))) {
-            if (found) return Failure{"truth: bodies that are apart are not in contact", describe(a, b)};
+            if (found)
+                return Failure{"truth: bodies that are apart are not in contact", describe(a, b)};
             return std::nullopt;
         }
         bool always = true, ever = false;
@@ -240,36 +258,42 @@ private:
         counts_.overlapping_pairs += always && !found;
         counts_.overlapping_pairs += found && ever;
         counts_.apart_pairs += !ever;
-        if (complete && always && !found) return Failure{"truth: no overlap is missed (complete coverage)", describe(a, b)};
-        if (found && !ever) return Failure{"truth: bodies that are apart are not in contact", describe(a, b)};
+        if (complete && always && !found)
+            return Failure{"truth: no overlap is missed (complete coverage)", describe(a, b)};
+        if (found && !ever)
+            return Failure{"truth: bodies that are apart are not in contact", describe(a, b)};
         return std::nullopt;
     }
 
     static std::string describe(const Surface& a, const Surface& b) {
-        return "bodies " + std::to_string(a.body->id.index) + " and " + std::to_string(b.body->id.index);
+        return "bodies " + std::to_string(a.body->id.index) + " and " +
+               std::to_string(b.body->id.index);
     }
 
-    /// A contact of solids: its source point is inside the target, and so is the way to its end; that is in its own body,
-    /// too, unless the way is not its own inward ray.
+    /// A contact of solids: its source point is inside the target, and so is the way to its end;
+    /// that is in its own body, too, unless the way is not its own inward ray.
     std::optional<Failure> judge_contact(const Contact& c) {
         if (c.of_sheet || c.a == c.b) return std::nullopt;
         const Surface* source = find(c.source == Side::a ? c.a : c.b);
         const Surface* target = find(c.source == Side::a ? c.b : c.a);
         if (source == nullptr || target == nullptr || !is_solid(*target)) return std::nullopt;
-        const Vec3d from = c.source == Side::a ? c.point_a : c.point_b, to = c.source == Side::a ? c.point_b : c.point_a;
+        const Vec3d from = c.source == Side::a ? c.point_a : c.point_b,
+                    to = c.source == Side::a ? c.point_b : c.point_a;
         if (target->distance(to) > target->touch + source->touch)
             return Failure{"truth: a contact ends on its target", to_text(c)};
         if (runs_in_a_plane(from, to, *target, source->touch)) return std::nullopt;
         if (target->distance(from) > target->touch + source->touch) {
             ++counts_.inside_vertices;
-            if (!target->holds(from)) return Failure{"truth: a contact starts inside its target", to_text(c)};
+            if (!target->holds(from))
+                return Failure{"truth: a contact starts inside its target", to_text(c)};
         }
         const bool in_own = is_solid(*source) && !c.reprojected && c.found != Found::separation;
         for (double at : {0.25, 0.5, 0.75}) {
             const Vec3d p = from + at * (to - from);
             if (target->distance(p) > target->touch + source->touch) {
                 ++counts_.segments;
-                if (!target->holds(p)) return Failure{"truth: a contact is inside its target", to_text(c)};
+                if (!target->holds(p))
+                    return Failure{"truth: a contact is inside its target", to_text(c)};
             }
             if (in_own && source->distance(p) > source->touch + target->touch && !source->holds(p))
                 return Failure{"truth: a contact is inside its own body", to_text(c)};
@@ -277,12 +301,14 @@ private:
         return std::nullopt;
     }
 
-    /// True if the way from one point to the other lies in the plane of one of the target's triangles, within rounding:
-    /// where it meets that face's border nobody can tell which side it is on.
+    /// True if the way from one point to the other lies in the plane of one of the target's
+    /// triangles, within rounding: where it meets that face's border nobody can tell which side it
+    /// is on.
     static bool runs_in_a_plane(Vec3d from, Vec3d to, const Surface& target, double touch) {
         const double size = target.box.extent() + touch;
         return std::ranges::any_of(target.triangles, [&](const Triangle& t) {
-            const Vec3d a = target.points[t.vertex[0]], b = target.points[t.vertex[1]], c = target.points[t.vertex[2]];
+            const Vec3d a = target.points[t.vertex[0]], b = target.points[t.vertex[1]],
+                        c = target.points[t.vertex[2]];
             const Vec3d n = normalized(cross(b - a, c - a));
             const double rounding = 1e-10 * size;
             return std::fabs(dot(n, from - a)) < rounding && std::fabs(dot(n, to - a)) < rounding;
@@ -291,16 +317,19 @@ private:
 
     /// Vertices of solids, by definition.
     std::optional<Failure> judge_vertices(const Surface& source, const Surface& target) {
-        if (&source == &target || !is_pair(source, target) || !is_solid(source) || !is_solid(target)) return std::nullopt;
+        if (&source == &target || !is_pair(source, target) || !is_solid(source) ||
+            !is_solid(target))
+            return std::nullopt;
         if (model_.settings().reproject) return std::nullopt;
         if (!overlap(source.box, target.box)) return std::nullopt;
         const std::vector<test::SolidVec> inward = inward_directions(source);
-        const test::Expected expected = test::expected_contacts(solid(source, target), inward, solid(target, target));
+        const test::Expected expected = test::expected_contacts(solid(source, target), inward,
+                                                                solid(target, target));
         std::set<std::uint32_t> found;
         for (const Contact& c : contacts_) {
             const bool from_a = c.source == Side::a;
-            if (c.is_edge() || c.of_sheet || c.found == Found::separation || (from_a ? c.a : c.b) != source.body->id ||
-                (from_a ? c.b : c.a) != target.body->id)
+            if (c.is_edge() || c.of_sheet || c.found == Found::separation ||
+                (from_a ? c.a : c.b) != source.body->id || (from_a ? c.b : c.a) != target.body->id)
                 continue;
             found.insert(c.vertex);
         }
@@ -322,23 +351,25 @@ private:
     static double mean_edge_length(const Surface& s) {
         double sum = 0;
         for (const Triangle& t : s.triangles)
-            for (int k = 0; k < 3; ++k) sum += length(s.points[t.vertex[(k + 1) % 3]] - s.points[t.vertex[k]]);
+            for (int k = 0; k < 3; ++k)
+                sum += length(s.points[t.vertex[(k + 1) % 3]] - s.points[t.vertex[k]]);
         return sum / static_cast<double>(3 * s.triangles.size());
     }
 
     /// Vertices of a deforming solid inside another part of it, by definition.
     std::optional<Failure> judge_self(const Surface& s) {
-        if (!s.active || s.touch <= 0 || s.body->motion != Motion::deforming || s.body->collision.sheet ||
-            s.body->collision.self != SelfCollision::on || model_.settings().reproject || !is_manifold(s.triangles) ||
-            !has_area(s))
+        if (!s.active || s.touch <= 0 || s.body->motion != Motion::deforming ||
+            s.body->collision.sheet || s.body->collision.self != SelfCollision::on ||
+            model_.settings().reproject || !is_manifold(s.triangles) || !has_area(s))
             return std::nullopt;
         const MeshData& mesh = model_.mesh(*s.body);
         Surface rest = s;
-        for (std::size_t v = 0; v < rest.points.size(); ++v) rest.points[v] = to_double(mesh.positions[v]);
+        for (std::size_t v = 0; v < rest.points.size(); ++v)
+            rest.points[v] = to_double(mesh.positions[v]);
         if (!has_area(rest)) return std::nullopt;
-        const test::Expected expected =
-            test::expected_self_contacts(solid(s, s), inward_directions(s), solid(rest, s),
-                                         constants::self_distance * mean_edge_length(rest) / s.box.extent());
+        const test::Expected expected = test::expected_self_contacts(
+            solid(s, s), inward_directions(s), solid(rest, s),
+            constants::self_distance * mean_edge_length(rest) / s.box.extent());
         std::set<std::uint32_t> found;
         for (const Contact& c : contacts_)
             if (c.found == Found::self && c.a == s.body->id) found.insert(c.vertex);
@@ -352,49 +383,57 @@ private:
                                describe(s, s) + " vertex " + std::to_string(e.vertex)};
         }
         if (!found.empty())
-            return Failure{"truth: a contact of a body with itself starts inside another part of it",
-                           describe(s, s) + " vertex " + std::to_string(*found.begin())};
+            return Failure{
+                "truth: a contact of a body with itself starts inside another part of it",
+                describe(s, s) + " vertex " + std::to_string(*found.begin())};
         return std::nullopt;
     }
 
-    /// As large, and where, as if `one` were about one unit large: what counts as unclear is said in such units.
+    /// As large, and where, as if `one` were about one unit large: what counts as unclear is said
+    /// in such units.
     static test::Solid solid(const Surface& s, const Surface& one) {
         test::Solid made;
         const double unit = 1 / one.box.extent();
-        for (const Vec3d& p : s.points) made.positions.push_back(test::exact(unit * (p - one.points[0])));
+        for (const Vec3d& p : s.points)
+            made.positions.push_back(test::exact(unit * (p - one.points[0])));
         made.triangles = s.triangles;
         return made;
     }
 
-    /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and turned: far from the
-    /// origin its places say less of thin triangles.
+    /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and
+    /// turned: far from the origin its places say less of thin triangles.
     std::vector<test::SolidVec> inward_directions(const Surface& s) const {
         std::vector<Vec3d> points = s.points, normals(s.points.size());
         Matrix3 turn;
         if (s.body->motion != Motion::deforming) {
             turn = frame_of(s.body->pose).rotation;
-            for (std::size_t v = 0; v < points.size(); ++v) points[v] = to_double(model_.mesh(*s.body).positions[v]);
+            for (std::size_t v = 0; v < points.size(); ++v)
+                points[v] = to_double(model_.mesh(*s.body).positions[v]);
         }
         for (const Triangle& t : s.triangles)
             for (int k = 0; k < 3; ++k) {
                 const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p,
                             v = points[t.vertex[(k + 2) % 3]] - p;
-                normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) * normalized(cross(u, v));
+                normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) *
+                                        normalized(cross(u, v));
             }
         std::vector<test::SolidVec> inward;
         for (const Vec3d& n : normals) inward.push_back(test::exact(turn * -normalized(n)));
         return inward;
     }
 
-    // What meets during the step, of two bodies one of which is a sheet, or of a sheet and itself, is a contact.
+    // What meets during the step, of two bodies one of which is a sheet, or of a sheet and itself,
+    // is a contact.
 
     std::optional<Failure> judge_sheets(const Surface& a, const Surface& b) {
         const bool self = &a == &b;
         const Collision &of_a = a.body->collision, &of_b = b.body->collision;
-        const bool looked_at = self ? of_a.sheet && of_a.self == SelfCollision::on : of_a.sheet || of_b.sheet;
+        const bool looked_at = self ? of_a.sheet && of_a.self == SelfCollision::on
+                                    : of_a.sheet || of_b.sheet;
         if (!looked_at || !a.active || !b.active) return std::nullopt;
         const std::vector<MovingPoint> p = moving(a), q = self ? p : moving(b);
-        std::set<std::tuple<bool, std::uint32_t, std::uint32_t>> vertices;  // from b, vertex, triangle
+        std::set<std::tuple<bool, std::uint32_t, std::uint32_t>> vertices;  // from b, vertex,
+                                                                            // triangle
         std::set<std::array<std::uint32_t, 4>> edges;
         for (const Contact& c : contacts_) {
             if (!c.of_sheet || c.a != a.body->id || c.b != b.body->id) continue;
@@ -405,42 +444,52 @@ private:
                 // The target's edge by its corners that have weight; both, if they are two.
                 const Triangle& t = b.triangles[c.triangle];
                 for (int k = 0; k < 3; ++k)
-                    edges.insert(key(c.vertex, c.edge_end, t.vertex[k], t.vertex[(k + 1) % 3], self));
+                    edges.insert(
+                        key(c.vertex, c.edge_end, t.vertex[k], t.vertex[(k + 1) % 3], self));
             }
         }
         for (int turn = 0; turn < (self ? 1 : 2); ++turn) {
             const Surface &s = turn ? b : a, &t = turn ? a : b;
             const std::vector<MovingPoint>&of_s = turn ? q : p, &of_t = turn ? p : q;
             std::set<std::uint32_t> used;
-            for (const Triangle& f : s.triangles) used.insert(std::begin(f.vertex), std::end(f.vertex));
+            for (const Triangle& f : s.triangles)
+                used.insert(std::begin(f.vertex), std::end(f.vertex));
             for (std::uint32_t v : used)
                 for (std::uint32_t f = 0; f < t.triangles.size(); ++f) {
                     const Triangle& face = t.triangles[f];
                     if (self && has_vertex(face, v)) continue;
-                    const std::array<MovingPoint, 4> corners = {of_s[v], of_t[face.vertex[0]], of_t[face.vertex[1]],
-                                                                of_t[face.vertex[2]]};
+                    const std::array<MovingPoint, 4> corners = {
+                        of_s[v], of_t[face.vertex[0]], of_t[face.vertex[1]], of_t[face.vertex[2]]};
                     // Exact arithmetic takes long: it is asked only about what is no contact.
                     if (vertices.contains({turn == 1, v, f}) || are_apart(corners, 1)) continue;
-                    if (meet(truth::Features::vertex_and_face, corners) && !leaves_solid(corners, t))
+                    if (meet(truth::Features::vertex_and_face, corners) &&
+                        !leaves_solid(corners, t))
                         return Failure{"truth: no crossing of a sheet is missed",
-                                       describe(s, t) + " vertex " + std::to_string(v) + " triangle " + std::to_string(f)};
+                                       describe(s, t) + " vertex " + std::to_string(v) +
+                                           " triangle " + std::to_string(f)};
                 }
         }
-        const std::vector<std::array<std::uint32_t, 2>> of_first = edges_of(a), of_second = edges_of(b);
+        const std::vector<std::array<std::uint32_t, 2>> of_first = edges_of(a),
+                                                        of_second = edges_of(b);
         for (const auto& e : of_first)
             for (const auto& f : of_second) {
-                if (self && (e >= f || e[0] == f[0] || e[0] == f[1] || e[1] == f[0] || e[1] == f[1])) continue;
+                if (self &&
+                    (e >= f || e[0] == f[0] || e[0] == f[1] || e[1] == f[0] || e[1] == f[1]))
+                    continue;
                 const std::array<MovingPoint, 4> corners = {p[e[0]], p[e[1]], q[f[0]], q[f[1]]};
-                if (edges.contains(key(e[0], e[1], f[0], f[1], self)) || are_apart(corners, 2)) continue;
+                if (edges.contains(key(e[0], e[1], f[0], f[1], self)) || are_apart(corners, 2))
+                    continue;
                 if (meet(truth::Features::edges, corners))
                     return Failure{"truth: no crossing of a sheet is missed",
-                                   describe(a, b) + " edges " + std::to_string(e[0]) + "-" + std::to_string(e[1]) + " and " +
-                                       std::to_string(f[0]) + "-" + std::to_string(f[1])};
+                                   describe(a, b) + " edges " + std::to_string(e[0]) + "-" +
+                                       std::to_string(e[1]) + " and " + std::to_string(f[0]) + "-" +
+                                       std::to_string(f[1])};
             }
         return std::nullopt;
     }
 
-    /// What rational numbers have to decide takes long: of that, no more than some questions a step.
+    /// What rational numbers have to decide takes long: of that, no more than some questions a
+    /// step.
     bool meet(truth::Features features, const std::array<MovingPoint, 4>& corners) {
         constexpr std::uint64_t most = 16;
         if (decided_.exact >= most) return false;
@@ -448,8 +497,10 @@ private:
         return truth::features_meet(features, corners, &decided_);
     }
 
-    static std::array<std::uint32_t, 4> key(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, bool self) {
-        std::array<std::uint32_t, 4> k = {std::min(a, b), std::max(a, b), std::min(c, d), std::max(c, d)};
+    static std::array<std::uint32_t, 4> key(std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                                            std::uint32_t d, bool self) {
+        std::array<std::uint32_t, 4> k = {std::min(a, b), std::max(a, b), std::min(c, d),
+                                          std::max(c, d)};
         if (self && std::tie(k[2], k[3]) < std::tie(k[0], k[1])) k = {k[2], k[3], k[0], k[1]};
         return k;
     }
@@ -469,11 +520,13 @@ private:
         std::vector<MovingPoint> points;
         // Where sheets look, rigid bodies' vertices are float32 as theirs are.
         const auto rounded = [](Vec3d p) { return to_double(to_float(p)); };
-        for (std::size_t v = 0; v < starts.size(); ++v) points.push_back({rounded(starts[v]), rounded(s.points[v])});
+        for (std::size_t v = 0; v < starts.size(); ++v)
+            points.push_back({rounded(starts[v]), rounded(s.points[v])});
         return points;
     }
 
-    /// True if an axis separates the first `split` points from the others throughout: spares most exact tests.
+    /// True if an axis separates the first `split` points from the others throughout: spares most
+    /// exact tests.
     static bool are_apart(const std::array<MovingPoint, 4>& p, std::size_t split) {
         for (int k = 0; k < 3; ++k) {
             double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
@@ -487,15 +540,18 @@ private:
         return false;
     }
 
-    /// True unless a vertex comes into a solid through a triangle for certain: what leaves is its ray's to report.
+    /// True unless a vertex comes into a solid through a triangle for certain: what leaves is its
+    /// ray's to report.
     bool leaves_solid(const std::array<MovingPoint, 4>& c, const Surface& target) const {
         if (target.body->collision.sheet || !is_closed(target)) return false;
-        const std::optional<truth::ExactTime> time = truth::first_meeting_of_vertex_and_face(truth::exact(c));
+        const std::optional<truth::ExactTime> time = truth::first_meeting_of_vertex_and_face(
+            truth::exact(c));
         if (!time) return true;
         // Within the tolerance of a meeting nobody can tell on which side it began.
         double size_of_all = 0;
         for (const MovingPoint& p : c)
-            for (const Vec3d& at : {p.start, p.end}) size_of_all = std::max(size_of_all, length(at - c[0].start));
+            for (const Vec3d& at : {p.start, p.end})
+                size_of_all = std::max(size_of_all, length(at - c[0].start));
         const Vec3d first = normalized(cross(c[2].start - c[1].start, c[3].start - c[1].start));
         const double unclear = 2 * constants::meeting_tolerance * size_of_all;
         if (std::fabs(dot(first, c[0].start - c[1].start)) <= unclear) return true;
@@ -506,15 +562,17 @@ private:
             at[k] = c[k].start + t * way[k];
         }
         const Vec3d n = cross(at[2] - at[1], at[3] - at[1]);
-        const double size = length_squared(n),
-                     longest = std::max(length_squared(at[2] - at[1]), length_squared(at[3] - at[1]));
+        const double size = length_squared(n), longest = std::max(length_squared(at[2] - at[1]),
+                                                                  length_squared(at[3] - at[1]));
         // Nor from which side it meets a triangle that is no wider.
         if (std::sqrt(size) <= unclear * std::sqrt(longest)) return true;
-        // Of a triangle with less area [longest edge squared] rounding turns the normal by more than what is certain.
+        // Of a triangle with less area [longest edge squared] rounding turns the normal by more
+        // than what is certain.
         constexpr double certain = 1e-6, flat = 1e-10;
         // It has no sides then; which side is which was seen when the step began.
         if (size <= flat * flat * longest * longest)
-            return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start), c[0].start - c[1].start) <= 0;
+            return dot(cross(c[2].start - c[1].start, c[3].start - c[1].start),
+                       c[0].start - c[1].start) <= 0;
         const double u = dot(n, cross(at[3] - at[2], at[0] - at[2])) / size,
                      v = dot(n, cross(at[1] - at[3], at[0] - at[3])) / size;
         const Vec3d relative = way[0] - u * way[1] - v * way[2] - (1 - u - v) * way[3];
@@ -541,14 +599,16 @@ private:
 }  // namespace
 
 OracleCounts& OracleCounts::operator+=(const OracleCounts& o) {
-    for (const auto member : {&OracleCounts::overlapping_pairs, &OracleCounts::apart_pairs, &OracleCounts::inside_vertices,
-                              &OracleCounts::expected_contacts, &OracleCounts::segments, &OracleCounts::feature_meetings,
-                              &OracleCounts::feature_questions})
+    for (const auto member :
+         {&OracleCounts::overlapping_pairs, &OracleCounts::apart_pairs,
+          &OracleCounts::inside_vertices, &OracleCounts::expected_contacts, &OracleCounts::segments,
+          &OracleCounts::feature_meetings, &OracleCounts::feature_questions})
         this->*member += o.*member;
     return *this;
 }
 
-std::optional<Failure> contradicted_by_truth(const Model& model, std::span<const Contact> contacts, OracleCounts& counts) {
+std::optional<Failure> contradicted_by_truth(const Model& model, std::span<const Contact> contacts,
+                                             OracleCounts& counts) {
     return Oracle(model, contacts, counts).run();
 }
 

@@ -9,7 +9,9 @@
 namespace pierce::fuzz {
 namespace {
 
-void put(std::ostream& text, double x) { text << std::hex << std::bit_cast<std::uint64_t>(x + 0.0) << ' '; }
+void put(std::ostream& text, double x) {
+    text << std::hex << std::bit_cast<std::uint64_t>(x + 0.0) << ' ';
+}
 void put(std::ostream& text, Vec3d v) {
     for (int k = 0; k < 3; ++k) put(text, v[k]);
 }
@@ -38,7 +40,8 @@ Player::Outcome Player::play(const Call& call) {
         return {false, answer(call)};
     } catch (const InputError& error) {
         if (call.kind == Call::Kind::add_mesh) meshes_.emplace_back();
-        const bool adds_body = call.kind == Call::Kind::add_fixed_body || call.kind == Call::Kind::add_rigid_body ||
+        const bool adds_body = call.kind == Call::Kind::add_fixed_body ||
+                               call.kind == Call::Kind::add_rigid_body ||
                                call.kind == Call::Kind::add_deforming_body;
         if (adds_body) bodies_.emplace_back();
         return {true, error.what()};
@@ -90,7 +93,8 @@ std::string Player::answer(const Call& c) {
             world_.set_motion(body(c.body), c.start_pose, c.pose);
             break;
         case Kind::set_position_motion:
-            world_.set_motion(body(c.body), std::span<const Vec3f>(c.start), std::span<const Vec3f>(c.positions));
+            world_.set_motion(body(c.body), std::span<const Vec3f>(c.start),
+                              std::span<const Vec3f>(c.positions));
             break;
         case Kind::set_mesh:
             world_.set_mesh(body(c.body), mesh(c.mesh), c.positions);
@@ -101,8 +105,8 @@ std::string Player::answer(const Call& c) {
         case Kind::detect: {
             const StepStats& s = world_.detect();
             std::ostringstream text;
-            text << "status " << s.status << " excluded " << s.excluded_bodies << " pairs " << s.pairs << " contacts "
-                 << s.contacts;
+            text << "status " << s.status << " excluded " << s.excluded_bodies << " pairs "
+                 << s.pairs << " contacts " << s.contacts;
             return text.str();
         }
         case Kind::explain:

@@ -18,9 +18,11 @@ using MakeBackend = std::function<std::unique_ptr<Backend>()>;
 class Player {
 public:
     /// Throws what World's constructor throws. Players of one program share their meshes.
-    Player(MakeBackend backend, const Settings& settings, std::shared_ptr<MeshPool> pool = std::make_shared<MeshPool>());
+    Player(MakeBackend backend, const Settings& settings,
+           std::shared_ptr<MeshPool> pool = std::make_shared<MeshPool>());
 
-    /// What a call came to: what it answered, or the error it was refused with. Lets any exception through but InputError.
+    /// What a call came to: what it answered, or the error it was refused with. Lets any exception
+    /// through but InputError.
     struct Outcome {
         bool refused = false;
         std::string text;
@@ -39,8 +41,12 @@ public:
 
 private:
     std::string answer(const Call& call);
-    MeshId mesh(std::uint32_t number) const { return number < meshes_.size() ? meshes_[number] : MeshId{}; }
-    BodyId body(std::uint32_t number) const { return number < bodies_.size() ? bodies_[number] : BodyId{}; }
+    MeshId mesh(std::uint32_t number) const {
+        return number < meshes_.size() ? meshes_[number] : MeshId{};
+    }
+    BodyId body(std::uint32_t number) const {
+        return number < bodies_.size() ? bodies_[number] : BodyId{};
+    }
 
     MakeBackend make_;
     std::shared_ptr<MeshPool> pool_;

@@ -38,14 +38,15 @@ json number(double x) {
 double number_of(const json& j) {
     if (j.is_number()) return j.get<double>();
     const auto text = j.get<std::string>();
-    if (text != "nan" && text != "inf" && text != "-inf") throw std::runtime_error("no number: " + text);
+    if (text != "nan" && text != "inf" && text != "-inf")
+        throw std::runtime_error("no number: " + text);
     return text == "nan" ? std::nan("") : text == "inf" ? HUGE_VAL : -HUGE_VAL;
 }
 
 template <class Vec>
 json vector(const Vec& v) {
-    return json::array(
-        {number(static_cast<double>(v.x)), number(static_cast<double>(v.y)), number(static_cast<double>(v.z))});
+    return json::array({number(static_cast<double>(v.x)), number(static_cast<double>(v.y)),
+                        number(static_cast<double>(v.z))});
 }
 template <class Vec>
 Vec vector_of(const json& j) {
@@ -79,7 +80,8 @@ Pose pose_of(const json& j) {
 template <class Enum>
 Enum enum_of(const json& j, Enum last) {
     const auto value = j.get<unsigned>();
-    if (value > static_cast<unsigned>(last)) throw std::runtime_error("no such choice: " + std::to_string(value));
+    if (value > static_cast<unsigned>(last))
+        throw std::runtime_error("no such choice: " + std::to_string(value));
     return static_cast<Enum>(value);
 }
 
@@ -117,15 +119,18 @@ json call(const Call& c) {
         j["triangles"] = json::array();
         for (const Triangle& t : c.data.triangles) j["triangles"].push_back(t.vertex);
     }
-    if (any_of({Kind::remove_mesh, Kind::add_fixed_body, Kind::add_rigid_body, Kind::add_deforming_body, Kind::set_mesh}))
+    if (any_of({Kind::remove_mesh, Kind::add_fixed_body, Kind::add_rigid_body,
+                Kind::add_deforming_body, Kind::set_mesh}))
         j["mesh"] = c.mesh;
-    if (any_of({Kind::remove_body, Kind::set_collision, Kind::set_pose, Kind::set_positions, Kind::set_pose_motion,
-                Kind::set_position_motion, Kind::set_mesh, Kind::explain}))
+    if (any_of({Kind::remove_body, Kind::set_collision, Kind::set_pose, Kind::set_positions,
+                Kind::set_pose_motion, Kind::set_position_motion, Kind::set_mesh, Kind::explain}))
         j["body"] = c.body;
-    if (any_of({Kind::add_fixed_body, Kind::add_rigid_body, Kind::set_pose, Kind::set_pose_motion, Kind::cast_rays}))
+    if (any_of({Kind::add_fixed_body, Kind::add_rigid_body, Kind::set_pose, Kind::set_pose_motion,
+                Kind::cast_rays}))
         j["pose"] = pose(c.pose);
     if (c.kind == Kind::set_pose_motion) j["start"] = pose(c.start_pose);
-    if (any_of({Kind::add_deforming_body, Kind::set_positions, Kind::set_position_motion, Kind::set_mesh, Kind::cast_rays}))
+    if (any_of({Kind::add_deforming_body, Kind::set_positions, Kind::set_position_motion,
+                Kind::set_mesh, Kind::cast_rays}))
         j["positions"] = points(c.positions);
     if (c.kind == Kind::set_position_motion) j["start"] = points(c.start);
     if (c.kind == Kind::set_collision) {
@@ -155,7 +160,8 @@ Call call_of(const json& j) {
     if (c.kind == Kind::set_position_motion) c.start = points_of(j.at("start"));
     if (c.kind == Kind::add_mesh) {
         c.data.positions = points_of(j.at("positions"));
-        for (const json& t : j.at("triangles")) c.data.triangles.push_back({{t.at(0), t.at(1), t.at(2)}});
+        for (const json& t : j.at("triangles"))
+            c.data.triangles.push_back({{t.at(0), t.at(1), t.at(2)}});
     } else if (j.contains("positions")) {
         c.positions = points_of(j["positions"]);
     }
@@ -173,7 +179,8 @@ const char* name_of(Call::Kind kind) { return names[static_cast<std::size_t>(kin
 std::string to_text(const Program& program) {
     std::string text = "{\"settings\": " + settings(program.settings).dump() + ",\n \"calls\": [\n";
     for (std::size_t i = 0; i < program.calls.size(); ++i)
-        text += "  " + call(program.calls[i]).dump() + (i + 1 < program.calls.size() ? ",\n" : "\n");
+        text += "  " + call(program.calls[i]).dump() +
+                (i + 1 < program.calls.size() ? ",\n" : "\n");
     return text + "]}\n";
 }
 

@@ -11,8 +11,8 @@
 
 namespace pierce::fuzz {
 
-/// A call of a World's member of the same name. Meshes and bodies are named by their number among all that the program has
-/// tried to add.
+/// A call of a World's member of the same name. Meshes and bodies are named by their number among
+/// all that the program has tried to add.
 struct Call {
     enum class Kind : std::uint8_t {
         add_mesh,
@@ -40,7 +40,7 @@ struct Call {
     std::uint32_t other = 0;   ///< body, of explain
     std::uint32_t vertex = 0;  ///< of explain
     MeshData data{};
-    Pose start_pose{}, pose{};                ///< the position of `pose` is the origin of cast_rays, too
+    Pose start_pose{}, pose{};  ///< the position of `pose` is the origin of cast_rays, too
     std::vector<Vec3f> start{}, positions{};  ///< the directions of cast_rays, too
     Collision collision{};
 };

@@ -1,4 +1,5 @@
-// Programs that once broke a promise: small, found by the fuzzer or by people, each named after what was wrong.
+// Programs that once broke a promise: small, found by the fuzzer or by people, each named after
+// what was wrong.
 #include <gtest/gtest.h>
 
 #include <algorithm>

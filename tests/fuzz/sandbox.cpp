@@ -10,7 +10,8 @@
 namespace pierce::fuzz {
 
 std::string name_of_signal(int signal) {
-    return signal == SIGALRM ? "a world takes too long" : std::string("crash: ") + strsignal(signal);
+    return signal == SIGALRM ? "a world takes too long"
+                             : std::string("crash: ") + strsignal(signal);
 }
 
 std::optional<Failure> judge_apart(const Program& program, const Backends& backends) {
@@ -34,12 +35,14 @@ std::optional<Failure> judge_apart(const Program& program, const Backends& backe
     close(ends[1]);
     std::string text;
     char buffer[4096];
-    for (ssize_t n = 0; (n = read(ends[0], buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
+    for (ssize_t n = 0; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+        text.append(buffer, static_cast<std::size_t>(n));
     close(ends[0]);
     int status = 0;
     waitpid(child, &status, 0);
     if (WIFSIGNALED(status)) return Failure{name_of_signal(WTERMSIG(status)), ""};
-    if (WEXITSTATUS(status) != 0) return Failure{"crash: exit " + std::to_string(WEXITSTATUS(status)), ""};
+    if (WEXITSTATUS(status) != 0)
+        return Failure{"crash: exit " + std::to_string(WEXITSTATUS(status)), ""};
     if (text.empty()) return std::nullopt;
     const std::size_t end = text.find('\0');
     return Failure{text.substr(0, end), text.substr(end + 1)};

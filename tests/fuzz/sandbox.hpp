@@ -6,7 +6,8 @@
 
 namespace pierce::fuzz {
 
-/// Judges a program in a process of its own, so that a crash, too, is a failure. The caller must not have used a backend.
+/// Judges a program in a process of its own, so that a crash, too, is a failure. The caller must
+/// not have used a backend.
 std::optional<Failure> judge_apart(const Program& program, const Backends& backends);
 
 /// What a process that ended by a signal is said to have failed by.

@@ -11,19 +11,28 @@ using Triangles = std::vector<Triangle>;
 
 MeshData box() {
     MeshData m;
-    for (int k = 0; k < 8; ++k) m.positions.push_back({k & 1 ? 1.f : 0.f, k & 2 ? 1.f : 0.f, k & 4 ? 1.f : 0.f});
+    for (int k = 0; k < 8; ++k)
+        m.positions.push_back({k & 1 ? 1.f : 0.f, k & 2 ? 1.f : 0.f, k & 4 ? 1.f : 0.f});
     m.triangles = {{{0, 2, 3}}, {{0, 3, 1}}, {{4, 5, 7}}, {{4, 7, 6}}, {{0, 1, 5}}, {{0, 5, 4}},
                    {{2, 6, 7}}, {{2, 7, 3}}, {{0, 4, 6}}, {{0, 6, 2}}, {{1, 3, 7}}, {{1, 7, 5}}};
     return m;
 }
 
 MeshData tetrahedron() {
-    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}};
+    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+            {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}};
 }
 
 MeshData octahedron() {
     return {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-            {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}}};
+            {{{0, 2, 4}},
+             {{2, 1, 4}},
+             {{1, 3, 4}},
+             {{3, 0, 4}},
+             {{2, 0, 5}},
+             {{1, 2, 5}},
+             {{3, 1, 5}},
+             {{0, 3, 5}}}};
 }
 
 /// `columns` by `rows` squares in a plane.
@@ -31,8 +40,8 @@ MeshData plate(std::uint32_t columns, std::uint32_t rows) {
     MeshData m;
     for (std::uint32_t y = 0; y <= rows; ++y)
         for (std::uint32_t x = 0; x <= columns; ++x)
-            m.positions.push_back(
-                {static_cast<float>(x) / static_cast<float>(columns), static_cast<float>(y) / static_cast<float>(rows), 0});
+            m.positions.push_back({static_cast<float>(x) / static_cast<float>(columns),
+                                   static_cast<float>(y) / static_cast<float>(rows), 0});
     for (std::uint32_t y = 0; y < rows; ++y)
         for (std::uint32_t x = 0; x < columns; ++x) {
             const std::uint32_t a = y * (columns + 1) + x, b = a + columns + 1;
@@ -49,7 +58,9 @@ MeshData torus(std::uint32_t around, std::uint32_t across) {
         for (std::uint32_t j = 0; j < across; ++j) {
             const double u = turn * i / around, v = turn * j / across, r = 0.5 + 0.2 * std::cos(v);
             m.positions.push_back(to_float({r * std::cos(u), r * std::sin(u), 0.2 * std::sin(v)}));
-            const auto id = [&](std::uint32_t p, std::uint32_t q) { return p % around * across + q % across; };
+            const auto id = [&](std::uint32_t p, std::uint32_t q) {
+                return p % around * across + q % across;
+            };
             m.triangles.push_back({{id(i, j), id(i + 1, j), id(i + 1, j + 1)}});
             m.triangles.push_back({{id(i, j), id(i + 1, j + 1), id(i, j + 1)}});
         }
@@ -58,7 +69,8 @@ MeshData torus(std::uint32_t around, std::uint32_t across) {
 
 /// Concave: a polygon like the letter U, drawn out.
 MeshData channel() {
-    constexpr float outline[8][2] = {{0, 0}, {1, 0}, {1, 1}, {0.75f, 1}, {0.75f, 0.25f}, {0.25f, 0.25f}, {0.25f, 1}, {0, 1}};
+    constexpr float outline[8][2] = {{0, 0},         {1, 0},         {1, 1},     {0.75f, 1},
+                                     {0.75f, 0.25f}, {0.25f, 0.25f}, {0.25f, 1}, {0, 1}};
     MeshData m;
     for (float z : {0.f, 1.f})
         for (const auto& p : outline) m.positions.push_back({p[0], p[1], z});
@@ -67,7 +79,8 @@ MeshData channel() {
         m.triangles.push_back({{k, n, n + 8}});
         m.triangles.push_back({{k, n + 8, k + 8}});
     }
-    for (const auto& t : Triangles{{{0, 1, 4}}, {{0, 4, 5}}, {{1, 2, 3}}, {{1, 3, 4}}, {{0, 5, 6}}, {{0, 6, 7}}}) {
+    for (const auto& t :
+         Triangles{{{0, 1, 4}}, {{0, 4, 5}}, {{1, 2, 3}}, {{1, 3, 4}}, {{0, 5, 6}}, {{0, 6, 7}}}) {
         m.triangles.push_back({{t.vertex[0], t.vertex[2], t.vertex[1]}});
         m.triangles.push_back({{t.vertex[0] + 8, t.vertex[1] + 8, t.vertex[2] + 8}});
     }
@@ -107,9 +120,11 @@ MeshData soup(Choices& choices) {
     MeshData m;
     const std::uint32_t vertices = 3 + choices.below(6), triangles = 1 + choices.below(8);
     for (std::uint32_t v = 0; v < vertices; ++v)
-        m.positions.push_back(to_float({choices.real(0, 1), choices.real(0, 1), choices.real(0, 1)}));
+        m.positions.push_back(
+            to_float({choices.real(0, 1), choices.real(0, 1), choices.real(0, 1)}));
     for (std::uint32_t t = 0; t < triangles; ++t)
-        m.triangles.push_back({{choices.below(vertices), choices.below(vertices), choices.below(vertices)}});
+        m.triangles.push_back(
+            {{choices.below(vertices), choices.below(vertices), choices.below(vertices)}});
     return m;
 }
 
@@ -133,7 +148,9 @@ MeshData base_shape(Choices& choices) {
         case 8:
             return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}};
         case 9:
-            return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 1}}}};  // a pillow without a filling
+            return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 1}}}};  // a pillow
+                                                                                     // without a
+                                                                                     // filling
         case 10:
             return soup(choices);
         default:
@@ -142,8 +159,12 @@ MeshData base_shape(Choices& choices) {
 }
 
 void spoil(MeshData& m, Choices& choices) {
-    const auto vertex = [&] { return choices.below(static_cast<std::uint32_t>(m.positions.size())); };
-    const auto triangle = [&] { return choices.below(static_cast<std::uint32_t>(m.triangles.size())); };
+    const auto vertex = [&] {
+        return choices.below(static_cast<std::uint32_t>(m.positions.size()));
+    };
+    const auto triangle = [&] {
+        return choices.below(static_cast<std::uint32_t>(m.triangles.size()));
+    };
     switch (choices.below(15)) {
         case 0:
             flip(m);
@@ -244,7 +265,8 @@ MeshData proper_mesh(Choices& choices) {
 
 MeshData any_mesh(Choices& choices) {
     MeshData mesh = base_shape(choices);
-    for (std::uint32_t left = choices.pick({0u, 0u, 0u, 1u, 1u, 2u}); left > 0 && !mesh.triangles.empty(); --left)
+    for (std::uint32_t left = choices.pick({0u, 0u, 0u, 1u, 1u, 2u});
+         left > 0 && !mesh.triangles.empty(); --left)
         spoil(mesh, choices);
     return mesh;
 }

@@ -5,8 +5,8 @@
 
 namespace pierce::fuzz {
 
-/// A small mesh, about one unit large: closed or open, simple or not, with or without defects. One in a few dozen is refused
-/// by World::add_mesh().
+/// A small mesh, about one unit large: closed or open, simple or not, with or without defects. One
+/// in a few dozen is refused by World::add_mesh().
 MeshData any_mesh(Choices& choices);
 
 /// A small closed mesh without any defect.

@@ -12,9 +12,12 @@ namespace {
 using Kind = Call::Kind;
 
 bool adds_body(const Call& c) {
-    return c.kind == Kind::add_fixed_body || c.kind == Kind::add_rigid_body || c.kind == Kind::add_deforming_body;
+    return c.kind == Kind::add_fixed_body || c.kind == Kind::add_rigid_body ||
+           c.kind == Kind::add_deforming_body;
 }
-bool names_mesh(const Call& c) { return adds_body(c) || c.kind == Kind::remove_mesh || c.kind == Kind::set_mesh; }
+bool names_mesh(const Call& c) {
+    return adds_body(c) || c.kind == Kind::remove_mesh || c.kind == Kind::set_mesh;
+}
 bool names_body(const Call& c) {
     switch (c.kind) {
         case Kind::remove_body:
@@ -37,13 +40,15 @@ Program without(const Program& program, std::size_t begin, std::size_t end) {
     rest.settings = program.settings;
     std::vector<std::optional<std::uint32_t>> mesh, body;
     std::uint32_t meshes = 0, bodies = 0;
-    const auto known = [](const std::vector<std::optional<std::uint32_t>>& numbers, std::uint32_t number) {
+    const auto known = [](const std::vector<std::optional<std::uint32_t>>& numbers,
+                          std::uint32_t number) {
         return number < numbers.size() && numbers[number].has_value();
     };
     for (std::size_t i = 0; i < program.calls.size(); ++i) {
         Call c = program.calls[i];
         const bool keep = (i < begin || i >= end) && (!names_mesh(c) || known(mesh, c.mesh)) &&
-                          (!names_body(c) || known(body, c.body)) && (c.kind != Kind::explain || known(body, c.other));
+                          (!names_body(c) || known(body, c.body)) &&
+                          (c.kind != Kind::explain || known(body, c.other));
         if (c.kind == Kind::add_mesh) mesh.push_back(keep ? std::optional(meshes++) : std::nullopt);
         if (keep && names_mesh(c)) c.mesh = *mesh[c.mesh];
         if (adds_body(c)) body.push_back(keep ? std::optional(bodies++) : std::nullopt);
@@ -57,7 +62,8 @@ Program without(const Program& program, std::size_t begin, std::size_t end) {
 
 class Shrinker {
 public:
-    Shrinker(Program program, const std::function<bool(const Program&)>& fails) : best_(std::move(program)), fails_(fails) {}
+    Shrinker(Program program, const std::function<bool(const Program&)>& fails)
+        : best_(std::move(program)), fails_(fails) {}
 
     Program run() {
         do {
@@ -79,7 +85,8 @@ private:
     }
 
     void drop_calls() {
-        for (std::size_t size = std::max<std::size_t>(best_.calls.size() / 2, 1); size > 0; size /= 2)
+        for (std::size_t size = std::max<std::size_t>(best_.calls.size() / 2, 1); size > 0;
+             size /= 2)
             for (std::size_t end = best_.calls.size(); end > 0;) {
                 const std::size_t begin = end > size ? end - size : 0;
                 take(without(best_, begin, std::min(end, best_.calls.size())));
@@ -125,10 +132,14 @@ private:
     void simplify_numbers() {
         for (std::size_t i = 0; i < best_.calls.size(); ++i) {
             for (const auto member : {&Call::pose, &Call::start_pose}) {
-                try_with([&](Program& p) { return std::exchange((p.calls[i].*member).rotation, {}) != Quaternion{}; });
+                try_with([&](Program& p) {
+                    return std::exchange((p.calls[i].*member).rotation, {}) != Quaternion{};
+                });
                 for (int k = 0; k < 3; ++k)
                     for (double step : {1e9, 1.0, 0.25, 0.01})
-                        try_with([&](Program& p) { return round((p.calls[i].*member).position[k], step); });
+                        try_with([&](Program& p) {
+                            return round((p.calls[i].*member).position[k], step);
+                        });
             }
             for (double step : {1.0, 0.25, 0.01})
                 for (const auto member : {&Call::positions, &Call::start})

@@ -1,5 +1,6 @@
-// One world of many bodies for a long time: bodies come, go, deform, are cut, jump, turn to NaN and come back, and the world
-// goes on with other numbers of threads. Memory must stay flat, and sampled steps are compared with brute force.
+// One world of many bodies for a long time: bodies come, go, deform, are cut, jump, turn to NaN and
+// come back, and the world goes on with other numbers of threads. Memory must stay flat, and
+// sampled steps are compared with brute force.
 #include <fmt/format.h>
 #include <malloc.h>
 
@@ -28,14 +29,16 @@ struct Options {
 
 class Soak {
 public:
-    explicit Soak(const Options& options) : options_(options), engine_(options.seed), world_(embree_backend(1)) {
+    explicit Soak(const Options& options)
+        : options_(options), engine_(options.seed), world_(embree_backend(1)) {
         for (std::uint64_t seed = 0; meshes_.size() < 12; ++seed) {
             const std::vector<std::uint8_t> bytes = bytes_of(seed);
             Choices choices(bytes);
             data_.push_back(proper_mesh(choices));
             meshes_.push_back(world_.add_mesh("mesh " + std::to_string(seed), data_.back()));
         }
-        // Bodies of a place in the list keep their kind, so that the world as a whole stays as large as it is.
+        // Bodies of a place in the list keep their kind, so that the world as a whole stays as
+        // large as it is.
         side_ = 1.2 * std::cbrt(options.bodies);
         bodies_.resize(options.bodies);
         for (std::uint32_t b = 0; b < options.bodies; ++b) add(b);
@@ -44,7 +47,9 @@ public:
     int run() {
         using Clock = std::chrono::steady_clock;
         const auto begin = Clock::now();
-        const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count() / options_.seconds; };
+        const auto passed = [&] {
+            return std::chrono::duration<double>(Clock::now() - begin).count() / options_.seconds;
+        };
         for (double now = 0; now < 1; now = passed()) {
             change();
             if (step_ % options_.check_every == 0) check();
@@ -60,17 +65,23 @@ public:
             }
             ++step_;
         }
-        // What is left when a world is gone must not grow; what a world needs goes up and down with its bodies.
+        // What is left when a world is gone must not grow; what a world needs goes up and down with
+        // its bodies.
         const double growth = late_.mean() / early_.mean() - 1;
         const double leak = (left_late_.mean() - left_early_.mean()) / early_.mean();
         fmt::print(
-            "{} steps of {} bodies from seed {}, {:.0f} s: {} contacts, {} bodies left out, {} changes, {} steps compared, "
+            "{} steps of {} bodies from seed {}, {:.0f} s: {} contacts, {} bodies left out, {} "
+            "changes, {} steps compared, "
             "{} "
-            "of them differ; memory {:.2f} MiB, then {:.2f} MiB: {:+.2f} %; without the world {:+.3f} %\n",
-            step_, options_.bodies, options_.seed, options_.seconds, contacts_, excluded_, changes_, compared_, differ_,
-            early_.mean() / (1 << 20), late_.mean() / (1 << 20), 100 * growth, 100 * leak);
+            "of them differ; memory {:.2f} MiB, then {:.2f} MiB: {:+.2f} %; without the world "
+            "{:+.3f} %\n",
+            step_, options_.bodies, options_.seed, options_.seconds, contacts_, excluded_, changes_,
+            compared_, differ_, early_.mean() / (1 << 20), late_.mean() / (1 << 20), 100 * growth,
+            100 * leak);
         constexpr double flat = 0.01;
-        return differ_ == 0 && compared_ > 0 && contacts_ > 0 && leak < flat && growth < 10 * flat ? 0 : 1;
+        return differ_ == 0 && compared_ > 0 && contacts_ > 0 && leak < flat && growth < 10 * flat
+                   ? 0
+                   : 1;
     }
 
 private:
@@ -97,16 +108,20 @@ private:
     }
 
     std::uint64_t below(std::uint64_t count) { return engine_() % count; }
-    double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+    double uniform(double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(engine_);
+    }
     Vec3d anywhere() { return {uniform(0, side_), uniform(0, side_), uniform(0, side_)}; }
-    Pose pose_at(Vec3d place) { return {place, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)}}; }
+    Pose pose_at(Vec3d place) {
+        return {place, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)}};
+    }
 
     std::vector<Vec3f> bent(const Body& body) {
         std::vector<Vec3f> positions;
         for (const Vec3f& p : data_[body.mesh].positions)
-            positions.push_back(
-                to_float(to_double(p) + body.place +
-                         Vec3d{uniform(-0.02, 0.02), uniform(-0.02, 0.02), 0.1 * std::sin(static_cast<double>(p.x))}));
+            positions.push_back(to_float(to_double(p) + body.place +
+                                         Vec3d{uniform(-0.02, 0.02), uniform(-0.02, 0.02),
+                                               0.1 * std::sin(static_cast<double>(p.x))}));
         return positions;
     }
 
@@ -122,7 +137,9 @@ private:
         } else {
             body.id = world_.add_deforming_body(meshes_[body.mesh], bent(body));
             if (b % 2 == 0) world_.set_collision(body.id, {.self = SelfCollision::on});
-            if (b % 5 == 0) world_.set_collision(body.id, {.self = SelfCollision::on, .sheet = true, .thickness = 0.02});
+            if (b % 5 == 0)
+                world_.set_collision(body.id,
+                                     {.self = SelfCollision::on, .sheet = true, .thickness = 0.02});
         }
     }
 
@@ -152,8 +169,9 @@ private:
         // One is nowhere for a while; the next time that it moves it is back.
         Body& lost = bodies_[below(bodies_.size())];
         if (lost.motion == Motion::deforming)
-            world_.set_positions(lost.id, std::vector<Vec3f>(data_[lost.mesh].positions.size(),
-                                                             Vec3f{std::numeric_limits<float>::quiet_NaN(), 0, 0}));
+            world_.set_positions(
+                lost.id, std::vector<Vec3f>(data_[lost.mesh].positions.size(),
+                                            Vec3f{std::numeric_limits<float>::quiet_NaN(), 0, 0}));
         else
             world_.set_pose(lost.id, {{std::numeric_limits<double>::infinity(), 0, 0}, {}});
         // One is cut: another mesh in its place, and back again later, when it is removed.
@@ -211,7 +229,8 @@ int main(int argc, char** argv) {
     app.add_option("--seconds", options.seconds, "time");
     app.add_option("--bodies", options.bodies, "how many");
     app.add_option("--seed", options.seed, "of all that is random");
-    app.add_option("--check-every", options.check_every, "steps from one that is compared with brute force to the next");
+    app.add_option("--check-every", options.check_every,
+                   "steps from one that is compared with brute force to the next");
     CLI11_PARSE(app, argc, argv);
     return pierce::fuzz::Soak(options).run();
 }

@@ -31,7 +31,8 @@ std::string text_of(const fs::path& path) {
 
 std::vector<std::string> matches(const std::string& text, const std::regex& pattern) {
     std::vector<std::string> found;
-    for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at) found.push_back((*at)[1]);
+    for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at)
+        found.push_back((*at)[1]);
     return found;
 }
 
@@ -57,7 +58,8 @@ TEST(DocsTest, LinksLeadSomewhere) {
             ASSERT_TRUE(fs::exists(target)) << page << " links to " << link;
             if (hash == std::string::npos || target.extension() != ".md") continue;
             std::set<std::string> anchors;
-            for (const std::string& heading : matches(text_of(target), std::regex(R"(\n#+ ([^\n]+))")))
+            for (const std::string& heading :
+                 matches(text_of(target), std::regex(R"(\n#+ ([^\n]+))")))
                 anchors.insert(anchor_of(heading));
             EXPECT_TRUE(anchors.contains(link.substr(hash + 1))) << page << " links to " << link;
         }
@@ -69,16 +71,60 @@ TEST(DocsTest, FilesThatAreNamedAreThere) {
     std::vector<std::string> files;
     for (const char* folder : {"src", "tests", "bench", "data", "docs", "cmake"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder))
-            if (entry.is_regular_file()) files.push_back("/" + fs::relative(entry.path(), root).string());
+            if (entry.is_regular_file())
+                files.push_back("/" + fs::relative(entry.path(), root).string());
     std::size_t names = 0;
     for (const fs::path& page : pages())
-        for (const std::string& name : matches(text_of(page), std::regex(R"(([\w/]+\.(?:hpp|cpp|cuh|cu|cmake))\b)"))) {
+        for (const std::string& name :
+             matches(text_of(page), std::regex(R"(([\w/]+\.(?:hpp|cpp|cuh|cu|cmake))\b)"))) {
             ++names;
             const std::string end = name.starts_with("/") ? name : "/" + name;
-            const bool known = std::ranges::any_of(files, [&](const std::string& file) { return file.ends_with(end); });
+            const bool known = std::ranges::any_of(
+                files, [&](const std::string& file) { return file.ends_with(end); });
             EXPECT_TRUE(known) << page << " names " << name;
         }
     EXPECT_GT(names, 40u);
+}
+
+/// The lines of a page that are prose: no code, no tables, no headings.
+std::vector<std::string> prose_of(const fs::path& page) {
+    std::ifstream in(page);
+    std::vector<std::string> lines;
+    bool code = false;
+    for (std::string line; std::getline(in, line);) {
+        if (line.find("```") != std::string::npos) code = !code;
+        if (!code && !line.starts_with("|") && !line.starts_with("#") && !line.starts_with("```"))
+            lines.push_back(line);
+    }
+    return lines;
+}
+
+TEST(DocsTest, ALineHoldsOneSentence) {
+    static const std::regex two(R"([^.][.!?]\)? +[A-Z])"),
+        abbreviation(R"(\b(et al|e\.g|i\.e)\. )"), quoted("`[^`]*`");
+    std::size_t lines = 0;
+    for (const fs::path& page : pages())
+        for (const std::string& line : prose_of(page)) {
+            const std::string plain = std::regex_replace(std::regex_replace(line, quoted, "x"),
+                                                         abbreviation, "");
+            EXPECT_FALSE(std::regex_search(plain, two)) << page << ": " << line;
+            ++lines;
+        }
+    EXPECT_GT(lines, 500u);
+}
+
+TEST(DocsTest, CodeIsNoWiderThanAHundredColumns) {
+    for (const char* folder : {"src", "tests", "bench", "docs/examples"})
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+            const fs::path kind = entry.path().extension();
+            if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu") continue;
+            std::ifstream in(entry.path());
+            for (std::string line; std::getline(in, line);)
+                EXPECT_LE(std::count_if(line.begin(), line.end(),
+                                        [](char c) { return (c & 0xc0) != 0x80; }),
+                          100)
+                    << entry.path() << ": " << line;
+        }
 }
 
 }  // namespace

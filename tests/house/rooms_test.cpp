@@ -28,7 +28,8 @@ std::string text_of(const fs::path& path) {
 std::vector<std::string> quoted(const std::string& text) {
     static const std::regex pattern("`([^`]+)`");
     std::vector<std::string> found;
-    for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at) found.push_back((*at)[1]);
+    for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at)
+        found.push_back((*at)[1]);
     return found;
 }
 
@@ -60,10 +61,12 @@ std::map<std::string, std::set<std::string>> includes() {
         const std::string kind = entry.path().extension();
         if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu") continue;
         std::string name = fs::relative(entry.path(), src);
-        if (const auto at = name.find("/include/"); at != std::string::npos) name = name.substr(at + 9);
+        if (const auto at = name.find("/include/"); at != std::string::npos)
+            name = name.substr(at + 9);
         const std::string text = text_of(entry.path());
         auto& of_file = all[name];
-        for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at) of_file.insert((*at)[1]);
+        for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at)
+            of_file.insert((*at)[1]);
     }
     return all;
 }
@@ -84,15 +87,18 @@ TEST(RoomsTest, FilesIncludeWhatTheMapAllows) {
         const std::string room = room_of(file);
         used.insert(room);
         if (room != "pierce") {
-            ASSERT_TRUE(allowed.contains(room)) << file << " is in a room that docs/map.md does not name";
+            ASSERT_TRUE(allowed.contains(room))
+                << file << " is in a room that docs/map.md does not name";
         }
         for (const std::string& other : included) {
             const std::string its = room_of(other);
             if (its == room || its == "pierce") continue;
-            EXPECT_TRUE(room != "pierce" && allowed[room].contains(its)) << file << " includes " << other;
+            EXPECT_TRUE(room != "pierce" && allowed[room].contains(its))
+                << file << " includes " << other;
         }
     }
-    for (const auto& [room, others] : allowed) EXPECT_TRUE(used.contains(room)) << "docs/map.md names " << room;
+    for (const auto& [room, others] : allowed)
+        EXPECT_TRUE(used.contains(room)) << "docs/map.md names " << room;
 }
 
 TEST(RoomsTest, NoFileIncludesItselfByAnyWayAround) {
@@ -135,7 +141,8 @@ TEST(RoomsTest, WorldReachesNoStage) {
     EXPECT_LT(reached.size(), 25u);
 }
 
-/// How many values stand between a brace and the one that closes it, and whether the first is named.
+/// How many values stand between a brace and the one that closes it, and whether the first is
+/// named.
 std::pair<int, bool> values_in(const std::string& text, std::size_t open) {
     int depth = 0, values = 1;
     for (std::size_t at = open; at < text.size(); ++at) {
@@ -157,12 +164,28 @@ TEST(RoomsTest, StagesAreFilledByName) {
         if (!entry.is_regular_file()) continue;
         const std::string text = text_of(entry.path());
         for (std::sregex_iterator at(text.begin(), text.end(), pattern), end; at != end; ++at) {
-            const auto [values, named] = values_in(text, static_cast<std::size_t>(at->position() + at->length() - 1));
+            const auto [values, named] = values_in(
+                text, static_cast<std::size_t>(at->position() + at->length() - 1));
             stages += named;
-            EXPECT_TRUE(named || values <= 3) << entry.path() << ": " << at->str() << " has " << values << " values";
+            EXPECT_TRUE(named || values <= 3)
+                << entry.path() << ": " << at->str() << " has " << values << " values";
         }
     }
     EXPECT_GT(stages, 40u);
+}
+
+// A test lies in the room of what it tests.
+TEST(RoomsTest, TestsMirrorTheRooms) {
+    std::size_t tests = 0;
+    for (const char* module : {"core", "cpu_embree", "bullet", "scenes", "app"})
+        for (const auto& entry : fs::recursive_directory_iterator(root / "tests" / module)) {
+            if (entry.path().extension() != ".cpp") continue;
+            ++tests;
+            const fs::path room = fs::relative(entry.path().parent_path(), root / "tests");
+            EXPECT_TRUE(fs::exists(root / "src" / room)) << entry.path();
+            EXPECT_TRUE(room != "core") << entry.path() << " is in no room";
+        }
+    EXPECT_GT(tests, 25u);
 }
 
 TEST(RoomsTest, WhatTheMapNamesIsThere) {

@@ -24,14 +24,17 @@ using testing::ThrowsMessage;
 
 class TruthFileTest : public testing::Test {
 protected:
-    TruthFileTest() : file(fs::temp_directory_path() / ("pierce_truth_" + std::to_string(::getpid()) + ".json")) {}
+    TruthFileTest()
+        : file(fs::temp_directory_path() /
+               ("pierce_truth_" + std::to_string(::getpid()) + ".json")) {}
     ~TruthFileTest() override { fs::remove(file); }
 
     void write(const std::string& text) const { std::ofstream(file) << text; }
 
     void expect_refused(const std::string& text, const std::string& why) const {
         write(text);
-        EXPECT_THAT([&] { read_truth(file); }, ThrowsMessage<InputError>(AllOf(HasSubstr(file.string()), HasSubstr(why))))
+        EXPECT_THAT([&] { read_truth(file); },
+                    ThrowsMessage<InputError>(AllOf(HasSubstr(file.string()), HasSubstr(why))))
             << text;
     }
 
@@ -63,18 +66,23 @@ TEST_F(TruthFileTest, IsReadAsItStands) {
 }
 
 TEST_F(TruthFileTest, AnythingElseIsRefusedByName) {
-    EXPECT_THAT([&] { read_truth(file); },
-                ThrowsMessage<InputError>(AllOf(HasSubstr(file.string()), HasSubstr("cannot open"))));
+    EXPECT_THAT(
+        [&] { read_truth(file); },
+        ThrowsMessage<InputError>(AllOf(HasSubstr(file.string()), HasSubstr("cannot open"))));
     expect_refused("", "is not a truth file");
     expect_refused("[]", "is not a truth file");
     expect_refused("{}", "is not a truth file");
-    expect_refused(R"({"format": "pierce-recording", "version": 1, "frames": []})", "is not a truth file of version 1");
-    expect_refused(R"({"format": "pierce-truth", "version": 2, "frames": []})", "is not a truth file of version 1");
+    expect_refused(R"({"format": "pierce-recording", "version": 1, "frames": []})",
+                   "is not a truth file of version 1");
+    expect_refused(R"({"format": "pierce-truth", "version": 2, "frames": []})",
+                   "is not a truth file of version 1");
     expect_refused(R"({"format": "pierce-truth", "version": 1})", "frames");
     expect_refused(with_frames(R"([{"overlapping": []}])"), "frame");
     expect_refused(with_frames(R"([{"frame": 0}])"), "overlapping");
-    expect_refused(with_frames(R"([{"frame": 0, "overlapping": [[0, "b"]]}])"), "is not a truth file");
-    expect_refused(with_frames(R"([{"frame": 0, "overlapping": [], "inside": [[0, 1, 2]]}])"), "is not a truth file");
+    expect_refused(with_frames(R"([{"frame": 0, "overlapping": [[0, "b"]]}])"),
+                   "is not a truth file");
+    expect_refused(with_frames(R"([{"frame": 0, "overlapping": [], "inside": [[0, 1, 2]]}])"),
+                   "is not a truth file");
     expect_refused(with_frames("[").substr(0, 60), "is not a truth file");
 }
 
@@ -86,9 +94,13 @@ protected:
         recording.bodies.assign(3, {"cube", 0, Motion::rigid, false, {}});
     }
 
-    /// Two vertices of body 1 are inside body 0, one of body 0 is inside body 1; bodies 1 and 2 overlap by their edges.
+    /// Two vertices of body 1 are inside body 0, one of body 0 is inside body 1; bodies 1 and 2
+    /// overlap by their edges.
     static TrueFrame truth() {
-        return {0, {{0, 1}, {1, 2}}, {{0, 1, 5, 0.5, {0, 0, 1}}, {1, 0, 3, 0.25, {0, 0, -1}}, {1, 0, 4, 0.125, {0, 1, 0}}}};
+        return {
+            0,
+            {{0, 1}, {1, 2}},
+            {{0, 1, 5, 0.5, {0, 0, 1}}, {1, 0, 3, 0.25, {0, 0, -1}}, {1, 0, 4, 0.125, {0, 1, 0}}}};
     }
 
     Accuracy accuracy(std::vector<MethodContact> contacts, bool names_vertices = true) const {
@@ -97,7 +109,8 @@ protected:
         return count.accuracy();
     }
 
-    // What a method without an error says: normals lead from a to b, a vertex of a leaves b against them.
+    // What a method without an error says: normals lead from a to b, a vertex of a leaves b against
+    // them.
     const MethodContact first{0, 1, 0, 5, 0.5, {0, 0, -1}};
     const MethodContact second{0, 1, 1, 3, 0.25, {0, 0, -1}};
     const MethodContact third{0, 1, 1, 4, 0.125, {0, 1, 0}};
@@ -140,12 +153,15 @@ TEST_F(AccuracyTest, MissedVerticesWeighTheirDepth) {
     EXPECT_EQ(a.missed_depth, 0.5);
     EXPECT_EQ(a.missed_share(), 0.5 / 0.875);
     EXPECT_EQ(a.missed_pair_share(), 0);
-    EXPECT_EQ(a.pair_depth_ratio(), 0.5) << "the deepest contact is half as deep as the deepest vertex";
-    EXPECT_EQ(accuracy({first, second, third}).missed_pairs, 1u) << "a pair without a vertex inside counts as any other";
+    EXPECT_EQ(a.pair_depth_ratio(), 0.5)
+        << "the deepest contact is half as deep as the deepest vertex";
+    EXPECT_EQ(accuracy({first, second, third}).missed_pairs, 1u)
+        << "a pair without a vertex inside counts as any other";
 }
 
 TEST_F(AccuracyTest, FalseContactsAreThoseWithDepth) {
-    const MethodContact pair{0, 2, 0, no_vertex, 0.1, {1, 0, 0}}, vertex{0, 1, 1, 6, 0.1, {1, 0, 0}};
+    const MethodContact pair{0, 2, 0, no_vertex, 0.1, {1, 0, 0}},
+        vertex{0, 1, 1, 6, 0.1, {1, 0, 0}};
     const Accuracy a = accuracy({first, second, third, edge, pair, vertex});
     EXPECT_EQ(a.false_pairs, 1u);
     EXPECT_EQ(a.false_vertices, 1u);
@@ -168,7 +184,8 @@ TEST_F(AccuracyTest, DepthsAndNormalsAreThoseOfTheVerticesFound) {
 
 TEST_F(AccuracyTest, NextToTheSurfaceDepthsAreRounding) {
     AccuracyCount count(recording, true);
-    count.add({0, {{0, 1}}, {{0, 1, 5, 1e-6, {0, 0, 1}}}}, std::vector<MethodContact>{{0, 1, 0, 5, 2e-6, {1, 0, 0}}});
+    count.add({0, {{0, 1}}, {{0, 1, 5, 1e-6, {0, 0, 1}}}},
+              std::vector<MethodContact>{{0, 1, 0, 5, 2e-6, {1, 0, 0}}});
     EXPECT_EQ(count.accuracy().missed_vertices, 0u);
     EXPECT_THAT(count.accuracy().depth_ratios, IsEmpty());
     EXPECT_THAT(count.accuracy().normal_errors, IsEmpty());

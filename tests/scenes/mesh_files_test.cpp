@@ -34,8 +34,9 @@ protected:
             const std::string file = entry.path().filename().string();
             try {
                 meshes[file] = read_mesh(entry.path());
-                reports[file] =
-                    check_mesh(meshes[file], {.self_intersections = meshes[file].triangles.size() < few_triangles});
+                reports[file] = check_mesh(
+                    meshes[file],
+                    {.self_intersections = meshes[file].triangles.size() < few_triangles});
             } catch (const InputError& error) {
                 meshes.erase(file);
                 errors[file] = error.what();
@@ -75,7 +76,8 @@ TEST_F(MeshFilesTest, ReportsAreConsistent) {
         }
         for (const MeshFinding& f : report.findings) {
             EXPECT_GT(f.count, 0u) << file;
-            EXPECT_EQ(f.places.size(), std::min(f.count, constants::finding_places) * ids_per_place(element(f.kind)))
+            EXPECT_EQ(f.places.size(),
+                      std::min(f.count, constants::finding_places) * ids_per_place(element(f.kind)))
                 << file;
         }
     }
@@ -87,10 +89,13 @@ TEST_F(MeshFilesTest, ReportsSayWhatMeshesDo) {
         if (report.triangles > few_triangles) continue;
         const Mesh mesh(file, meshes[file]);
         EXPECT_EQ(report.closed, mesh.traits().closed()) << file;
-        EXPECT_EQ(report.find(degenerate_triangle) == nullptr, mesh.traits().degenerate_triangles == 0) << file;
+        EXPECT_EQ(report.find(degenerate_triangle) == nullptr,
+                  mesh.traits().degenerate_triangles == 0)
+            << file;
         if (!mesh.view().simple) continue;
         ++simple;
-        for (const MeshDefect defect : {border_edge, flipped_edge, non_manifold_edge, inside_out, self_intersection})
+        for (const MeshDefect defect :
+             {border_edge, flipped_edge, non_manifold_edge, inside_out, self_intersection})
             EXPECT_EQ(report.find(defect), nullptr) << file << ": " << name(defect);
         EXPECT_EQ(report.components, 1u) << file;
     }
@@ -98,7 +103,8 @@ TEST_F(MeshFilesTest, ReportsSayWhatMeshesDo) {
 }
 
 TEST_F(MeshFilesTest, KnownMeshes) {
-    for (const char* file : {"cube.off", "bunny00.off", "elephant.off", "anchor.off", "armadillo.off", "knot1.off"})
+    for (const char* file :
+         {"cube.off", "bunny00.off", "elephant.off", "anchor.off", "armadillo.off", "knot1.off"})
         expect_kinds(file, {});
     for (const char* file : {"hedra_open.off", "open_cube.off", "lion-head.off", "blob.off"})
         expect_kinds(file, {border_edge});

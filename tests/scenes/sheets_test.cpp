@@ -1,4 +1,5 @@
-// Simulated sheets: from one recorded frame to the next they go neither through themselves nor through anything else.
+// Simulated sheets: from one recorded frame to the next they go neither through themselves nor
+// through anything else.
 #include <gtest/gtest.h>
 
 #include "pierce/embree_backend.hpp"
@@ -13,7 +14,8 @@ namespace {
 
 constexpr double dt = 1.0 / 60;
 
-std::vector<Vec3f> obstacle_positions(const Recording& recording, std::uint32_t body, std::uint32_t frame) {
+std::vector<Vec3f> obstacle_positions(const Recording& recording, std::uint32_t body,
+                                      std::uint32_t frame) {
     const Frame place = frame_of(recording.pose(body, frame));
     std::vector<Vec3f> positions;
     for (Vec3f p : recording.meshes[recording.bodies[body].mesh].data.positions)
@@ -28,7 +30,8 @@ std::uint32_t crossings_between(const Recording& recording, std::uint32_t frame)
         const RecordedBody& body = recording.bodies[b];
         const MeshId mesh = world.add_mesh(body.name, recording.meshes[body.mesh].data);
         if (body.motion != Motion::deforming) {
-            world.set_motion(world.add_fixed_body(mesh), recording.pose(b, frame), recording.pose(b, frame + 1));
+            world.set_motion(world.add_fixed_body(mesh), recording.pose(b, frame),
+                             recording.pose(b, frame + 1));
             continue;
         }
         const BodyId id = world.add_deforming_body(mesh);
@@ -77,9 +80,9 @@ TEST_P(SimulatedSheets, NeverCrossAnything) {
             const auto& triangles = scene.meshes[scene.bodies[a].mesh].data.triangles;
             for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
                 if (recording.bodies[b].motion == Motion::deforming) continue;
-                const auto found =
-                    crossings(triangles, recording.positions(a, f), scene.meshes[scene.bodies[b].mesh].data.triangles,
-                              obstacle_positions(recording, b, f));
+                const auto found = crossings(triangles, recording.positions(a, f),
+                                             scene.meshes[scene.bodies[b].mesh].data.triangles,
+                                             obstacle_positions(recording, b, f));
                 ASSERT_EQ(found.count, 0u) << "frame " << f << ", " << scene.bodies[b].name;
             }
         }
@@ -103,7 +106,8 @@ TEST(SheetScenes, ASheetThatIsHeldCatchesSolidsAndKeepsItsSize) {
     double lowest = 9, highest = 0;
     for (std::uint32_t b = 0; b < scene.bodies.size(); ++b)
         if (scene.bodies[b].motion == Motion::rigid)
-            for (std::uint32_t v = 0; v < scene.meshes[scene.bodies[b].mesh].data.positions.size(); ++v) {
+            for (std::uint32_t v = 0; v < scene.meshes[scene.bodies[b].mesh].data.positions.size();
+                 ++v) {
                 lowest = std::min(lowest, simulation.vertex_position(b, v).z);
                 highest = std::max(highest, simulation.vertex_position(b, v).z);
             }
@@ -116,8 +120,10 @@ TEST(SheetScenes, ASheetThatIsHeldCatchesSolidsAndKeepsItsSize) {
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
-            longest = std::max(longest, length(simulation.vertex_position(sheet, v) - simulation.vertex_position(sheet, w)) /
-                                            length(to_double(mesh.positions[v]) - to_double(mesh.positions[w])));
+            longest = std::max(
+                longest, length(simulation.vertex_position(sheet, v) -
+                                simulation.vertex_position(sheet, w)) /
+                             length(to_double(mesh.positions[v]) - to_double(mesh.positions[w])));
         }
     EXPECT_LT(longest, 2) << "its links do not creep";
 }
@@ -147,7 +153,8 @@ TEST(SheetScenes, LayersComeCloseAndNeverMeet) {
         EXPECT_GT(frame.contacts, 0u) << "neighbours come closer than their thickness";
         EXPECT_EQ(frame.crossings + frame.remembered + frame.tangled, 0u);
     }
-    const auto triangles = simulation.world()->mesh(simulation.world()->mesh_of({0, 1})).triangles();
+    const auto
+        triangles = simulation.world()->mesh(simulation.world()->mesh_of({0, 1})).triangles();
     std::vector<Vec3f> at(layers.vertex_count());
     layers.positions(3, 1, at);
     for (std::uint32_t v = 0; v < at.size(); ++v)

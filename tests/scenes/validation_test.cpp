@@ -1,11 +1,12 @@
-// Backends held against each other: agreement is found, and so is every kind of disagreement, with who is wrong.
+// Backends held against each other: agreement is found, and so is every kind of disagreement, with
+// who is wrong.
 #include "scenes/validation.hpp"
 
 #include <gmock/gmock.h>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/contact_hash.hpp"
@@ -31,12 +32,13 @@ Recording pile(bool soft, int frames) {
     return recording;
 }
 
-/// A pyramid that stands on its tip in the ground; the tip's ray leaves the ground through the diagonal of its top if `x` is
-/// 0.
+/// A pyramid that stands on its tip in the ground; the tip's ray leaves the ground through the
+/// diagonal of its top if `x` is 0.
 Recording pyramid(float x) {
     MeshData tip{{{0, 0, 0}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}, {}};
     tip.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 4, 3}}, {{0, 1, 4}}, {{1, 2, 3}}, {{1, 3, 4}}};
-    SceneSetup scene{"pyramid", {{"ground", box({-5, -5, -1}, {5, 5, 0}), {}}, {"tip", tip, {}}}, {}};
+    SceneSetup scene{
+        "pyramid", {{"ground", box({-5, -5, -1}, {5, 5, 0}), {}}, {"tip", tip, {}}}, {}};
     scene.bodies = {{"ground", 0, Motion::fixed, {}, true}, {"tip", 1, Motion::rigid, {}, false}};
     Recording recording = start_recording(scene, 0.01);
     recording.frame_count = 1;
@@ -96,8 +98,8 @@ TEST(ValidationTest, HonestBackendsAgree) {
         const Recording recording = pile(soft, 20);
         for (Coverage coverage : {Coverage::vertices, Coverage::complete}) {
             std::uint32_t done = 0;
-            const Validation result =
-                validate(recording, all_honest(), {.coverage = coverage}, 3, [&](std::uint32_t frames) { done = frames; });
+            const Validation result = validate(recording, all_honest(), {.coverage = coverage}, 3,
+                                               [&](std::uint32_t frames) { done = frames; });
             EXPECT_EQ(result.differing_frames, 0u);
             EXPECT_TRUE(result.wrong.empty());
             EXPECT_EQ(result.frames, 7u);
@@ -115,8 +117,10 @@ TEST(ValidationTest, HonestBackendsAgree) {
 TEST(ValidationTest, TheJudgeSaysOfAPairWhatTheReferenceSaysOfAllBodies) {
     for (bool soft : {false, true}) {
         const Recording recording = pile(soft, 5);
-        for (const Settings& settings : {Settings{}, Settings{.coverage = Coverage::complete, .reproject = true}}) {
-            const auto reference = make_detector(scene_of(recording), reference_backend(), settings);
+        for (const Settings& settings :
+             {Settings{}, Settings{.coverage = Coverage::complete, .reproject = true}}) {
+            const auto reference = make_detector(scene_of(recording), reference_backend(),
+                                                 settings);
             Judge judge(recording, settings, 2);
             for (std::uint32_t f = 0; f < recording.frame_count; f += 2) {
                 put_frame(*reference, recording, f);
@@ -125,7 +129,8 @@ TEST(ValidationTest, TheJudgeSaysOfAPairWhatTheReferenceSaysOfAllBodies) {
                 std::vector<Contact> all;
                 for (const auto& [a, b] : expected.touching)
                     for (const Contact& c : judge.judge(f, a, b).contacts) all.push_back(c);
-                EXPECT_EQ(contact_hash(all), expected.hash) << "frame " << f << (soft ? ", soft" : "");
+                EXPECT_EQ(contact_hash(all), expected.hash)
+                    << "frame " << f << (soft ? ", soft" : "");
             }
         }
     }
@@ -133,10 +138,12 @@ TEST(ValidationTest, TheJudgeSaysOfAPairWhatTheReferenceSaysOfAllBodies) {
 
 TEST(ValidationTest, FindsEveryKindOfDifference) {
     const Recording recording = pile(false, 1);
-    const auto detector = make_detector(scene_of(recording), bvh_backend(), {.coverage = Coverage::complete});
+    const auto detector = make_detector(scene_of(recording), bvh_backend(),
+                                        {.coverage = Coverage::complete});
     put_frame(*detector, recording, 0);
     detector->detect();
-    const std::vector<Contact> right(detector->world()->contacts().begin(), detector->world()->contacts().end());
+    const std::vector<Contact> right(detector->world()->contacts().begin(),
+                                     detector->world()->contacts().end());
     ASSERT_GT(right.size(), 20u);
     EXPECT_TRUE(differences(right, right).empty());
     EXPECT_EQ(differences({}, right).size(), right.size());
@@ -145,7 +152,8 @@ TEST(ValidationTest, FindsEveryKindOfDifference) {
     std::vector<Contact> broken = right;
     broken[3].triangle += 1;
     broken[5].distance = std::nextafter(broken[5].distance, 1.0);
-    broken[7].age += 1;  // how old a contact is, and how it was found, is the backend's own business
+    broken[7].age += 1;  // how old a contact is, and how it was found, is the backend's own
+                         // business
     broken.erase(broken.begin() + 11);
     broken.push_back(broken.back());
     broken.back().vertex += 1;
@@ -166,7 +174,9 @@ TEST(ValidationTest, FindsEveryKindOfDifference) {
 
 TEST(ValidationTest, SaysWhichBackendIsWrongAndAboutWhat) {
     const Recording recording = pile(false, 6);
-    const auto drop_third = [](std::vector<Contact>& contacts) { contacts.erase(contacts.begin() + 2); };
+    const auto drop_third = [](std::vector<Contact>& contacts) {
+        contacts.erase(contacts.begin() + 2);
+    };
     const Validation dropped = validate(recording, honest_and(4, drop_third), {});
     EXPECT_EQ(dropped.differing_frames, 1u);
     EXPECT_EQ(dropped.results[0].wrong_frames, 1u);
@@ -178,11 +188,15 @@ TEST(ValidationTest, SaysWhichBackendIsWrongAndAboutWhat) {
     EXPECT_FALSE(dropped.wrong[0].difference.found);
     EXPECT_EQ(dropped.results[0].contacts + 1, dropped.results[1].contacts);
 
-    const auto other_triangle = [](std::vector<Contact>& contacts) { contacts.back().triangle ^= 1; };
-    const Validation changed = validate(recording, honest_and(0, other_triangle), {.coverage = Coverage::complete});
+    const auto other_triangle = [](std::vector<Contact>& contacts) {
+        contacts.back().triangle ^= 1;
+    };
+    const Validation changed = validate(recording, honest_and(0, other_triangle),
+                                        {.coverage = Coverage::complete});
     ASSERT_EQ(changed.wrong.size(), 1u);
     EXPECT_EQ(changed.wrong[0].candidate, 0u);
-    EXPECT_EQ(changed.wrong[0].difference.found->triangle ^ 1, changed.wrong[0].difference.right->triangle);
+    EXPECT_EQ(changed.wrong[0].difference.found->triangle ^ 1,
+              changed.wrong[0].difference.right->triangle);
     EXPECT_EQ(validate(recording, honest_and(6, other_triangle), {}).differing_frames, 0u);
 }
 

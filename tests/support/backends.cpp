@@ -16,7 +16,8 @@ namespace {
 /// Our own trees, which know what bodies there are.
 class ArrangedTrees : public BvhTracer<ShuffledExecutor> {
 public:
-    void update(ShuffledExecutor& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+    void update(ShuffledExecutor& executor, View<const BodyView> bodies,
+                View<const std::uint32_t> wanted) {
         arrange(executor, bodies);
         BvhTracer::update(executor, bodies, wanted);
     }
@@ -25,24 +26,27 @@ public:
 class ShuffledBackend : public PipelineBackend<ShuffledExecutor, ArrangedTrees> {
 public:
     ShuffledBackend()
-        : PipelineBackend("shuffled, 1 thread", std::make_unique<ShuffledExecutor>(), std::make_unique<ArrangedTrees>()) {}
+        : PipelineBackend("shuffled, 1 thread", std::make_unique<ShuffledExecutor>(),
+                          std::make_unique<ArrangedTrees>()) {}
     bool certificates_pay() const override { return false; }
 };
 
 std::unique_ptr<Backend> parallel_backend() {
     return std::make_unique<PipelineBackend<ParallelExecutor, BvhTracer<ParallelExecutor>>>(
-        "parallel algorithms", std::make_unique<ParallelExecutor>(), std::make_unique<BvhTracer<ParallelExecutor>>());
+        "parallel algorithms", std::make_unique<ParallelExecutor>(),
+        std::make_unique<BvhTracer<ParallelExecutor>>());
 }
 
 }  // namespace
 
 std::vector<NamedBackend> backends() {
-    std::vector<NamedBackend> all = {{"reference", [] { return reference_backend(); }},
-                                     {"bvh", [] { return bvh_backend(); }},
-                                     {"embree_1", [] { return embree_backend(1); }},
-                                     {"embree_3", [] { return embree_backend(3); }},
-                                     {"shuffled", [] { return std::make_unique<ShuffledBackend>(); }},
-                                     {"parallel", [] { return parallel_backend(); }}};
+    std::vector<NamedBackend> all = {
+        {"reference", [] { return reference_backend(); }},
+        {"bvh", [] { return bvh_backend(); }},
+        {"embree_1", [] { return embree_backend(1); }},
+        {"embree_3", [] { return embree_backend(3); }},
+        {"shuffled", [] { return std::make_unique<ShuffledBackend>(); }},
+        {"parallel", [] { return parallel_backend(); }}};
 #if PIERCE_HAS_CUDA
     if (cuda_problem().empty()) {
         all.push_back({"cuda", [] { return cuda_backend(); }});

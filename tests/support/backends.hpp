@@ -17,7 +17,8 @@ struct NamedBackend {
     std::function<std::unique_ptr<Backend>()> make;
 };
 
-/// Every backend that can run here: the reference, our own trees, Embree with one thread and with several, and CUDA.
+/// Every backend that can run here: the reference, our own trees, Embree with one thread and with
+/// several, and CUDA.
 std::vector<NamedBackend> backends();
 
 /// True if a backend of this name can run here.
@@ -27,7 +28,9 @@ inline bool has_backend(const std::string& name) {
     return false;
 }
 
-inline std::string backend_name(const testing::TestParamInfo<NamedBackend>& info) { return info.param.name; }
+inline std::string backend_name(const testing::TestParamInfo<NamedBackend>& info) {
+    return info.param.name;
+}
 inline void PrintTo(const NamedBackend& backend, std::ostream* os) { *os << backend.name; }
 
 }  // namespace pierce::test

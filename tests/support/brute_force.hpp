@@ -6,8 +6,9 @@
 #include "pierce/mesh.hpp"
 #include "pierce/pose.hpp"
 
-/// Detection by definition, in long double and with none of the library's code: Moeller-Trumbore crossings of all
-/// triangles, sorted. For meshes and poses in general position; it says so when they are not.
+/// Detection by definition, in long double and with none of the library's code: Moeller-Trumbore
+/// crossings of all triangles, sorted. For meshes and poses in general position; it says so when
+/// they are not.
 namespace pierce::test {
 
 struct SolidVec {
@@ -32,19 +33,24 @@ struct ExpectedContact {
 /// What the vertex rays of one body into another should find.
 struct Expected {
     std::vector<ExpectedContact> contacts;
-    std::vector<std::uint32_t> unclear;  ///< vertices whose answer hangs on rounding: a crossing at an edge or at the start
+    std::vector<std::uint32_t> unclear;  ///< vertices whose answer hangs on rounding: a crossing at
+                                         ///< an edge or at the start
 };
 
 /// Rules R1 to R3 for every vertex of `source` with the given inward directions.
-Expected expected_contacts(const Solid& source, const std::vector<SolidVec>& inward, const Solid& target);
+Expected expected_contacts(const Solid& source, const std::vector<SolidVec>& inward,
+                           const Solid& target);
 
-/// What a body's inward rays should find where it is inside itself: vertices just outside of which there is more of it, and
-/// whose ray leaves it, somewhere that is `away` or further from the vertex at rest.
-Expected expected_self_contacts(const Solid& body, const std::vector<SolidVec>& inward, const Solid& rest, long double away);
+/// What a body's inward rays should find where it is inside itself: vertices just outside of which
+/// there is more of it, and whose ray leaves it, somewhere that is `away` or further from the
+/// vertex at rest.
+Expected expected_self_contacts(const Solid& body, const std::vector<SolidVec>& inward,
+                                const Solid& rest, long double away);
 
-/// Crossings of a segment with a solid strictly between its ends, leaving out `margin` of its length at both; triangles
-/// around `excluded` do not count.
-int crossings_between(SolidVec from, SolidVec to, const Solid& solid, std::uint32_t excluded, long double margin);
+/// Crossings of a segment with a solid strictly between its ends, leaving out `margin` of its
+/// length at both; triangles around `excluded` do not count.
+int crossings_between(SolidVec from, SolidVec to, const Solid& solid, std::uint32_t excluded,
+                      long double margin);
 
 /// True if the point is inside, by the winding number.
 bool is_inside(SolidVec point, const Solid& solid);

@@ -43,11 +43,13 @@ std::vector<MeetingQuery> read_meeting_queries(const std::filesystem::path& file
             (row % 8 < 4 ? corner.start : corner.end)[k] = value;
         }
     }
-    if (row % 8 != 0) throw std::runtime_error(file.string() + ": the last query has less than eight lines");
+    if (row % 8 != 0)
+        throw std::runtime_error(file.string() + ": the last query has less than eight lines");
     return queries;
 }
 
-std::vector<std::filesystem::path> meeting_query_files(const std::filesystem::path& folder, const std::string& name) {
+std::vector<std::filesystem::path> meeting_query_files(const std::filesystem::path& folder,
+                                                       const std::string& name) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
         if (entry.path().extension() == ".csv" && entry.path().parent_path().filename() == name)

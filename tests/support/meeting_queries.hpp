@@ -16,13 +16,14 @@ struct MeetingQuery {
     bool meets = false;
 };
 
-/// Reads a file of the continuous collision benchmark of Wang et al. (2021): eight lines a query, four corners at the start
-/// and four at the end; each line x, y, z as numerator, denominator, and the answer. Throws std::runtime_error that names
-/// the line at fault.
+/// Reads a file of the continuous collision benchmark of Wang et al. (2021): eight lines a query,
+/// four corners at the start and four at the end; each line x, y, z as numerator, denominator, and
+/// the answer. Throws std::runtime_error that names the line at fault.
 std::vector<MeetingQuery> read_meeting_queries(const std::filesystem::path& file);
 
 /// Files of a folder and those below it whose own folder has this name, sorted.
-std::vector<std::filesystem::path> meeting_query_files(const std::filesystem::path& folder, const std::string& name);
+std::vector<std::filesystem::path> meeting_query_files(const std::filesystem::path& folder,
+                                                       const std::string& name);
 
 /// Corners as doubles, and whether nothing was lost.
 struct RoundedCorners {

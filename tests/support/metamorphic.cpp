@@ -16,16 +16,19 @@ void shuffle(MeshData& mesh, std::uint32_t seed) {
         std::vector<std::uint32_t> order(count);
         std::iota(order.begin(), order.end(), 0u);
         for (std::size_t i = count; i > 1; --i)
-            std::swap(order[i - 1], order[static_cast<std::size_t>(random.integer(0, static_cast<int>(i) - 1))]);
+            std::swap(order[i - 1],
+                      order[static_cast<std::size_t>(random.integer(0, static_cast<int>(i) - 1))]);
         return order;
     };
-    const std::vector<std::uint32_t> to = order_of(mesh.positions.size()), from = order_of(mesh.triangles.size());
+    const std::vector<std::uint32_t> to = order_of(mesh.positions.size()),
+                                     from = order_of(mesh.triangles.size());
     MeshData shuffled = mesh;
     for (std::size_t v = 0; v < to.size(); ++v) shuffled.positions[to[v]] = mesh.positions[v];
     for (std::size_t t = 0; t < from.size(); ++t) {
         const Triangle& triangle = mesh.triangles[from[t]];
         const int first = random.integer(0, 2);
-        for (int k = 0; k < 3; ++k) shuffled.triangles[t].vertex[k] = to[triangle.vertex[(first + k) % 3]];
+        for (int k = 0; k < 3; ++k)
+            shuffled.triangles[t].vertex[k] = to[triangle.vertex[(first + k) % 3]];
     }
     mesh = std::move(shuffled);
 }
@@ -44,7 +47,8 @@ std::vector<Change> symmetries() {
             Change change;
             change.axis = axis;
             change.sign = {signs & 1 ? -1.0 : 1.0, signs & 2 ? -1.0 : 1.0, signs & 4 ? -1.0 : 1.0};
-            for (int k = 0; k < 3; ++k) change.name += (change.sign[k] < 0 ? "-" : "+") + std::string(1, "xyz"[axis[k]]);
+            for (int k = 0; k < 3; ++k)
+                change.name += (change.sign[k] < 0 ? "-" : "+") + std::string(1, "xyz"[axis[k]]);
             all.push_back(change);
         }
     while (std::ranges::next_permutation(axis).found);
@@ -53,7 +57,9 @@ std::vector<Change> symmetries() {
 
 }  // namespace
 
-Vec3d Change::direction(Vec3d v) const { return {sign.x * v[axis[0]], sign.y * v[axis[1]], sign.z * v[axis[2]]}; }
+Vec3d Change::direction(Vec3d v) const {
+    return {sign.x * v[axis[0]], sign.y * v[axis[1]], sign.z * v[axis[2]]};
+}
 
 Vec3d Change::direction_back(Vec3d v) const {
     Vec3d back;

@@ -12,13 +12,15 @@
 
 namespace pierce::test {
 
-/// Runs stages by the standard library's parallel algorithms; written from docs/new_backend.md alone.
+/// Runs stages by the standard library's parallel algorithms; written from docs/new_backend.md
+/// alone.
 class ParallelExecutor : public HostExecutor {
 public:
     template <class F>
     void for_each(const char*, std::uint32_t n, const F& stage) {
         const std::vector<std::uint32_t>& all = numbers(n);
-        std::for_each(std::execution::par, all.begin(), all.begin() + n, [&](std::uint32_t i) { stage(i); });
+        std::for_each(std::execution::par, all.begin(), all.begin() + n,
+                      [&](std::uint32_t i) { stage(i); });
     }
 
     template <class... F>
@@ -26,7 +28,8 @@ public:
         (for_each(name, n, stages), ...);
     }
 
-    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in,
+                                 View<std::uint32_t> out) {
         if (n == 0) return 0;
         sums_.resize(n);  // `out` may be `in`
         std::inclusive_scan(std::execution::par, in.data, in.data + n, sums_.begin());
@@ -36,10 +39,12 @@ public:
     }
 
     template <class F>
-    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted,
+                         View<std::uint32_t> out) {
         places_.resize(n + 1);
         for_each(name, n, [&](std::uint32_t i) { places_[i] = wanted(i); });
-        const std::uint32_t total = exclusive_scan(name, n, {places_.data(), n}, {places_.data(), n});
+        const std::uint32_t total = exclusive_scan(name, n, {places_.data(), n},
+                                                   {places_.data(), n});
         places_[n] = total;
         for_each(name, n, [&](std::uint32_t i) {
             if (places_[i + 1] > places_[i]) out[places_[i]] = listed(wanted, i);
@@ -51,13 +56,17 @@ public:
     void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         places_.resize(n);
         for_each(name, n, [&](std::uint32_t i) { places_[i] = finder.count(finder.find(i)); });
-        const std::uint32_t total = exclusive_scan(name, n, {places_.data(), n}, {places_.data(), n});
+        const std::uint32_t total = exclusive_scan(name, n, {places_.data(), n},
+                                                   {places_.data(), n});
         (lists.resize(total), ...);
-        for_each(name, n, [&](std::uint32_t i) { finder.write(i, finder.find(i), places_[i], lists.data()...); });
+        for_each(name, n, [&](std::uint32_t i) {
+            finder.write(i, finder.find(i), places_[i], lists.data()...);
+        });
     }
 
-    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys, View<const std::uint32_t> values,
-              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys,
+              View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
+              View<std::uint32_t> sorted_values) {
         std::vector<std::uint32_t> order(n);
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(std::execution::par, order.begin(), order.end(),
@@ -79,7 +88,8 @@ public:
 private:
     /// At least n numbers from 0 on.
     const std::vector<std::uint32_t>& numbers(std::uint32_t n) {
-        for (auto i = static_cast<std::uint32_t>(numbers_.size()); i < n; ++i) numbers_.push_back(i);
+        for (auto i = static_cast<std::uint32_t>(numbers_.size()); i < n; ++i)
+            numbers_.push_back(i);
         return numbers_;
     }
 

@@ -7,7 +7,8 @@
 namespace pierce::test {
 
 Random::Random(std::uint32_t seed) : seed_(seed) {
-    if (const char* given = std::getenv("PIERCE_TEST_SEED")) seed_ = static_cast<std::uint32_t>(std::atoll(given));
+    if (const char* given = std::getenv("PIERCE_TEST_SEED"))
+        seed_ = static_cast<std::uint32_t>(std::atoll(given));
     engine_.seed(seed_);
 }
 
@@ -36,10 +37,12 @@ MeshData random_closed_mesh(Random& random) {
             return mesh;
         }
         case 1:
-            return scenes::torus(0.8, random.uniform(0.1, 0.4), static_cast<std::uint32_t>(random.integer(5, 30)),
+            return scenes::torus(0.8, random.uniform(0.1, 0.4),
+                                 static_cast<std::uint32_t>(random.integer(5, 30)),
                                  static_cast<std::uint32_t>(random.integer(4, 12)));
         case 2: {
-            const Vec3d half{random.uniform(0.05, 1), random.uniform(0.3, 1), random.uniform(0.5, 1)};
+            const Vec3d half{random.uniform(0.05, 1), random.uniform(0.3, 1),
+                             random.uniform(0.5, 1)};
             return scenes::box(-half, half);
         }
         default: {

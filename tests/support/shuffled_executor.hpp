@@ -10,8 +10,9 @@
 
 namespace pierce::test {
 
-/// Runs a stage's items in another order every time, asks emitting stages twice and lists what they find block by block,
-/// blocks in any order: what an executor with many threads may do, on one thread, so that it comes again the same.
+/// Runs a stage's items in another order every time, asks emitting stages twice and lists what they
+/// find block by block, blocks in any order: what an executor with many threads may do, on one
+/// thread, so that it comes again the same.
 class ShuffledExecutor : public HostExecutor {
 public:
     static constexpr bool runs_on_host = false;
@@ -26,12 +27,14 @@ public:
         (for_each(name, n, stages), ...);
     }
 
-    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in,
+                                 View<std::uint32_t> out) {
         return serial_.exclusive_scan(name, n, in, out);
     }
 
     template <class F>
-    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted,
+                         View<std::uint32_t> out) {
         return serial_.select(name, n, wanted, out);
     }
 
@@ -53,8 +56,9 @@ public:
             }
     }
 
-    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys, View<const std::uint32_t> values,
-              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys,
+              View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
+              View<std::uint32_t> sorted_values) {
         serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
     }
 
@@ -68,7 +72,8 @@ public:
 private:
     static constexpr std::uint32_t block = 8;
 
-    /// The numbers below n: steps of a length that has no factor in common with n lead to all of them.
+    /// The numbers below n: steps of a length that has no factor in common with n lead to all of
+    /// them.
     std::vector<std::uint32_t> shuffled(std::uint32_t n) {
         state_ = state_ * 6364136223846793005u + 1442695040888963407u;
         std::vector<std::uint32_t> order(n);

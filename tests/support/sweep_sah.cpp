@@ -19,7 +19,8 @@ BoxF box_of(std::span<const BoxF> boxes) {
 }
 
 void sort_along(int axis, std::span<BoxF> boxes) {
-    std::ranges::stable_sort(boxes, {}, [=](const BoxF& box) { return box.lower[axis] + box.upper[axis]; });
+    std::ranges::stable_sort(boxes, {},
+                             [=](const BoxF& box) { return box.lower[axis] + box.upper[axis]; });
 }
 
 /// Half areas of all boxes in the tree, times what each costs. Reorders `boxes`.
@@ -39,7 +40,8 @@ double weighted_area(std::span<BoxF> boxes) {
         }
         for (std::size_t i = boxes.size() - 1; i > 0; --i) {
             right.extend(boxes[i]);
-            const double cost = before[i] + right.half_area() * static_cast<double>(boxes.size() - i);
+            const double cost = before[i] +
+                                right.half_area() * static_cast<double>(boxes.size() - i);
             if (cost >= best) continue;
             best = cost;
             best_axis = axis;
@@ -47,14 +49,16 @@ double weighted_area(std::span<BoxF> boxes) {
         }
     }
     sort_along(best_axis, boxes);
-    return constants::node_cost * area + weighted_area(boxes.first(best_split)) + weighted_area(boxes.subspan(best_split));
+    return constants::node_cost * area + weighted_area(boxes.first(best_split)) +
+           weighted_area(boxes.subspan(best_split));
 }
 
 }  // namespace
 
 double sweep_sah_cost(const BodyView& body) {
     std::vector<BoxF> boxes;
-    for (std::uint32_t leaf = 0; leaf < body.mesh.leaves.size; ++leaf) boxes.push_back(bvh::leaf_box(body, leaf));
+    for (std::uint32_t leaf = 0; leaf < body.mesh.leaves.size; ++leaf)
+        boxes.push_back(bvh::leaf_box(body, leaf));
     const double area = box_of(boxes).half_area();
     return weighted_area(boxes) / area;
 }

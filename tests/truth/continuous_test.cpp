@@ -1,4 +1,5 @@
-// Meetings of moving features against rational arithmetic, and against the published queries with known answers.
+// Meetings of moving features against rational arithmetic, and against the published queries with
+// known answers.
 #include "core/geometry/continuous.hpp"
 
 #include <gmock/gmock.h>
@@ -36,19 +37,22 @@ double size_of(const FourPoints& c) {
     double size = 0;
     for (const MovingPoint& p : c)
         for (int axis = 0; axis < 3; ++axis)
-            size = std::max({size, std::abs(p.start[axis] - c[0].start[axis]), std::abs(p.end[axis] - c[0].end[axis])});
+            size = std::max({size, std::abs(p.start[axis] - c[0].start[axis]),
+                             std::abs(p.end[axis] - c[0].end[axis])});
     return size;
 }
 
 /// Distance of the features at the reported time and place, without rounding before the root.
 double distance_at(Kind kind, const ExactCorners& c, const Impact& impact) {
     const mpq_class t = impact.time, u = impact.u, v = impact.v;
-    const std::array<mpq_class, 4> weight =
-        kind == Kind::edges ? std::array<mpq_class, 4>{1 - u, u, v - 1, -v} : std::array<mpq_class, 4>{1, u + v - 1, -u, -v};
+    const std::array<mpq_class, 4> weight = kind == Kind::edges
+                                                ? std::array<mpq_class, 4>{1 - u, u, v - 1, -v}
+                                                : std::array<mpq_class, 4>{1, u + v - 1, -u, -v};
     mpq_class squared = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         mpq_class sum = 0;
-        for (std::size_t k = 0; k < 4; ++k) sum += weight[k] * (c[k].start[axis] + t * (c[k].end[axis] - c[k].start[axis]));
+        for (std::size_t k = 0; k < 4; ++k)
+            sum += weight[k] * (c[k].start[axis] + t * (c[k].end[axis] - c[k].start[axis]));
         squared += sum * sum;
     }
     return std::sqrt(squared.get_d());
@@ -76,7 +80,8 @@ void check(Kind kind, const FourPoints& corners, Tally& tally) {
         return;
     }
     const bool within = impact.u >= 0 && impact.v >= 0 &&
-                        (kind == Kind::edges ? std::max(impact.u, impact.v) : impact.u + impact.v) <= 1 + 1e-15;
+                        (kind == Kind::edges ? std::max(impact.u, impact.v)
+                                             : impact.u + impact.v) <= 1 + 1e-15;
     tally.far += !within || !(distance_at(kind, c, impact) <= bound);
 }
 
@@ -87,7 +92,8 @@ FourPoints random_corners(Random& random, double half) {
 }
 
 Vec3d on_grid(Random& random, int half) {
-    return {1.0 * random.integer(-half, half), 1.0 * random.integer(-half, half), 1.0 * random.integer(-half, half)};
+    return {1.0 * random.integer(-half, half), 1.0 * random.integer(-half, half),
+            1.0 * random.integer(-half, half)};
 }
 
 /// A convex combination of corners.
@@ -100,7 +106,8 @@ Vec3d place_in(Random& random, Vec3d a, Vec3d b, Vec3d c, bool at_border) {
     return (1 - u - v) * a + u * b + v * c;
 }
 
-/// Makes the first corner pass through the face of the others, or the first edge through the second, at a time.
+/// Makes the first corner pass through the face of the others, or the first edge through the
+/// second, at a time.
 void aim(Random& random, Kind kind, FourPoints& c, double t, bool at_border) {
     const auto at = [&](std::size_t k) { return (1 - t) * c[k].start + t * c[k].end; };
     const Vec3d target = kind == Kind::edges ? place_in(random, at(2), at(3), at(3), at_border)
@@ -221,9 +228,12 @@ const Family families[] = {
 /// The same with other numbers: elsewhere, larger or smaller, all moving, in float32.
 FourPoints varied(Random& random, FourPoints c) {
     const double scale = std::ldexp(1.0, random.integer(0, 1) ? 0 : random.integer(-20, 20));
-    const Vec3d shift = random.integer(0, 2) ? Vec3d{} : scale * std::ldexp(1.0, random.integer(0, 22)) * on_grid(random, 1);
-    const Vec3d motion =
-        random.integer(0, 2) ? Vec3d{} : scale * std::ldexp(1.0, random.integer(0, 10)) * on_grid(random, 1);
+    const Vec3d shift = random.integer(0, 2)
+                            ? Vec3d{}
+                            : scale * std::ldexp(1.0, random.integer(0, 22)) * on_grid(random, 1);
+    const Vec3d motion = random.integer(0, 2)
+                             ? Vec3d{}
+                             : scale * std::ldexp(1.0, random.integer(0, 10)) * on_grid(random, 1);
     const bool in_float = random.integer(0, 1) != 0;
     for (MovingPoint& p : c) {
         p = {scale * p.start + shift, scale * p.end + shift + motion};
@@ -246,8 +256,9 @@ TEST_P(ContinuousTruthTest, NoMeetingIsMissedAndNoneIsReportedFromAfar) {
             ASSERT_EQ(tally.late, 0) << "round " << round;
             ASSERT_EQ(tally.far, 0) << "round " << round;
         }
-        RecordProperty(family.name, std::to_string(tally.meetings) + " meet, " + std::to_string(tally.spurious) +
-                                        " nearly, " + std::to_string(tally.gave_up) + " given up");
+        RecordProperty(family.name, std::to_string(tally.meetings) + " meet, " +
+                                        std::to_string(tally.spurious) + " nearly, " +
+                                        std::to_string(tally.gave_up) + " given up");
         EXPECT_EQ(tally.gave_up, 0);
         if (family.mostly_meets) {
             EXPECT_GE(tally.meetings, tally.queries / 10);
@@ -257,7 +268,8 @@ TEST_P(ContinuousTruthTest, NoMeetingIsMissedAndNoneIsReportedFromAfar) {
 
 /// What the answers to published queries were like.
 struct Published {
-    std::size_t queries = 0, meetings = 0, disputed = 0, rounded = 0, missed = 0, spurious = 0, gave_up = 0;
+    std::size_t queries = 0, meetings = 0, disputed = 0, rounded = 0, missed = 0, spurious = 0,
+                gave_up = 0;
     double widest_gap = 0;  ///< of spurious meetings [size]
 };
 
@@ -274,16 +286,19 @@ Published ask(Kind kind, const std::vector<MeetingQuery>& queries) {
         result.missed += query.meets && !found;
         if (!query.meets && found) {
             ++result.spurious;
-            result.widest_gap = std::max(result.widest_gap, impact.gap / size_of(as_double.corners));
+            result.widest_gap = std::max(result.widest_gap,
+                                         impact.gap / size_of(as_double.corners));
         }
-        result.gave_up += found && impact.gap > constants::meeting_tolerance * size_of(as_double.corners) * 1.000001;
+        result.gave_up += found && impact.gap > constants::meeting_tolerance *
+                                                    size_of(as_double.corners) * 1.000001;
     }
     return result;
 }
 
 TEST_P(ContinuousTruthTest, QueriesOfOurOwnInThePublishedFormat) {
     const bool edges = GetParam() == Kind::edges;
-    const auto files = meeting_query_files(PIERCE_TEST_DATA "/meeting_queries", edges ? "edge-edge" : "vertex-face");
+    const auto files = meeting_query_files(PIERCE_TEST_DATA "/meeting_queries",
+                                           edges ? "edge-edge" : "vertex-face");
     ASSERT_EQ(files.size(), 1u);
     const Published result = ask(GetParam(), read_meeting_queries(files[0]));
     EXPECT_EQ(result.queries, edges ? 5u : 6u);
@@ -296,17 +311,20 @@ TEST_P(ContinuousTruthTest, QueriesOfOurOwnInThePublishedFormat) {
 
 TEST_P(ContinuousTruthTest, PublishedQueries) {
     const char* folder = std::getenv("PIERCE_CCD_QUERIES");
-    if (!folder) GTEST_SKIP() << "PIERCE_CCD_QUERIES names no folder with the queries of Wang et al. (2021)";
+    if (!folder)
+        GTEST_SKIP() << "PIERCE_CCD_QUERIES names no folder with the queries of Wang et al. (2021)";
     const std::string name = GetParam() == Kind::edges ? "edge-edge" : "vertex-face";
     const auto files = meeting_query_files(folder, name);
     ASSERT_FALSE(files.empty()) << "no " << name << "/*.csv below " << folder;
     for (const auto& file : files) {
         const Published result = ask(GetParam(), read_meeting_queries(file));
         std::printf(
-            "%s: %zu queries, %zu meet; missed %zu, spurious %zu (gaps up to %.1e of the size), given up %zu; %zu not in "
+            "%s: %zu queries, %zu meet; missed %zu, spurious %zu (gaps up to %.1e of the size), "
+            "given up %zu; %zu not in "
             "double; exact truth disputes %zu\n",
-            file.parent_path().parent_path().filename().c_str(), result.queries, result.meetings, result.missed,
-            result.spurious, result.widest_gap, result.gave_up, result.rounded, result.disputed);
+            file.parent_path().parent_path().filename().c_str(), result.queries, result.meetings,
+            result.missed, result.spurious, result.widest_gap, result.gave_up, result.rounded,
+            result.disputed);
         EXPECT_EQ(result.missed, 0u) << file;
         EXPECT_EQ(result.disputed, 0u) << file;
         EXPECT_EQ(result.gave_up, 0u) << file;
@@ -315,7 +333,8 @@ TEST_P(ContinuousTruthTest, PublishedQueries) {
 
 /// The message of the error that a file with these lines gives.
 std::string error_of(const std::string& lines) {
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "pierce_meeting_queries.csv";
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                       "pierce_meeting_queries.csv";
     std::ofstream(file) << lines;
     try {
         read_meeting_queries(file);
@@ -338,17 +357,22 @@ TEST(MeetingQueriesTest, BadFilesAreRefused) {
     EXPECT_THROW(read_meeting_queries("/does/not/exist.csv"), std::runtime_error);
 }
 
-/// A vertex, or an edge, that moves along the axis a face, or an edge, turns about, and stays `gap` away from it.
+/// A vertex, or an edge, that moves along the axis a face, or an edge, turns about, and stays `gap`
+/// away from it.
 FourPoints hovering(Random& random, Kind kind, double gap) {
     const auto turning = [&](double x, double y) { return MovingPoint{{x, y, 0}, {x, 0, y}}; };
-    const double from = random.uniform(-1, 1), to = random.uniform(-1, 1), reach = random.uniform(0.5, 1);
-    const auto ahead = [&](double by) { return MovingPoint{{from + by, -gap, gap}, {to + by, -gap, gap}}; };
+    const double from = random.uniform(-1, 1), to = random.uniform(-1, 1),
+                 reach = random.uniform(0.5, 1);
+    const auto ahead = [&](double by) {
+        return MovingPoint{{from + by, -gap, gap}, {to + by, -gap, gap}};
+    };
     if (kind == Kind::edges) {
         const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
         return {ahead(0), ahead(reach), turning(x, -1), turning(y, 1)};
     }
     return {ahead(0), turning(random.uniform(-3, -1), random.uniform(-2, 2)),
-            turning(random.uniform(1, 3), random.uniform(-2, 2)), turning(random.uniform(-1, 1), random.uniform(-2, 2))};
+            turning(random.uniform(1, 3), random.uniform(-2, 2)),
+            turning(random.uniform(-1, 1), random.uniform(-2, 2))};
 }
 
 TEST_P(ContinuousTruthTest, ASearchThatGivesUpSaysSo) {
@@ -356,8 +380,12 @@ TEST_P(ContinuousTruthTest, ASearchThatGivesUpSaysSo) {
     SCOPED_TRACE(testing::Message() << "seed " << random.seed());
     Tally wide, narrow;
     for (int round = 0; round < 300; ++round) {
-        check(GetParam(), hovering(random, GetParam(), std::ldexp(random.uniform(1, 2), -random.integer(2, 16))), wide);
-        check(GetParam(), hovering(random, GetParam(), std::ldexp(random.uniform(1, 2), -22)), narrow);
+        check(
+            GetParam(),
+            hovering(random, GetParam(), std::ldexp(random.uniform(1, 2), -random.integer(2, 16))),
+            wide);
+        check(GetParam(), hovering(random, GetParam(), std::ldexp(random.uniform(1, 2), -22)),
+              narrow);
     }
     for (const Tally& tally : {wide, narrow}) {
         EXPECT_EQ(tally.missed, 0);
@@ -372,8 +400,10 @@ TEST_P(ContinuousTruthTest, ASearchThatGivesUpSaysSo) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ContinuousTruthTest, testing::Values(Kind::vertex_and_face, Kind::edges),
-                         [](const auto& kind) { return kind.param == Kind::edges ? "edges" : "vertex_and_face"; });
+INSTANTIATE_TEST_SUITE_P(Kinds, ContinuousTruthTest,
+                         testing::Values(Kind::vertex_and_face, Kind::edges), [](const auto& kind) {
+                             return kind.param == Kind::edges ? "edges" : "vertex_and_face";
+                         });
 
 }  // namespace
 }  // namespace pierce::test

@@ -41,14 +41,16 @@ protected:
 
     static std::vector<float> pose(Vec3f p) { return {p.x, p.y, p.z, 0, 0, 0, 2}; }
 
-    /// Bodies 0 to 3: ground and a post in it, both fixed; a rigid and a deforming cube, 0.25 deep in the ground.
+    /// Bodies 0 to 3: ground and a post in it, both fixed; a rigid and a deforming cube, 0.25 deep
+    /// in the ground.
     void add_two_cubes_on_ground() {
         add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, pose({}));
         add(add_mesh(box({3, 3, -2}, {4, 4, 2})), Motion::fixed, pose({}));
         const std::uint32_t mesh = add_mesh(cube(0.5));
         add(mesh, Motion::rigid, pose({-2, 0, 0.25f}));
         std::vector<float> values;
-        for (Vec3f p : cube(0.5).positions) values.insert(values.end(), {p.x + 2, p.y, p.z + 0.25f});
+        for (Vec3f p : cube(0.5).positions)
+            values.insert(values.end(), {p.x + 2, p.y, p.z + 0.25f});
         add(mesh, Motion::deforming, values);
         recording.frame_count = 1;
     }
@@ -81,7 +83,9 @@ TEST_F(FrameTruthTest, ACubeOnTheGroundOverlapsItWithNothingInside) {
 
 TEST_F(FrameTruthTest, NormalsAreInWorldSpace) {
     const float s = std::sqrt(0.5f);
-    add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, {10, 0, 0, 0, s, 0, s});  // its top faces along x
+    add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, {10, 0, 0, 0, s, 0, s});  // its top
+                                                                                         // faces
+                                                                                         // along x
     add(add_mesh(cube(0.5)), Motion::rigid, pose({10.25f, 0, 0}));
     recording.frame_count = 1;
     const FrameTruth truth = RecordingTruth(recording).at(0);
@@ -93,7 +97,8 @@ TEST_F(FrameTruthTest, NormalsAreInWorldSpace) {
 }
 
 TEST_F(FrameTruthTest, ContainedBodiesOverlapUnlessOneIsOpen) {
-    const std::uint32_t big = add_mesh(cube(2)), small = add_mesh(cube(0.5)), open = add_mesh(open_cube());
+    const std::uint32_t big = add_mesh(cube(2)), small = add_mesh(cube(0.5)),
+                        open = add_mesh(open_cube());
     add(big, Motion::rigid, pose({}));
     add(small, Motion::rigid, pose({1, 1, 1}));
     recording.frame_count = 1;
@@ -137,7 +142,8 @@ json expected_json(const scenes::Recording& recording, std::uint32_t every) {
         const FrameTruth truth = RecordingTruth(recording).at(f);
         json inside = json::array();
         for (const InsideVertex& v : truth.inside)
-            inside.push_back({v.source, v.target, v.vertex, v.depth, v.normal.x, v.normal.y, v.normal.z});
+            inside.push_back(
+                {v.source, v.target, v.vertex, v.depth, v.normal.x, v.normal.y, v.normal.z});
         frames.push_back({{"frame", f}, {"overlapping", truth.overlapping}, {"inside", inside}});
     }
     return {{"format", "pierce-truth"}, {"version", 1}, {"every", every}, {"frames", frames}};
@@ -160,7 +166,8 @@ Outcome pierce_truth(const std::string& arguments) {
 /// A recording of five frames in a folder that goes away with the test: a torus sinks into a slope.
 class ProgramTest : public FrameTruthTest {
 protected:
-    ProgramTest() : folder(fs::temp_directory_path() / ("pierce_truth_" + std::to_string(::getpid()))) {
+    ProgramTest()
+        : folder(fs::temp_directory_path() / ("pierce_truth_" + std::to_string(::getpid()))) {
         add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, {0, 0, 0, 0.1f, -0.2f, 0, 1});
         std::vector<float> values;
         for (float height : {2.f, 1.5f, 1.f, 0.5f, 0.f})

@@ -16,7 +16,9 @@ constexpr std::array both_kinds = {Features::vertex_and_face, Features::edges};
 
 bool by_rational_numbers(Features features, const Corners& corners) {
     const ExactCorners c = exact(corners);
-    return (features == Features::edges ? first_meeting_of_edges(c) : first_meeting_of_vertex_and_face(c)).has_value();
+    return (features == Features::edges ? first_meeting_of_edges(c)
+                                        : first_meeting_of_vertex_and_face(c))
+        .has_value();
 }
 
 struct Tally {
@@ -48,7 +50,8 @@ TEST(MeetingTest, WildMotions) {
 }
 
 TEST(MeetingTest, FewPlaces) {
-    // Small whole coordinates: most of these touch, lie in one plane, stand still or have lost an extent.
+    // Small whole coordinates: most of these touch, lie in one plane, stand still or have lost an
+    // extent.
     test::Random random(2);
     const auto whole = [&] { return static_cast<double>(random.integer(-1, 1)); };
     const Tally tally = compare(600, [&] { return Vec3d{whole(), whole(), whole()}; });
@@ -60,7 +63,9 @@ TEST(MeetingTest, FewPlaces) {
 
 TEST(MeetingTest, AllInOnePlane) {
     test::Random random(3);
-    const Tally tally = compare(60, [&] { return Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), 0.25}; });
+    const Tally tally = compare(60, [&] {
+        return Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), 0.25};
+    });
     EXPECT_EQ(tally.wrong, 0);
     EXPECT_GT(tally.meetings, 10);
 }
@@ -68,15 +73,19 @@ TEST(MeetingTest, AllInOnePlane) {
 TEST(MeetingTest, AHairDecides) {
     const MovingPoint a{{0, 0, 0}, {0, 0, 0}}, b{{1, 0, 0}, {1, 0, 0}}, c{{0, 1, 0}, {0, 1, 0}};
     for (const double height : {0.0, 0x1p-1070, 0x1p-60}) {
-        EXPECT_EQ(features_meet(Features::vertex_and_face, {MovingPoint{{0.25, 0.25, 1}, {0.25, 0.25, height}}, a, b, c}),
+        EXPECT_EQ(features_meet(Features::vertex_and_face,
+                                {MovingPoint{{0.25, 0.25, 1}, {0.25, 0.25, height}}, a, b, c}),
                   height == 0);
-        EXPECT_EQ(features_meet(Features::edges, {MovingPoint{{0.25, -1, 1}, {0.25, -1, height}},
-                                                  MovingPoint{{0.25, 1, 1}, {0.25, 1, height}}, a, b}),
-                  height == 0);
+        EXPECT_EQ(
+            features_meet(Features::edges, {MovingPoint{{0.25, -1, 1}, {0.25, -1, height}},
+                                            MovingPoint{{0.25, 1, 1}, {0.25, 1, height}}, a, b}),
+            height == 0);
     }
     const double beside = std::nextafter(0.5, 1);
-    EXPECT_TRUE(features_meet(Features::vertex_and_face, {MovingPoint{{0.5, 0.5, 1}, {0.5, 0.5, -1}}, a, b, c}));
-    EXPECT_FALSE(features_meet(Features::vertex_and_face, {MovingPoint{{0.5, beside, 1}, {0.5, beside, -1}}, a, b, c}));
+    EXPECT_TRUE(features_meet(Features::vertex_and_face,
+                              {MovingPoint{{0.5, 0.5, 1}, {0.5, 0.5, -1}}, a, b, c}));
+    EXPECT_FALSE(features_meet(Features::vertex_and_face,
+                               {MovingPoint{{0.5, beside, 1}, {0.5, beside, -1}}, a, b, c}));
 }
 
 TEST(MeetingTest, BoundsHoldTheTruth) {
@@ -90,7 +99,8 @@ TEST(MeetingTest, BoundsHoldTheTruth) {
         EXPECT_TRUE(holds(Interval(x) - y, mpq_class(x) - mpq_class(y)));
         EXPECT_TRUE(holds(Interval(x) * y, mpq_class(x) * mpq_class(y)));
         // Whatever both may be, of any signs.
-        const Interval wide_x(std::min(x, 0.5), std::max(x, 0.5)), wide_y(std::min(y, -0.25), std::max(y, -0.25));
+        const Interval wide_x(std::min(x, 0.5), std::max(x, 0.5)),
+            wide_y(std::min(y, -0.25), std::max(y, -0.25));
         for (const double p : {wide_x.low(), wide_x.high()})
             for (const double q : {wide_y.low(), wide_y.high()})
                 EXPECT_TRUE(holds(wide_x * wide_y, mpq_class(p) * mpq_class(q)));
@@ -99,7 +109,9 @@ TEST(MeetingTest, BoundsHoldTheTruth) {
 
 TEST(MeetingTest, BoundedPolynomialsAreProductsAndHalves) {
     test::Random random(5);
-    const auto line = [&] { return BoundedPolynomial<1>{{random.uniform(-1, 1), random.uniform(-1, 1)}}; };
+    const auto line = [&] {
+        return BoundedPolynomial<1>{{random.uniform(-1, 1), random.uniform(-1, 1)}};
+    };
     for (int i = 0; i < 200; ++i) {
         const BoundedPolynomial<1> a = line(), b = line(), c = line(), d = line();
         const BoundedPolynomial<4> product = (a * b) * (c * d);
@@ -107,7 +119,9 @@ TEST(MeetingTest, BoundedPolynomialsAreProductsAndHalves) {
         const auto at = [](const BoundedPolynomial<1>& p, const mpq_class& t) -> mpq_class {
             return (1 - t) * mpq_class(p.at[0].low()) + t * mpq_class(p.at[1].low());
         };
-        const auto value = [&](const mpq_class& t) -> mpq_class { return at(a, t) * at(b, t) * at(c, t) * at(d, t); };
+        const auto value = [&](const mpq_class& t) -> mpq_class {
+            return at(a, t) * at(b, t) * at(c, t) * at(d, t);
+        };
         const mpq_class half(1, 2);
         for (const auto& [bounds, time] : {std::pair{product.first(), mpq_class(0)},
                                            {product.last(), mpq_class(1)},

@@ -1,5 +1,5 @@
-// What sheets truly meet from frame to frame, against hand-made cases and all pairs by definition, and the program that
-// writes it down.
+// What sheets truly meet from frame to frame, against hand-made cases and all pairs by definition,
+// and the program that writes it down.
 #include "truth/sheet_truth.hpp"
 
 #include <gmock/gmock.h>
@@ -35,13 +35,15 @@ protected:
 
     /// A sheet and where its vertices are in each frame.
     void add_sheet(const MeshData& mesh, const std::vector<std::vector<Vec3f>>& frames) {
-        scenes::RecordedBody body{"sheet", add_mesh(mesh), Motion::deforming, false, {}, {SelfCollision::on, true, 0.01}};
+        scenes::RecordedBody body{
+            "sheet", add_mesh(mesh), Motion::deforming, false, {}, {SelfCollision::on, true, 0.01}};
         for (const std::vector<Vec3f>& positions : frames)
             for (Vec3f p : positions) body.values.insert(body.values.end(), {p.x, p.y, p.z});
         recording.bodies.push_back(body);
     }
     void add_fixed(const MeshData& mesh) {
-        recording.bodies.push_back({"fixed", add_mesh(mesh), Motion::fixed, false, {0, 0, 0, 0, 0, 0, 1}, {}});
+        recording.bodies.push_back(
+            {"fixed", add_mesh(mesh), Motion::fixed, false, {0, 0, 0, 0, 0, 0, 1}, {}});
     }
     std::uint32_t add_mesh(const MeshData& mesh) {
         recording.meshes.push_back({"mesh " + std::to_string(recording.meshes.size()), mesh, {}});
@@ -51,7 +53,9 @@ protected:
 };
 
 /// One triangle in the plane x = `x`, its lowest corner at z = `z`.
-MeshData upright(float x, float z) { return {{{x, -0.5f, z + 1}, {x, 0.5f, z + 1}, {x, 0, z}}, {{{0, 1, 2}}}}; }
+MeshData upright(float x, float z) {
+    return {{{x, -0.5f, z + 1}, {x, 0.5f, z + 1}, {x, 0, z}}, {{{0, 1, 2}}}};
+}
 
 /// A triangle around the z axis at z = 0.
 MeshData level() { return {{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{{0, 1, 2}}}}; }
@@ -70,7 +74,8 @@ TEST_F(SheetTruthTest, AVertexThroughAPlateInOneStepMeetsBothSides) {
 TEST_F(SheetTruthTest, LayersThatMoveTogetherMeetNothing) {
     // Hard case 25: 0.1 apart, both by 0.2.
     const MeshData lower = grid(1, 1, 4, 4);
-    const MeshData mesh = joined(lower, {moved(lower.positions, {0.03f, 0.02f, 0.1f}), lower.triangles});
+    const MeshData mesh = joined(lower,
+                                 {moved(lower.positions, {0.03f, 0.02f, 0.1f}), lower.triangles});
     add_sheet(mesh, {mesh.positions, moved(mesh.positions, {0, 0, 0.2f})});
     EXPECT_THAT(meetings(), IsEmpty());
     EXPECT_THAT(SheetTruth(recording).piercings(1), IsEmpty());
@@ -80,7 +85,8 @@ TEST_F(SheetTruthTest, TouchingAtTheEndOfAStepIsMeeting) {
     add_sheet(level(), {level().positions, level().positions});
     const MeshData tip = upright(0, 0);
     add_sheet(tip, {upright(0, 1).positions, tip.positions});
-    EXPECT_THAT(meetings(), testing::ElementsAre(SheetMeeting{Features::vertex_and_face, 1, 2, 0, 0}));
+    EXPECT_THAT(meetings(),
+                testing::ElementsAre(SheetMeeting{Features::vertex_and_face, 1, 2, 0, 0}));
     EXPECT_THAT(SheetTruth(recording).piercings(1), IsEmpty()) << "touching is not piercing";
     recording.bodies[1].values.back() = 0x1p-100f;
     EXPECT_THAT(meetings(), IsEmpty());
@@ -101,7 +107,8 @@ TEST_F(SheetTruthTest, AnEdgeThroughATriangleIsAsDeepAsItsNearerEnd) {
 }
 
 TEST_F(SheetTruthTest, AFoldThatClosesMeetsItself) {
-    // Three squares in a row, the middle one a ramp; the last one turns over it, down onto the first and a little through.
+    // Three squares in a row, the middle one a ramp; the last one turns over it, down onto the
+    // first and a little through.
     const MeshData strip = grid(3, 1, 4, 2);
     std::vector<Vec3f> flat = strip.positions;
     for (Vec3f& p : flat) p.z = p.x > 0 ? 0.25f : 0.0f;
@@ -117,11 +124,13 @@ TEST_F(SheetTruthTest, AFoldThatClosesMeetsItself) {
     EXPECT_THAT(truth.meetings(1), IsEmpty());
     EXPECT_THAT(truth.piercings(1), IsEmpty());
     int vertices = 0;
-    for (const SheetMeeting& m : truth.meetings(2)) vertices += m.features == Features::vertex_and_face && m.a == m.b;
+    for (const SheetMeeting& m : truth.meetings(2))
+        vertices += m.features == Features::vertex_and_face && m.a == m.b;
     EXPECT_GE(vertices, 2) << "both corners that went through";
     const std::vector<Piercing> piercings = truth.piercings(2);
     ASSERT_FALSE(piercings.empty());
-    EXPECT_EQ(std::ranges::max(piercings, {}, &Piercing::depth).depth, 0.03125) << "as deep as the corners are below";
+    EXPECT_EQ(std::ranges::max(piercings, {}, &Piercing::depth).depth, 0.03125)
+        << "as deep as the corners are below";
 }
 
 TEST_F(SheetTruthTest, OnlySheetsAreLookedAtAndOnlyIfAsked) {
@@ -152,8 +161,10 @@ TEST_F(SheetTruthTest, ABodyThatIsNotFiniteIsLeftOut) {
 TEST_F(SheetTruthTest, AgreesWithAllPairsByDefinition) {
     test::Random random(7);
     const MeshData first = joined(grid(1, 1, 3, 3),
-                                  {moved(grid(0.8, 0.8, 3, 3).positions, {0.1f, 0, 0.1f}), grid(0.8, 0.8, 3, 3).triangles}),
-                   second = grid(1, 1, 4, 4), solid = box({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f});
+                                  {moved(grid(0.8, 0.8, 3, 3).positions, {0.1f, 0, 0.1f}),
+                                   grid(0.8, 0.8, 3, 3).triangles}),
+                   second = grid(1, 1, 4, 4),
+                   solid = box({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f});
     const auto shaken = [&](std::vector<Vec3f> positions, double by) {
         for (Vec3f& p : positions) p += to_float(random.in_box(by));
         return positions;
@@ -175,7 +186,8 @@ TEST_F(SheetTruthTest, AgreesWithAllPairsByDefinition) {
         for (std::size_t v = 0; v < data.positions.size(); ++v)
             bodies.back().points.push_back(
                 b == 2 ? MovingPoint{to_double(data.positions[v]), to_double(data.positions[v])}
-                       : MovingPoint{to_double(recording.positions(b, 0)[v]), to_double(recording.positions(b, 1)[v])});
+                       : MovingPoint{to_double(recording.positions(b, 0)[v]),
+                                     to_double(recording.positions(b, 1)[v])});
     }
     std::vector<SheetMeeting> expected;
     for (std::uint32_t a = 0; a < 3; ++a)
@@ -196,7 +208,8 @@ TEST_F(SheetTruthTest, AgreesWithAllPairsByDefinition) {
             for (std::uint32_t e = 0; e < edges_a.size; ++e)
                 for (std::uint32_t f = a == b ? e + 1 : 0; f < edges_b.size; ++f) {
                     const auto &i = edges_a[e].vertex, &j = edges_b[f].vertex;
-                    if (a == b && (i[0] == j[0] || i[0] == j[1] || i[1] == j[0] || i[1] == j[1])) continue;
+                    if (a == b && (i[0] == j[0] || i[0] == j[1] || i[1] == j[0] || i[1] == j[1]))
+                        continue;
                     if (first_meeting_of_edges(exact({p[i[0]], p[i[1]], q[j[0]], q[j[1]]})))
                         expected.push_back({Features::edges, a, e, b, f});
                 }
@@ -222,7 +235,8 @@ TEST_F(SheetTruthFileTest, TheProgramWritesWhatIsTrue) {
     add_sheet(upright(0, 0), {upright(0, 0.5f).positions, upright(0, -0.25f).positions});
     scenes::write_recording(recording, folder_);
     ASSERT_EQ(std::system((PIERCE_TRUTH " " + folder_.string() + " --sheets").c_str()), 0);
-    const std::vector<scenes::TrueSheetFrame> frames = scenes::read_sheet_truth(folder_ / "sheets.json");
+    const std::vector<scenes::TrueSheetFrame> frames = scenes::read_sheet_truth(folder_ /
+                                                                                "sheets.json");
     ASSERT_EQ(frames.size(), 2u);
     EXPECT_THAT(frames[0].meetings, IsEmpty());
     const SheetTruth truth(recording);
@@ -230,8 +244,8 @@ TEST_F(SheetTruthFileTest, TheProgramWritesWhatIsTrue) {
     ASSERT_EQ(frames[1].meetings.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
         const scenes::FeatureMeeting& m = frames[1].meetings[i];
-        EXPECT_EQ(expected[i],
-                  (SheetMeeting{m.edges ? Features::edges : Features::vertex_and_face, m.a, m.item, m.b, m.other}));
+        EXPECT_EQ(expected[i], (SheetMeeting{m.edges ? Features::edges : Features::vertex_and_face,
+                                             m.a, m.item, m.b, m.other}));
     }
     ASSERT_EQ(frames[1].piercings.size(), truth.piercings(1).size());
     EXPECT_EQ(frames[1].piercings[0].depth, 0.25);
@@ -245,9 +259,10 @@ TEST_F(SheetTruthFileTest, OtherFilesAreRefused) {
         return folder_ / "sheets.json";
     };
     EXPECT_THROW(scenes::read_sheet_truth(folder_ / "none.json"), InputError);
-    for (const char* text : {"", "{}", R"({"format": "pierce-truth", "version": 1, "frames": []})",
-                             R"({"format": "pierce-sheet-truth", "version": 2, "frames": []})",
-                             R"({"format": "pierce-sheet-truth", "version": 1, "frames": [{"frame": 0}]})"})
+    for (const char* text :
+         {"", "{}", R"({"format": "pierce-truth", "version": 1, "frames": []})",
+          R"({"format": "pierce-sheet-truth", "version": 2, "frames": []})",
+          R"({"format": "pierce-sheet-truth", "version": 1, "frames": [{"frame": 0}]})"})
         EXPECT_THAT([&] { scenes::read_sheet_truth(written(text)); },
                     testing::ThrowsMessage<InputError>(HasSubstr("sheets.json")))
             << text;

@@ -1,4 +1,5 @@
-// The exact truth that methods are measured against: on cases with known answers, and against plain long double.
+// The exact truth that methods are measured against: on cases with known answers, and against plain
+// long double.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -65,7 +66,8 @@ TEST(ExactMeshTest, TouchingCubesIntersectAndCubesAnUlpApartDoNot) {
     }
     EXPECT_FALSE(a.overlaps(a, shifted({2 + ulp, 0.5, 0.5})));
     EXPECT_FALSE(a.overlaps(a, shifted({2 + ulp, 2, 2})));
-    const Frame turned = frame_of({{1 + std::sqrt(2.0) - 1e-9, 0, 0}, {0, 0, std::sin(M_PI / 8), std::cos(M_PI / 8)}});
+    const Frame turned = frame_of(
+        {{1 + std::sqrt(2.0) - 1e-9, 0, 0}, {0, 0, std::sin(M_PI / 8), std::cos(M_PI / 8)}});
     EXPECT_TRUE(a.overlaps(a, turned));
     EXPECT_FALSE(a.overlaps(a, {turned.rotation, turned.origin + Vec3d{2e-9, 0, 0}}));
 }
@@ -114,8 +116,8 @@ TEST(ExactMeshTest, TrianglesWithoutAreaDoNoHarm) {
     mesh.positions.push_back(0.5f * (mesh.positions[a] + mesh.positions[b]));
     const std::uint32_t middle = 8;
     mesh.triangles[0] = {{a, middle, c}};
-    for (const Triangle& t :
-         {Triangle{{middle, b, c}}, Triangle{{a, b, middle}}, Triangle{{a, a, b}}, Triangle{{b, a, a}}, Triangle{{c, c, c}}})
+    for (const Triangle& t : {Triangle{{middle, b, c}}, Triangle{{a, b, middle}},
+                              Triangle{{a, a, b}}, Triangle{{b, a, a}}, Triangle{{c, c, c}}})
         mesh.triangles.push_back(t);
     const ExactMesh split = exact(mesh);
     EXPECT_TRUE(split.closed());
@@ -144,10 +146,13 @@ TEST(ExactMeshTest, AnOpenMeshHasNoInside) {
 }
 
 TEST(ExactMeshTest, BadMeshesAreRefused) {
-    const std::vector<Vec3d> bad{{0, 0, 0}, {1, 0, 0}, {0, INFINITY, 0}}, good{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<Vec3d> bad{{0, 0, 0}, {1, 0, 0}, {0, INFINITY, 0}},
+        good{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<Triangle> one{{{0, 1, 2}}}, missing{{{0, 1, 3}}};
-    EXPECT_THAT([&] { ExactMesh(bad, one); }, ThrowsMessage<InputError>(HasSubstr("position 2 is not finite")));
-    EXPECT_THAT([&] { ExactMesh(good, missing); }, ThrowsMessage<InputError>(HasSubstr("triangle 0 names vertex 3 of 3")));
+    EXPECT_THAT([&] { ExactMesh(bad, one); },
+                ThrowsMessage<InputError>(HasSubstr("position 2 is not finite")));
+    EXPECT_THAT([&] { ExactMesh(good, missing); },
+                ThrowsMessage<InputError>(HasSubstr("triangle 0 names vertex 3 of 3")));
 }
 
 test::Solid solid(const std::vector<Vec3d>& positions, const std::vector<Triangle>& triangles) {
@@ -162,21 +167,24 @@ TEST(ExactMeshTest, AgreesWithBruteForceOnRandomMeshes) {
     int inside = 0, outside = 0;
     for (int i = 0; i < 40; ++i) {
         const MeshData mesh = test::random_closed_mesh(random);
-        const std::vector<Vec3d> positions = in_double(test::placed(mesh, {random.in_box(3), random.rotation()}));
+        const std::vector<Vec3d> positions = in_double(
+            test::placed(mesh, {random.in_box(3), random.rotation()}));
         const ExactMesh truth(positions, mesh.triangles);
         const test::Solid expected = solid(positions, mesh.triangles);
         for (int k = 0; k < 30; ++k) {
             const Vec3d p = truth.box().center() + random.in_box(1);
             double distance = INFINITY;
             for (const Triangle& t : mesh.triangles)
-                distance =
-                    std::min(distance, length(p - closest_on_triangle(p, positions[t.vertex[0]], positions[t.vertex[1]],
-                                                                      positions[t.vertex[2]])));
+                distance = std::min(distance,
+                                    length(p - closest_on_triangle(p, positions[t.vertex[0]],
+                                                                   positions[t.vertex[1]],
+                                                                   positions[t.vertex[2]])));
             const Nearest nearest = truth.nearest(p);
             EXPECT_NEAR(nearest.distance, distance, 1e-13);
             const auto& v = mesh.triangles[nearest.triangle].vertex;
-            EXPECT_NEAR(length(p - closest_on_triangle(p, positions[v[0]], positions[v[1]], positions[v[2]])), distance,
-                        1e-13);
+            EXPECT_NEAR(length(p - closest_on_triangle(p, positions[v[0]], positions[v[1]],
+                                                       positions[v[2]])),
+                        distance, 1e-13);
             if (distance < 1e-9) continue;
             const bool is_inside = test::is_inside({p.x, p.y, p.z}, expected);
             ++(is_inside ? inside : outside);
@@ -191,7 +199,8 @@ TEST(ExactMeshTest, AgreesWithBruteForceOnRandomMeshes) {
 bool edges_cross(const test::Solid& a, const test::Solid& b) {
     return std::ranges::any_of(a.triangles, [&](const Triangle& t) {
         for (int k = 0; k < 3; ++k)
-            if (test::crossings_between(a.positions[t.vertex[k]], a.positions[t.vertex[(k + 1) % 3]], b, ~0u, 0) > 0)
+            if (test::crossings_between(a.positions[t.vertex[k]],
+                                        a.positions[t.vertex[(k + 1) % 3]], b, ~0u, 0) > 0)
                 return true;
         return false;
     });
@@ -206,14 +215,16 @@ TEST(ExactMeshTest, OverlapsAgreeWithBruteForceOnRandomMeshes) {
         MeshData b = test::random_closed_mesh(random);
         const auto size = static_cast<float>(random.uniform(0.2, 1));
         for (Vec3f& p : b.positions) p = size * p;
-        const Frame placement = frame_of({random.uniform(0, 2) * random.unit_vector(), random.rotation()});
+        const Frame placement = frame_of(
+            {random.uniform(0, 2) * random.unit_vector(), random.rotation()});
         const std::vector<Vec3d> a_positions = in_double(a.positions);
         std::vector<Vec3d> b_positions = in_double(b.positions);
         for (Vec3d& p : b_positions) p = placement.to_parent(p);
-        const test::Solid a_solid = solid(a_positions, a.triangles), b_solid = solid(b_positions, b.triangles);
+        const test::Solid a_solid = solid(a_positions, a.triangles),
+                          b_solid = solid(b_positions, b.triangles);
         const bool meet = edges_cross(a_solid, b_solid) || edges_cross(b_solid, a_solid);
-        const bool contains =
-            !meet && (test::is_inside(b_solid.positions[0], a_solid) || test::is_inside(a_solid.positions[0], b_solid));
+        const bool contains = !meet && (test::is_inside(b_solid.positions[0], a_solid) ||
+                                        test::is_inside(a_solid.positions[0], b_solid));
         ++(meet ? meeting : contains ? contained : apart);
         EXPECT_EQ(exact(a).surfaces_intersect(exact(b), placement), meet);
         EXPECT_EQ(exact(b).surfaces_intersect(exact(a), placement.inverse()), meet);
@@ -224,7 +235,8 @@ TEST(ExactMeshTest, OverlapsAgreeWithBruteForceOnRandomMeshes) {
 
 /// What minimum_translation says about `b` against `a`.
 Translation separation(const MeshData& a, const MeshData& b) {
-    const std::vector<Vec3d> a_positions = in_double(a.positions), b_positions = in_double(b.positions);
+    const std::vector<Vec3d> a_positions = in_double(a.positions),
+                             b_positions = in_double(b.positions);
     return minimum_translation({a_positions, a.triangles}, {b_positions, b.triangles});
 }
 
@@ -237,7 +249,8 @@ TEST(MinimumTranslationTest, OfBoxes) {
     EXPECT_DOUBLE_EQ(plate.length, 2);
     EXPECT_EQ(plate.direction, (Vec3d{0, 0, 1}));
 
-    const MeshData along_x = box({-2, -0.1, -0.1}, {2, 0.1, 0.1}), along_y = box({-0.1, -2, 0}, {0.1, 2, 0.2});
+    const MeshData along_x = box({-2, -0.1, -0.1}, {2, 0.1, 0.1}),
+                   along_y = box({-0.1, -2, 0}, {0.1, 2, 0.2});
     const Translation bars = separation(along_x, along_y);
     EXPECT_NEAR(bars.length, 0.1, 1e-7);
     EXPECT_EQ(bars.direction, (Vec3d{0, 0, 1}));
@@ -295,17 +308,20 @@ TEST(MinimumTranslationTest, OfSpheresIsTheOverlapAndJustSeparates) {
     const std::vector<Vec3d> positions = in_double(ball.positions);
     const ExactMesh exact_ball = exact(ball);
     for (int i = 0; i < 3; ++i) {
-        const Frame placement = frame_of({random.uniform(1, 1.9) * random.unit_vector(), random.rotation()});
+        const Frame placement = frame_of(
+            {random.uniform(1, 1.9) * random.unit_vector(), random.rotation()});
         std::vector<Vec3d> moved = positions;
         for (Vec3d& p : moved) p = placement.to_parent(p);
-        const Translation out = minimum_translation({positions, ball.triangles}, {moved, ball.triangles});
+        const Translation out = minimum_translation({positions, ball.triangles},
+                                                    {moved, ball.triangles});
         const double overlap = 2 - length(placement.origin);
         EXPECT_LE(out.length, overlap);
         EXPECT_GT(out.length, overlap - 0.08) << "two tessellation errors";
         for (double part : {1 - 1e-9, 1 + 1e-9})
-            EXPECT_EQ(
-                exact_ball.overlaps(exact_ball, {placement.rotation, placement.origin + part * out.length * out.direction}),
-                part < 1);
+            EXPECT_EQ(exact_ball.overlaps(exact_ball,
+                                          {placement.rotation,
+                                           placement.origin + part * out.length * out.direction}),
+                      part < 1);
     }
 }
 

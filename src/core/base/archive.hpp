@@ -11,27 +11,30 @@
 #include "pierce/error.hpp"
 #include "pierce/vec3.hpp"
 
-/// Bytes that things are saved as: numbers as they are in memory, least significant byte first, lists behind their length.
-/// For every type one function, `transfer(archive, thing)`, says what it consists of; it writes or reads, as the archive
-/// does.
+/// Bytes that things are saved as: numbers as they are in memory, least significant byte first,
+/// lists behind their length. For every type one function, `transfer(archive, thing)`, says what it
+/// consists of; it writes or reads, as the archive does.
 namespace pierce {
 
-static_assert(std::endian::native == std::endian::little, "archives are written as numbers are in memory");
+static_assert(std::endian::native == std::endian::little,
+              "archives are written as numbers are in memory");
 
 /// Archives what it is given.
 class ArchiveWriter {
 public:
     static constexpr bool reads = false;
 
-    void number(const void* value, std::size_t size) { bytes_.append(static_cast<const char*>(value), size); }
+    void number(const void* value, std::size_t size) {
+        bytes_.append(static_cast<const char*>(value), size);
+    }
     const std::string& bytes() const { return bytes_; }
 
 private:
     std::string bytes_;
 };
 
-/// Fills what it is given from an archive that anybody may have written: throws InputError where it ends too soon or holds
-/// what there cannot be. Makes nothing larger than the archive.
+/// Fills what it is given from an archive that anybody may have written: throws InputError where it
+/// ends too soon or holds what there cannot be. Makes nothing larger than the archive.
 class ArchiveReader {
 public:
     static constexpr bool reads = true;
@@ -51,7 +54,8 @@ private:
 };
 
 template <class Archive, class T>
-requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) void transfer(Archive& archive, T& value) {
+requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) void transfer(Archive& archive,
+                                                                            T& value) {
     archive.number(&value, sizeof value);
 }
 
@@ -59,7 +63,8 @@ template <class Archive>
 void transfer(Archive& archive, bool& value) {
     std::uint8_t byte = value;
     archive.number(&byte, 1);
-    if (byte > 1) throw InputError("a saved world holds neither yes nor no where there must be one");
+    if (byte > 1)
+        throw InputError("a saved world holds neither yes nor no where there must be one");
     if constexpr (Archive::reads) value = byte != 0;
 }
 
@@ -69,7 +74,8 @@ requires std::is_enum_v<Enum>
 void transfer(Archive& archive, Enum& value, Enum last) {
     auto number = static_cast<std::underlying_type_t<Enum>>(value);
     transfer(archive, number);
-    if (number > static_cast<std::underlying_type_t<Enum>>(last)) throw InputError("a saved world holds an unknown choice");
+    if (number > static_cast<std::underlying_type_t<Enum>>(last))
+        throw InputError("a saved world holds an unknown choice");
     if constexpr (Archive::reads) value = static_cast<Enum>(number);
 }
 
@@ -121,7 +127,8 @@ void transfer_all(Archive& archive, T&... things) {
 /// 64-bit FNV-1a.
 inline std::uint64_t checksum(const std::string& bytes) {
     std::uint64_t hash = 0xcbf29ce484222325ull;
-    for (const char byte : bytes) hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3ull;
+    for (const char byte : bytes)
+        hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3ull;
     return hash;
 }
 

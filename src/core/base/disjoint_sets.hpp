@@ -13,7 +13,9 @@ namespace pierce {
 /// Numbers that are joined to sets step by step (union-find with path halving).
 class DisjointSets {
 public:
-    explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
+    explicit DisjointSets(std::size_t size) : parent_(size) {
+        std::iota(parent_.begin(), parent_.end(), 0u);
+    }
 
     /// The same for all numbers of a set.
     std::uint32_t root(std::uint32_t i) {
@@ -28,7 +30,8 @@ private:
 };
 
 /// The vertices in sets that triangles connect.
-inline DisjointSets connected_vertices(std::span<const Triangle> triangles, std::size_t vertex_count) {
+inline DisjointSets connected_vertices(std::span<const Triangle> triangles,
+                                       std::size_t vertex_count) {
     DisjointSets sets(vertex_count);
     for (const Triangle& t : triangles)
         for (int k = 1; k < 3; ++k) sets.join(t.vertex[k], t.vertex[0]);

@@ -9,7 +9,8 @@
 
 namespace pierce {
 
-/// Things by handle: slots are reused, generations tell a new thing from the one that was there before.
+/// Things by handle: slots are reused, generations tell a new thing from the one that was there
+/// before.
 template <class Tag, class Thing>
 class SlotMap {
 public:
@@ -39,11 +40,15 @@ public:
     /// Throws InputError, naming `what`, for a handle of nothing.
     Thing& get(Id<Tag> id, const char* what) {
         if (!id) throw InputError(std::string(what) + " handle is null");
-        if (id.index >= slots_.size() || !slots_[id.index].used || slots_[id.index].generation != id.generation)
-            throw InputError(std::string(what) + " " + std::to_string(id.index) + " was removed or is not of this world");
+        if (id.index >= slots_.size() || !slots_[id.index].used ||
+            slots_[id.index].generation != id.generation)
+            throw InputError(std::string(what) + " " + std::to_string(id.index) +
+                             " was removed or is not of this world");
         return slots_[id.index].thing;
     }
-    const Thing& get(Id<Tag> id, const char* what) const { return const_cast<SlotMap*>(this)->get(id, what); }
+    const Thing& get(Id<Tag> id, const char* what) const {
+        return const_cast<SlotMap*>(this)->get(id, what);
+    }
 
     std::vector<Slot>& slots() { return slots_; }
     const std::vector<Slot>& slots() const { return slots_; }

@@ -10,34 +10,40 @@
 
 namespace pierce {
 
-/// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed or rigid body, the
-/// world for a deforming one. Its *fit* is the frame in which it looks most like the mesh's rest shape.
+/// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed
+/// or rigid body, the world for a deforming one. Its *fit* is the frame in which it looks most like
+/// the mesh's rest shape.
 struct BodyView {
     MeshView mesh;
     View<const Vec3f> positions;              ///< in the body's space
     View<const PatchBlock> blocks;            ///< in the body's space
     View<const Offsets> patches;              ///< in the body's space
-    const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's positions, if on the device
+    const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's
+                                              ///< positions, if on the device
     const Vec3f* device_start = nullptr;      ///< and its positions when the step began
-    View<const Vec3f> start;  ///< positions when the step began; empty for rigid bodies and where nobody asks
+    View<const Vec3f> start;  ///< positions when the step began; empty for rigid bodies and where
+                              ///< nobody asks
     Frame space;              ///< body's space to world
     Frame start_space;        ///< of a fixed or rigid body: where its space was when the step began
     Frame fit;                ///< rest shape to world
     Frame last_fit;           ///< the fit of the last step, if `seen`
     Box fit_box;              ///< around the vertices, in `fit`
     Box world_box;
-    double deviation = 0;                 ///< no vertex is further than this from its place in the rest shape under `fit`
-    double shape_motion = 0;              ///< no vertex has moved further in `fit` since the last step
-    double reach = 0;                     ///< [length] how far predictions look
-    double touch = 0;                     ///< [length] touch tolerance of this body as a target
-    double travel = 0;                    ///< [length] no point has moved further since the step began, if there is a sheet
-    double range = 0;                     ///< [length] longest ray of an open body
+    double deviation = 0;     ///< no vertex is further than this from its place in the rest shape
+                              ///< under `fit`
+    double shape_motion = 0;  ///< no vertex has moved further in `fit` since the last step
+    double reach = 0;         ///< [length] how far predictions look
+    double touch = 0;         ///< [length] touch tolerance of this body as a target
+    double travel = 0;  ///< [length] no point has moved further since the step began, if there is a
+                        ///< sheet
+    double range = 0;   ///< [length] longest ray of an open body
     std::uint64_t mesh_key = 0;           ///< the mesh's identity, never used twice
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
     Collision collision;
     Motion motion = Motion::fixed;
     bool seen = false;   ///< in the last step, too, where steps remember
-    bool still = false;  ///< rigid or fixed, and where it was in the last step, bit for bit, where steps remember
+    bool still = false;  ///< rigid or fixed, and where it was in the last step, bit for bit, where
+                         ///< steps remember
     bool active = true;  ///< false: left out of this step (not finite)
 
     /// True if it has an inside that counts.
@@ -45,7 +51,8 @@ struct BodyView {
 
     /// True if its vertices look for it along their velocities.
     PIERCE_HD bool sends_velocity_rays() const {
-        return collision.sheet && (collision.self == SelfCollision::rays || collision.self == SelfCollision::published);
+        return collision.sheet && (collision.self == SelfCollision::rays ||
+                                   collision.self == SelfCollision::published);
     }
 
     PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
@@ -53,8 +60,9 @@ struct BodyView {
     /// How far beyond its box and its touch tolerance others may matter to it.
     PIERCE_HD double outreach() const { return reach + travel + collision.thickness; }
 
-    /// True if it is certain that every point is outside of this body or inside, once: then no ray from an outside point can
-    /// leave the body before it enters. A deforming body may cross itself.
+    /// True if it is certain that every point is outside of this body or inside, once: then no ray
+    /// from an outside point can leave the body before it enters. A deforming body may cross
+    /// itself.
     PIERCE_HD bool is_simple() const { return mesh.simple && motion != Motion::deforming; }
 };
 

@@ -29,7 +29,8 @@ struct BlockRange {
     std::uint32_t last = 0;
 };
 
-/// All that a step reads of a world, and what it keeps up to date there: bounds and fitted frames of its bodies.
+/// All that a step reads of a world, and what it keeps up to date there: bounds and fitted frames
+/// of its bodies.
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
@@ -37,10 +38,12 @@ struct Scene {
     View<const BlockRange> ranges;        ///< per deforming body, its blocks
     View<const View<PatchBlock>> blocks;  ///< per body, where a deforming body's spheres go
     View<const View<Offsets>> patches;    ///< per body, where its vertices' offsets go
-    View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept; empty: nowhere
+    View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept;
+                                          ///< empty: nowhere
     Settings settings;
     const Plan* plan = nullptr;
-    View<const std::uint32_t> forgets_sides;  ///< one number; not 0: nothing of the last step is known to sheets
+    View<const std::uint32_t> forgets_sides;  ///< one number; not 0: nothing of the last step is
+                                              ///< known to sheets
 };
 
 }  // namespace pierce

@@ -4,8 +4,9 @@
 
 #include "pierce/host_device.hpp"
 
-/// The few atomic operations that items of a stage need, on host and device; on integers only, so that the order of items
-/// reaches no result. What a thread wrote before one of 32 bits is seen by whoever reads its result.
+/// The few atomic operations that items of a stage need, on host and device; on integers only, so
+/// that the order of items reaches no result. What a thread wrote before one of 32 bits is seen by
+/// whoever reads its result.
 namespace pierce {
 
 /// Adds, and returns what was there before.
@@ -29,13 +30,16 @@ PIERCE_HD inline std::uint64_t atomic_add(std::uint64_t& target, std::uint64_t v
 #endif
 }
 
-/// Adds to a counter that neighbouring items share, in no order with anything else: threads of a warp add up first.
+/// Adds to a counter that neighbouring items share, in no order with anything else: threads of a
+/// warp add up first.
 PIERCE_HD inline void atomic_count(std::uint32_t& counter, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
 #if __CUDA_ARCH__ >= 800
-    const unsigned here = __match_any_sync(__activemask(), reinterpret_cast<unsigned long long>(&counter));
+    const unsigned here = __match_any_sync(__activemask(),
+                                           reinterpret_cast<unsigned long long>(&counter));
     const unsigned sum = __reduce_add_sync(here, value);
-    if (threadIdx.x % warpSize == static_cast<unsigned>(__ffs(static_cast<int>(here)) - 1)) atomicAdd(&counter, sum);
+    if (threadIdx.x % warpSize == static_cast<unsigned>(__ffs(static_cast<int>(here)) - 1))
+        atomicAdd(&counter, sum);
 #else
     atomicAdd(&counter, value);
 #endif
@@ -62,8 +66,8 @@ PIERCE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
     atomicMax(&target, value);
 #else
     std::uint32_t before = __atomic_load_n(&target, __ATOMIC_RELAXED);
-    while (before < value &&
-           !__atomic_compare_exchange_n(&target, &before, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    while (before < value && !__atomic_compare_exchange_n(&target, &before, value, true,
+                                                          __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
     }
 #endif
 }

@@ -6,14 +6,17 @@
 
 namespace pierce {
 
-/// Items in groups of constants::group_size. On a GPU the words of a group's items lie side by side, so that threads that
-/// read items of one group share memory accesses; elsewhere items lie one after the other. The same buffer for both.
+/// Items in groups of constants::group_size. On a GPU the words of a group's items lie side by
+/// side, so that threads that read items of one group share memory accesses; elsewhere items lie
+/// one after the other. The same buffer for both.
 template <class T>
 struct Interleaved {
     View<T> items;  ///< of whole groups
 
     template <class Const>
-    requires std::is_same_v<Const, const T> PIERCE_HD operator Interleaved<Const>() const { return {items}; }
+    requires std::is_same_v<Const, const T> PIERCE_HD operator Interleaved<Const>() const {
+        return {items};
+    }
 
     PIERCE_HD std::remove_const_t<T> read(std::uint32_t i) const {
 #if defined(__CUDA_ARCH__)
@@ -46,7 +49,8 @@ private:
     static constexpr std::uint32_t count = sizeof(T) / 16;
 
     PIERCE_HD static std::uint32_t first_word(std::uint32_t i) {
-        return i / constants::group_size * (count * constants::group_size) + i % constants::group_size;
+        return i / constants::group_size * (count * constants::group_size) +
+               i % constants::group_size;
     }
 };
 

@@ -9,7 +9,8 @@
 
 namespace pierce {
 
-/// A pointer and a count; the form in which stages see arrays, on host and device alike. Owns nothing.
+/// A pointer and a count; the form in which stages see arrays, on host and device alike. Owns
+/// nothing.
 template <class T>
 struct View {
     T* data = nullptr;
@@ -22,13 +23,16 @@ struct View {
     PIERCE_HD T* begin() const { return data; }
     PIERCE_HD T* end() const { return data + size; }
     template <class Const>
-    requires std::is_same_v<Const, const T> PIERCE_HD operator View<Const>() const { return {data, size}; }
+    requires std::is_same_v<Const, const T> PIERCE_HD operator View<Const>() const {
+        return {data, size};
+    }
 };
 
 /// The view of a contiguous container.
 template <class Container>
 auto view_of(Container& c) {
-    return View<std::remove_pointer_t<decltype(c.data())>>{c.data(), static_cast<std::uint32_t>(c.size())};
+    return View<std::remove_pointer_t<decltype(c.data())>>{c.data(),
+                                                           static_cast<std::uint32_t>(c.size())};
 }
 
 }  // namespace pierce

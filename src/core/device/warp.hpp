@@ -18,7 +18,8 @@ inline constexpr std::uint32_t asked_bits = 16;
 
 #if defined(__CUDA_ARCH__)
 namespace detail {
-/// The set bits of a warp's masks, one after the other, so that its threads have equally many to see to.
+/// The set bits of a warp's masks, one after the other, so that its threads have equally many to
+/// see to.
 template <std::uint32_t bits>
 struct WarpBits {
     struct Job {
@@ -37,7 +38,8 @@ struct WarpBits {
         }
         std::uint32_t place = end - count;
         for (std::uint32_t left = mask; left != 0; left &= left - 1)
-            jobs[place++] = {static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(lowest_bit(left))};
+            jobs[place++] = {static_cast<std::uint8_t>(lane),
+                             static_cast<std::uint8_t>(lowest_bit(left))};
         items[lane] = item;
         __syncwarp();
         return __shfl_sync(0xffffffffu, end, warp_threads - 1);
@@ -46,9 +48,10 @@ struct WarpBits {
 }  // namespace detail
 #endif
 
-/// Asks test(item, bit) for every bit of `mask`, which are the lowest `bits` at most; the answer has two bits. Returns the
-/// first ones in the low half, the second ones in the high half. The test may depend on nothing but its arguments: on a GPU
-/// the bits of a warp's items are shared out evenly, as a warp would otherwise wait for the item with the most.
+/// Asks test(item, bit) for every bit of `mask`, which are the lowest `bits` at most; the answer
+/// has two bits. Returns the first ones in the low half, the second ones in the high half. The test
+/// may depend on nothing but its arguments: on a GPU the bits of a warp's items are shared out
+/// evenly, as a warp would otherwise wait for the item with the most.
 template <std::uint32_t bits = asked_bits, class Test>
 PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const Test& test) {
     static_assert(bits <= asked_bits);
@@ -64,7 +67,8 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
         for (std::uint32_t k = lane; k < total; k += warp_threads) {
             const auto job = asked.jobs[k];
             const std::uint32_t answer = test(asked.items[job.lane], std::uint32_t{job.bit});
-            const std::uint32_t both = (answer & 1) << job.bit | (answer >> 1) << (job.bit + asked_bits);
+            const std::uint32_t both = (answer & 1) << job.bit | (answer >> 1)
+                                                                     << (job.bit + asked_bits);
             if (both != 0) atomicOr(&answers[job.lane], both);
         }
         __syncwarp();
@@ -81,11 +85,13 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
     return answers;
 }
 
-/// Calls write(item, mask, bit, place) for every set bit among the lowest `bits` of `mask`, the lowest first and at `place`,
-/// the others at the places after it, where the bits of the next item follow. On a GPU a warp shares out its items' bits, so
-/// that threads side by side write to places side by side.
+/// Calls write(item, mask, bit, place) for every set bit among the lowest `bits` of `mask`, the
+/// lowest first and at `place`, the others at the places after it, where the bits of the next item
+/// follow. On a GPU a warp shares out its items' bits, so that threads side by side write to places
+/// side by side.
 template <std::uint32_t bits, class Write>
-PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t place, const Write& write) {
+PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t place,
+                          const Write& write) {
     const std::uint32_t written = mask & (~std::uint32_t{0} >> (32 - bits));
 #if defined(__CUDA_ARCH__)
     if (__activemask() == 0xffffffffu) {
@@ -94,15 +100,18 @@ PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t 
         const std::uint32_t lane = threadIdx.x % warp_threads, warp = threadIdx.x / warp_threads;
         detail::WarpBits<bits>& listed = bits_of[warp];
         masks_of[warp][lane] = mask;
-        const std::uint32_t total = listed.list(written, item), first = __shfl_sync(0xffffffffu, place, 0);
+        const std::uint32_t total = listed.list(written, item),
+                            first = __shfl_sync(0xffffffffu, place, 0);
         for (std::uint32_t k = lane; k < total; k += warp_threads) {
             const auto job = listed.jobs[k];
-            write(listed.items[job.lane], masks_of[warp][job.lane], std::uint32_t{job.bit}, first + k);
+            write(listed.items[job.lane], masks_of[warp][job.lane], std::uint32_t{job.bit},
+                  first + k);
         }
         return;
     }
 #endif
-    for (std::uint32_t left = written; left != 0; left &= left - 1) write(item, mask, lowest_bit(left), place++);
+    for (std::uint32_t left = written; left != 0; left &= left - 1)
+        write(item, mask, lowest_bit(left), place++);
 }
 
 /// How the sixteen things of a group are shared out: an item of a stage sees to all of them.
@@ -124,7 +133,9 @@ struct AllOfSixteen {
 struct OneOfSixteen {
     static constexpr std::uint32_t count = 1;
     static __device__ std::uint32_t first() { return threadIdx.x % AllOfSixteen::count; }
-    static __device__ std::uint32_t group_of(std::uint32_t item) { return item / AllOfSixteen::count; }
+    static __device__ std::uint32_t group_of(std::uint32_t item) {
+        return item / AllOfSixteen::count;
+    }
     static __device__ std::uint32_t mine(std::uint32_t mask) { return mask & 1u << first(); }
     static __device__ std::uint32_t of_all(std::uint32_t bits) {
         return (__ballot_sync(group(), bits != 0) >> (threadIdx.x & AllOfSixteen::count)) & 0xffffu;
@@ -142,8 +153,8 @@ private:
 using OneOfSixteen = AllOfSixteen;
 #endif
 
-/// Sixteen things that a stage sees to as a group: on the host an item of the stage is a group, on a GPU one of the things,
-/// so that threads side by side share the work.
+/// Sixteen things that a stage sees to as a group: on the host an item of the stage is a group, on
+/// a GPU one of the things, so that threads side by side share the work.
 template <class T>
 class Sixteen {
 public:
@@ -165,9 +176,10 @@ public:
     /// Waits until what the others of a group wrote can be read.
     PIERCE_HD static void settle() { __syncwarp(group()); }
 
-    /// What part(k, thing) comes to for all of them, joined by join(all, part): each of the first eight with the one eight
-    /// places on, then each of the first four with the one four places on, and so on. On a GPU all sixteen get it, the same
-    /// if a join does not depend on which of two comes first.
+    /// What part(k, thing) comes to for all of them, joined by join(all, part): each of the first
+    /// eight with the one eight places on, then each of the first four with the one four places on,
+    /// and so on. On a GPU all sixteen get it, the same if a join does not depend on which of two
+    /// comes first.
     template <class All, class Part, class Join>
     PIERCE_HD All joined(const Part& part, const Join& join) const {
         All all = part(threadIdx.x % count, mine_);
@@ -218,8 +230,9 @@ private:
 #endif
 };
 
-/// Writes items[i], where threads side by side write items side by side. On a GPU a warp brings its items into order first
-/// and writes them word after word: an item at a time, every word is a memory access that reaches a small part of a line.
+/// Writes items[i], where threads side by side write items side by side. On a GPU a warp brings its
+/// items into order first and writes them word after word: an item at a time, every word is a
+/// memory access that reaches a small part of a line.
 template <class T>
 PIERCE_HD void write_side_by_side(T* items, std::uint32_t i, const T& value) {
 #if defined(__CUDA_ARCH__)

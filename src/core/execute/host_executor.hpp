@@ -33,7 +33,8 @@ std::uint32_t count_of(const HostBuffer<T>& buffer) {
     return static_cast<std::uint32_t>(buffer.size());
 }
 
-/// What executors on the host have in common: counts are numbers, buffers are vectors, sums are values.
+/// What executors on the host have in common: counts are numbers, buffers are vectors, sums are
+/// values.
 class HostExecutor {
 public:
     using Count = std::uint32_t;

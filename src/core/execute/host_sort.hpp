@@ -8,8 +8,9 @@
 
 namespace pierce {
 
-/// The stable sort of every host executor. Keys that are nearly sorted, as contacts are, are put right one by one; others
-/// are sorted by bytes, least significant first, leaving out bytes in which all keys agree. Keeps its memory.
+/// The stable sort of every host executor. Keys that are nearly sorted, as contacts are, are put
+/// right one by one; others are sorted by bytes, least significant first, leaving out bytes in
+/// which all keys agree. Keeps its memory.
 class HostSort {
 public:
     void operator()(View<std::uint64_t> keys, View<std::uint32_t> values) {
@@ -17,7 +18,8 @@ public:
     }
 
 private:
-    /// Sorts by insertion; gives up, the order still stable, when that takes more than a few moves a key.
+    /// Sorts by insertion; gives up, the order still stable, when that takes more than a few moves
+    /// a key.
     static bool insert(View<std::uint64_t> keys, View<std::uint32_t> values) {
         std::uint64_t moves_left = std::uint64_t{moves_per_key} * keys.size;
         for (std::uint32_t i = 1; i < keys.size; ++i) {
@@ -60,7 +62,9 @@ private:
     static constexpr std::uint32_t moves_per_key = 4;
     static constexpr int bytes = 8;
     static constexpr int digits = 256;
-    static std::uint32_t digit(std::uint64_t key, int byte) { return static_cast<std::uint32_t>(key >> (8 * byte) & 0xff); }
+    static std::uint32_t digit(std::uint64_t key, int byte) {
+        return static_cast<std::uint32_t>(key >> (8 * byte) & 0xff);
+    }
 
     struct Item {
         std::uint64_t key;

@@ -10,7 +10,8 @@
 
 namespace pierce {
 
-/// One item after the other, on the calling thread: the reference the other executors are compared with.
+/// One item after the other, on the calling thread: the reference the other executors are compared
+/// with.
 class SerialExecutor : public HostExecutor {
 public:
     template <class F>
@@ -24,7 +25,8 @@ public:
     }
 
     /// out[i] = in[0] + ... + in[i-1]; returns the total.
-    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in, View<std::uint32_t> out) {
+    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in,
+                                 View<std::uint32_t> out) {
         std::uint32_t sum = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t value = in[i];
@@ -34,13 +36,15 @@ public:
         return sum;
     }
 
-    /// Lists the items for which `wanted(item)` holds, in order; returns how many there are. `out` has room for all.
+    /// Lists the items for which `wanted(item)` holds, in order; returns how many there are. `out`
+    /// has room for all.
     template <class F>
     std::uint32_t select(const char*, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
         std::uint32_t count = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const bool take = wanted(i);
-            out[count] = listed(wanted, i);  // before it is known whether it stays: no branch to predict
+            out[count] = listed(wanted, i);  // before it is known whether it stays: no branch to
+                                             // predict
             count += take;
         }
         return count;
@@ -59,10 +63,11 @@ public:
         }
     }
 
-    /// Sorts keys by their lowest `bits` bits, and their values with them; stable. Any key's higher bits must be zero, or
-    /// all its bits must be ones.
-    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys, View<const std::uint32_t> values,
-              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
+    /// Sorts keys by their lowest `bits` bits, and their values with them; stable. Any key's higher
+    /// bits must be zero, or all its bits must be ones.
+    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys,
+              View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
+              View<std::uint32_t> sorted_values) {
         std::copy_n(keys.data, n, sorted_keys.data);
         std::copy_n(values.data, n, sorted_values.data);
         sort_({sorted_keys.data, n}, {sorted_values.data, n});

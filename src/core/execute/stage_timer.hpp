@@ -6,8 +6,8 @@
 
 namespace pierce {
 
-/// Times stages into a StepStats; a stage that runs twice adds up. Stages of an executor that does not wait for them are
-/// over when it says so.
+/// Times stages into a StepStats; a stage that runs twice adds up. Stages of an executor that does
+/// not wait for them are over when it says so.
 template <class E>
 class StageTimer {
 public:
@@ -18,7 +18,8 @@ public:
         const auto begin = std::chrono::steady_clock::now();
         stage();
         executor_.settle();
-        const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
+        const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() -
+                                                                  begin;
         for (StepStats::Stage& s : stats_.stages)
             if (s.name == name) {
                 s.milliseconds += elapsed.count();

@@ -7,8 +7,8 @@
 /// What a stage may say of itself to executors, and what they make of it.
 namespace pierce {
 
-/// True for a stage that says its items take a few nanoseconds each: `static constexpr bool is_cheap = true`. Executors
-/// then hand out many at once.
+/// True for a stage that says its items take a few nanoseconds each: `static constexpr bool
+/// is_cheap = true`. Executors then hand out many at once.
 template <class Stage>
 constexpr bool is_cheap() {
     if constexpr (requires { Stage::is_cheap; })
@@ -17,7 +17,8 @@ constexpr bool is_cheap() {
         return false;
 }
 
-/// True for a stage whose list is in the order of its items in any case (`static constexpr bool in_order = true`).
+/// True for a stage whose list is in the order of its items in any case (`static constexpr bool
+/// in_order = true`).
 template <class F>
 constexpr bool in_order() {
     if constexpr (requires { F::in_order; })
@@ -26,7 +27,8 @@ constexpr bool in_order() {
         return false;
 }
 
-/// What select() lists of an item that is wanted: the item, unless the test has something else to say, `listed(item)`.
+/// What select() lists of an item that is wanted: the item, unless the test has something else to
+/// say, `listed(item)`.
 template <class F>
 PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {
     if constexpr (requires { wanted.listed(i); })
@@ -51,7 +53,8 @@ struct FindAfter {
         return Finder::count(found);
     }
     template <class Found, class... T>
-    PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place, T*... lists) const {
+    PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
+                         T*... lists) const {
         finder.write(i, found, place, lists...);
     }
 };

@@ -20,7 +20,8 @@ PIERCE_HD inline TrianglePlace closest_place_on_triangle(Vec3d p, Vec3d a, Vec3d
         weight[0] = 1 - weight[1] - weight[2];
         if (weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0) return {weight[1], weight[2]};
     }
-    // Seen from the inner side of an edge's line, something of the triangle is closer than that edge.
+    // Seen from the inner side of an edge's line, something of the triangle is closer than that
+    // edge.
     TrianglePlace best;
     double closest = length_squared(ap);
     const auto offer = [&](TrianglePlace place) {

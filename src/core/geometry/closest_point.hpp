@@ -19,7 +19,8 @@ PIERCE_HD inline Vec3d closest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d n = cross(b - a, c - a);
     const double size = length_squared(n);
     bool above = size > 0;
-    for (int k = 0; k < 3 && above; ++k) above = dot(cross(n, corner[(k + 1) % 3] - corner[k]), p - corner[k]) >= 0;
+    for (int k = 0; k < 3 && above; ++k)
+        above = dot(cross(n, corner[(k + 1) % 3] - corner[k]), p - corner[k]) >= 0;
     if (above) return p - (dot(n, p - a) / size) * n;
     Vec3d best = closest_on_segment(p, a, b);
     for (int k = 1; k < 3; ++k) {
@@ -31,7 +32,8 @@ PIERCE_HD inline Vec3d closest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
 
 /// Distance between two segments.
 PIERCE_HD inline double segment_distance(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
-    // Where the lines are closest, if that lies on both segments; else an end is closest (Ericson 2005, 5.1.9).
+    // Where the lines are closest, if that lies on both segments; else an end is closest (Ericson
+    // 2005, 5.1.9).
     double best = length(a - closest_on_segment(a, c, d));
     best = min_of(length(b - closest_on_segment(b, c, d)), best);
     best = min_of(length(c - closest_on_segment(c, a, b)), best);

@@ -8,30 +8,36 @@
 
 /// When a vertex meets a face, or an edge an edge, while all their corners move in straight lines.
 ///
-/// The search goes from one time to the next (conservative advancement, Mirtich 1996): the direction between the closest
-/// points at a time separates the features for a while (separating_direction.hpp), and nothing can meet in it. Where that
-/// advances too little, as the features turn, one of them is halved, and both halves are followed from there. Of adaptive
-/// subdivision in time and place (Wang et al. 2021, doi 10.1145/3460775) this needs the part in place only: halves are
-/// convex, too, and their corners, fixed combinations of the whole's, move in straight lines as well.
+/// The search goes from one time to the next (conservative advancement, Mirtich 1996): the
+/// direction between the closest points at a time separates the features for a while
+/// (separating_direction.hpp), and nothing can meet in it. Where that advances too little, as the
+/// features turn, one of them is halved, and both halves are followed from there. Of adaptive
+/// subdivision in time and place (Wang et al. 2021, doi 10.1145/3460775) this needs the part in
+/// place only: halves are convex, too, and their corners, fixed combinations of the whole's, move
+/// in straight lines as well.
 ///
-/// A meeting is never missed and none is reported late. Every part has a time up to which a direction, beyond rounding, has
-/// separated it from the other feature ever since the start; halves take over that of their whole and cover it. A part is
-/// left when that time has passed `last`: the end of the step, or a time after which a direction separates the features up
-/// to there, or a meeting already found, which is no later than what the part has left. So any meeting is in a part that is
-/// still waiting, or not before the one found; and when the search gives up, it reports the earliest time of a waiting part.
-/// It is never used that closest points are closest, or directions accurate: any that separates is proof.
+/// A meeting is never missed and none is reported late. Every part has a time up to which a
+/// direction, beyond rounding, has separated it from the other feature ever since the start; halves
+/// take over that of their whole and cover it. A part is left when that time has passed `last`: the
+/// end of the step, or a time after which a direction separates the features up to there, or a
+/// meeting already found, which is no later than what the part has left. So any meeting is in a
+/// part that is still waiting, or not before the one found; and when the search gives up, it
+/// reports the earliest time of a waiting part. It is never used that closest points are closest,
+/// or directions accurate: any that separates is proof.
 ///
-/// A reported meeting is near: it is reported where points of the two features, whose distance is `gap`, are closer than the
-/// tolerance, or when the work that a search may take has run out.
+/// A reported meeting is near: it is reported where points of the two features, whose distance is
+/// `gap`, are closer than the tolerance, or when the work that a search may take has run out.
 namespace pierce {
 
 /// When and where two moving features first meet.
 struct Impact {
     double time = 0;      ///< not after the first meeting [0..1]
-    double u = 0, v = 0;  ///< vertex and face: weights of b and c; edges: places along the first and the second
-    /// Distance of the features at that time and place [length]. At most constants::meeting_tolerance times the largest
-    /// coordinate of the other corners relative to the first, at the start or the end, unless the search gave up: a
-    /// larger one means that nothing has met up to `time`, and nothing is known of what comes then.
+    double u = 0, v = 0;  ///< vertex and face: weights of b and c; edges: places along the first
+                          ///< and the second
+    /// Distance of the features at that time and place [length]. At most
+    /// constants::meeting_tolerance times the largest coordinate of the other corners relative to
+    /// the first, at the start or the end, unless the search gave up: a larger one means that
+    /// nothing has met up to `time`, and nothing is known of what comes then.
     double gap = 0;
 };
 
@@ -50,7 +56,8 @@ public:
         // The direction at the start decides most, and the one at the end most of the rest.
         double t = separating::separated_until<firsts>(start_, end_, 0, direction(start_), size_);
         if (t > 1) return false;
-        const double back = separating::separated_until<firsts>(end_, start_, 0, direction(end_), size_);
+        const double back = separating::separated_until<firsts>(end_, start_, 0, direction(end_),
+                                                                size_);
         if (back > 1) return false;
         last_ = 1 - back;
 
@@ -86,7 +93,8 @@ private:
         return Features::difference(corners, Features::closest(corners));
     }
 
-    /// Follows one part until it meets, or no longer can before what is known; false if work has run out at `t`.
+    /// Follows one part until it meets, or no longer can before what is known; false if work has
+    /// run out at `t`.
     PIERCE_HD bool pass(Features& features, double& t, int depth) {
         Corners start = features.part(start_), end = features.part(end_);
         double previous = std::numeric_limits<double>::infinity(), gain = 0;
@@ -100,9 +108,11 @@ private:
                 report(features, t, place, gap);
                 return true;
             }
-            // The gap shrinks fast where features meet without turning much. Where it does not, parts turn less; time
-            // steps as long as a part is wide cost least, as what the part turns by in a step is the product.
-            if (!(gap <= 0.5 * previous) && !(gain >= features.width) && depth < constants::meeting_halvings) {
+            // The gap shrinks fast where features meet without turning much. Where it does not,
+            // parts turn less; time steps as long as a part is wide cost least, as what the part
+            // turns by in a step is the product.
+            if (!(gap <= 0.5 * previous) && !(gain >= features.width) &&
+                depth < constants::meeting_halvings) {
                 waiting_[depth_++] = {features.halve(now, end, place), t, ++depth};
                 start = features.part(start_);
                 end = features.part(end_);
@@ -153,16 +163,19 @@ struct Question {
     Corners start, end;
     double size;
 
-    PIERCE_HD Question(const MovingPoint& p, const MovingPoint& q, const MovingPoint& r, const MovingPoint& s) {
+    PIERCE_HD Question(const MovingPoint& p, const MovingPoint& q, const MovingPoint& r,
+                       const MovingPoint& s) {
         relative_corners(p, q, r, s, start, end);
         size = max_of(separating::size_of(start), separating::size_of(end));
     }
 
-    /// True if an axis, or the direction between the features at the start or at the end, proves that they do not meet.
+    /// True if an axis, or the direction between the features at the start or at the end, proves
+    /// that they do not meet.
     PIERCE_HD bool is_settled() const {
         if (separating::axis_separates<Features::firsts>(start, end, size)) return true;
         const Vec3d first = Features::difference(start, Features::closest(start));
-        if (separating::separated_until<Features::firsts>(start, end, 0, first, size) > 1) return true;
+        if (separating::separated_until<Features::firsts>(start, end, 0, first, size) > 1)
+            return true;
         const Vec3d last = Features::difference(end, Features::closest(end));
         return separating::separated_until<Features::firsts>(end, start, 0, last, size) > 1;
     }
@@ -175,29 +188,32 @@ struct Question {
 
 }  // namespace continuous
 
-/// True if a moving vertex meets a moving face during the step, or comes as close as the tolerance (Impact::gap); touching
-/// counts. A face may lack area. False is certain.
-PIERCE_HD inline bool vertex_meets_face(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b,
-                                        const MovingPoint& c, Impact& impact) {
+/// True if a moving vertex meets a moving face during the step, or comes as close as the tolerance
+/// (Impact::gap); touching counts. A face may lack area. False is certain.
+PIERCE_HD inline bool vertex_meets_face(const MovingPoint& p, const MovingPoint& a,
+                                        const MovingPoint& b, const MovingPoint& c,
+                                        Impact& impact) {
     return continuous::Question<continuous::VertexAndFace>(p, a, b, c).meets(impact);
 }
 
-/// True if the moving edge from `a0` to `a1` meets the one from `b0` to `b1` during the step, or comes as close as the
-/// tolerance (Impact::gap); touching counts. Edges may be parallel, or points. False is certain.
-PIERCE_HD inline bool edges_meet(const MovingPoint& a0, const MovingPoint& a1, const MovingPoint& b0, const MovingPoint& b1,
-                                 Impact& impact) {
+/// True if the moving edge from `a0` to `a1` meets the one from `b0` to `b1` during the step, or
+/// comes as close as the tolerance (Impact::gap); touching counts. Edges may be parallel, or
+/// points. False is certain.
+PIERCE_HD inline bool edges_meet(const MovingPoint& a0, const MovingPoint& a1,
+                                 const MovingPoint& b0, const MovingPoint& b1, Impact& impact) {
     return continuous::Question<continuous::TwoEdges>(a0, a1, b0, b1).meets(impact);
 }
 
-/// True if it is cheap to see that a moving vertex and a moving face do not meet. False says nothing.
-PIERCE_HD inline bool vertex_surely_misses_face(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b,
-                                                const MovingPoint& c) {
+/// True if it is cheap to see that a moving vertex and a moving face do not meet. False says
+/// nothing.
+PIERCE_HD inline bool vertex_surely_misses_face(const MovingPoint& p, const MovingPoint& a,
+                                                const MovingPoint& b, const MovingPoint& c) {
     return continuous::Question<continuous::VertexAndFace>(p, a, b, c).is_settled();
 }
 
 /// The same for two moving edges.
-PIERCE_HD inline bool edges_surely_miss(const MovingPoint& a0, const MovingPoint& a1, const MovingPoint& b0,
-                                        const MovingPoint& b1) {
+PIERCE_HD inline bool edges_surely_miss(const MovingPoint& a0, const MovingPoint& a1,
+                                        const MovingPoint& b0, const MovingPoint& b1) {
     return continuous::Question<continuous::TwoEdges>(a0, a1, b0, b1).is_settled();
 }
 

@@ -14,11 +14,16 @@ namespace pierce {
 inline constexpr float smallest_float = 0x1p-149f;
 
 /// The float32 next to `f` on the way from zero to infinity, or back. `f` is not zero.
-PIERCE_HD inline float outward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + 1); }
-PIERCE_HD inline float inward_neighbor(float f) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) - 1); }
+PIERCE_HD inline float outward_neighbor(float f) {
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + 1);
+}
+PIERCE_HD inline float inward_neighbor(float f) {
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) - 1);
+}
 
-/// Not above, or not below, what a float32 sum would have been without rounding, given that it came to `rounded`:
-/// that is off by half an ulp at most, and nothing where it is smaller than all normal numbers. NaN for infinite input.
+/// Not above, or not below, what a float32 sum would have been without rounding, given that it came
+/// to `rounded`: that is off by half an ulp at most, and nothing where it is smaller than all
+/// normal numbers. NaN for infinite input.
 PIERCE_HD inline float not_above(float rounded) {
     return rounded - std::fabs(rounded) * std::numeric_limits<float>::epsilon();
 }
@@ -40,9 +45,9 @@ PIERCE_HD inline float round_up(double value) {
     return f == 0 ? smallest_float : f > 0 ? outward_neighbor(f) : inward_neighbor(f);
 }
 
-/// The angle of the vector (x, y) from the x axis for y >= 0, in [0, pi] radians, with an error below 2e-8 (Abramowitz and
-/// Stegun 1964, 4.4.49). Built from operations that IEEE 754 rounds exactly; a library's atan2 differs between host and
-/// device.
+/// The angle of the vector (x, y) from the x axis for y >= 0, in [0, pi] radians, with an error
+/// below 2e-8 (Abramowitz and Stegun 1964, 4.4.49). Built from operations that IEEE 754 rounds
+/// exactly; a library's atan2 differs between host and device.
 PIERCE_HD inline double angle_of(double x, double y) {
     constexpr double pi = 3.14159265358979323846;
     const double wide = x < 0 ? -x : x;

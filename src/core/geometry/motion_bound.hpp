@@ -5,13 +5,16 @@
 
 namespace pierce {
 
-/// No point of `box` moves further than this when its frame goes from one place to another: the centre's way, and the
-/// turning (operator norm of the difference of two rotations: their Frobenius distance over the root of two) of the rest.
+/// No point of `box` moves further than this when its frame goes from one place to another: the
+/// centre's way, and the turning (operator norm of the difference of two rotations: their Frobenius
+/// distance over the root of two) of the rest.
 PIERCE_HD inline double largest_motion(const Frame& from, const Frame& to, const Box& box) {
     double squared = 0;
-    for (int r = 0; r < 3; ++r) squared += length_squared(to.rotation.row[r] - from.rotation.row[r]);
+    for (int r = 0; r < 3; ++r)
+        squared += length_squared(to.rotation.row[r] - from.rotation.row[r]);
     const Vec3d c = box.center();
-    return length(to.to_parent(c) - from.to_parent(c)) + std::sqrt(0.5 * squared) * 0.5 * box.extent();
+    return length(to.to_parent(c) - from.to_parent(c)) +
+           std::sqrt(0.5 * squared) * 0.5 * box.extent();
 }
 
 }  // namespace pierce

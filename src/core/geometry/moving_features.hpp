@@ -5,7 +5,8 @@
 #include "core/geometry/separating_direction.hpp"
 #include "pierce/min_max.hpp"
 
-/// Two convex features whose four corners move: where they are closest at a time, and halves of one of them.
+/// Two convex features whose four corners move: where they are closest at a time, and halves of one
+/// of them.
 namespace pierce::continuous {
 
 using separating::Corners;
@@ -44,14 +45,15 @@ struct VertexAndFace {
         return {w * u[0] + p.u * u[1] + p.v * u[2], w * v[0] + p.u * v[1] + p.v * v[2]};
     }
 
-    /// Leaves the half with the place and returns the other; the longest edge at both times is halved.
+    /// Leaves the half with the place and returns the other; the longest edge at both times is
+    /// halved.
     PIERCE_HD VertexAndFace halve(const Corners& now, const Corners& end, Place p) {
         int longest = 0;
         double most = -1;
         for (int k = 0; k < 3; ++k) {
             const int next = k == 2 ? 0 : k + 1;
-            const double length =
-                length_squared(now.at[next + 1] - now.at[k + 1]) + length_squared(end.at[next + 1] - end.at[k + 1]);
+            const double length = length_squared(now.at[next + 1] - now.at[k + 1]) +
+                                  length_squared(end.at[next + 1] - end.at[k + 1]);
             if (!(length > most)) continue;
             most = length;
             longest = k;
@@ -59,7 +61,8 @@ struct VertexAndFace {
         const int next = longest == 2 ? 0 : longest + 1;
         const double weight[3] = {1 - p.u - p.v, p.u, p.v};
         const bool nearer_next = weight[next] > weight[longest];
-        const double middle_u = 0.5 * (u[longest] + u[next]), middle_v = 0.5 * (v[longest] + v[next]);
+        const double middle_u = 0.5 * (u[longest] + u[next]),
+                     middle_v = 0.5 * (v[longest] + v[next]);
         width *= 0.7071067811865476;
         VertexAndFace other = *this;
         const int moved = nearer_next ? longest : next, kept = nearer_next ? next : longest;
@@ -79,7 +82,8 @@ struct TwoEdges {
     double width = 1;
 
     PIERCE_HD Corners part(const Corners& whole) const {
-        const Vec3d a = whole.at[0], along_a = whole.at[1] - a, b = whole.at[2], along_b = whole.at[3] - b;
+        const Vec3d a = whole.at[0], along_a = whole.at[1] - a, b = whole.at[2],
+                    along_b = whole.at[3] - b;
         return {{a + u[0] * along_a, a + u[1] * along_a, b + v[0] * along_b, b + v[1] * along_b}};
     }
 
@@ -92,11 +96,15 @@ struct TwoEdges {
         return c.at[0] + p.u * (c.at[1] - c.at[0]) - c.at[2] - p.v * (c.at[3] - c.at[2]);
     }
 
-    PIERCE_HD Place in_whole(Place p) const { return {u[0] + p.u * (u[1] - u[0]), v[0] + p.v * (v[1] - v[0])}; }
+    PIERCE_HD Place in_whole(Place p) const {
+        return {u[0] + p.u * (u[1] - u[0]), v[0] + p.v * (v[1] - v[0])};
+    }
 
     PIERCE_HD TwoEdges halve(const Corners& now, const Corners& end, Place p) {
-        const double first = length_squared(now.at[1] - now.at[0]) + length_squared(end.at[1] - end.at[0]);
-        const double second = length_squared(now.at[3] - now.at[2]) + length_squared(end.at[3] - end.at[2]);
+        const double first = length_squared(now.at[1] - now.at[0]) +
+                             length_squared(end.at[1] - end.at[0]);
+        const double second = length_squared(now.at[3] - now.at[2]) +
+                              length_squared(end.at[3] - end.at[2]);
         width *= 0.7071067811865476;
         TwoEdges other = *this;
         const bool at_first = first > second;
@@ -108,10 +116,11 @@ struct TwoEdges {
     }
 };
 
-/// Corners relative to the first one, which stands still then: differences are exact or rounded once, however far from the
-/// origin they are taken, and a movement that all corners share is gone.
-PIERCE_HD inline void relative_corners(const MovingPoint& p, const MovingPoint& q, const MovingPoint& r,
-                                       const MovingPoint& s, Corners& start, Corners& end) {
+/// Corners relative to the first one, which stands still then: differences are exact or rounded
+/// once, however far from the origin they are taken, and a movement that all corners share is gone.
+PIERCE_HD inline void relative_corners(const MovingPoint& p, const MovingPoint& q,
+                                       const MovingPoint& r, const MovingPoint& s, Corners& start,
+                                       Corners& end) {
     start = {{{}, q.start - p.start, r.start - p.start, s.start - p.start}};
     end = {{{}, q.end - p.end, r.end - p.end, s.end - p.end}};
 }

@@ -5,19 +5,24 @@
 #include "pierce/min_max.hpp"
 #include "pierce/vec3.hpp"
 
-/// What a fixed direction proves about two convex features whose four corners move in straight lines.
+/// What a fixed direction proves about two convex features whose four corners move in straight
+/// lines.
 ///
-/// Along a fixed direction n, the difference d(t) = n . (x(t) - y(t)) of two corners is linear in time. While it is positive
-/// for every corner x of the first feature and y of the second, it is for all their convex combinations: the features do not
-/// meet. Where d stops being positive follows from its values at two times, for every pair of corners alone.
+/// Along a fixed direction n, the difference d(t) = n . (x(t) - y(t)) of two corners is linear in
+/// time. While it is positive for every corner x of the first feature and y of the second, it is
+/// for all their convex combinations: the features do not meet. Where d stops being positive
+/// follows from its values at two times, for every pair of corners alone.
 namespace pierce::separating {
 
-/// The four corners at one time, relative to one of them: those of the first feature, then those of the second.
+/// The four corners at one time, relative to one of them: those of the first feature, then those of
+/// the second.
 struct Corners {
     Vec3d at[4];
 };
 
-PIERCE_HD inline Vec3d between(Vec3d start, Vec3d end, double t) { return start + t * (end - start); }
+PIERCE_HD inline Vec3d between(Vec3d start, Vec3d end, double t) {
+    return start + t * (end - start);
+}
 
 PIERCE_HD inline Corners between(const Corners& start, const Corners& end, double t) {
     Corners now;
@@ -33,8 +38,8 @@ PIERCE_HD inline double size_of(const Corners& corners) {
     return size;
 }
 
-/// True if a coordinate axis separates features with `firsts` and 4 - `firsts` corners from time 0 to 1. `size`: no
-/// coordinate is larger.
+/// True if a coordinate axis separates features with `firsts` and 4 - `firsts` corners from time 0
+/// to 1. `size`: no coordinate is larger.
 template <int firsts>
 PIERCE_HD bool axis_separates(const Corners& start, const Corners& end, double size) {
     const double error = constants::motion_rounding * size;
@@ -42,7 +47,8 @@ PIERCE_HD bool axis_separates(const Corners& start, const Corners& end, double s
         bool above = true, below = true;
         for (int i = 0; i < firsts; ++i)
             for (int j = firsts; j < 4; ++j) {
-                const double s = start.at[i][axis] - start.at[j][axis], e = end.at[i][axis] - end.at[j][axis];
+                const double s = start.at[i][axis] - start.at[j][axis],
+                             e = end.at[i][axis] - end.at[j][axis];
                 above &= s > error && e > error;
                 below &= s < -error && e < -error;
             }
@@ -51,15 +57,18 @@ PIERCE_HD bool axis_separates(const Corners& start, const Corners& end, double s
     return false;
 }
 
-/// Up to when `n` is known to separate two features, the first ahead, that are at `now` at time `t` and at `end` at time 1;
-/// `t` if it does not, 2 if it does to the end.
+/// Up to when `n` is known to separate two features, the first ahead, that are at `now` at time `t`
+/// and at `end` at time 1; `t` if it does not, 2 if it does to the end.
 template <int firsts>
-PIERCE_HD double separated_until(const Corners& now, const Corners& end, double t, Vec3d n, double size) {
-    // u = 2^-53, coordinates up to the size s, |n| = |n.x| + |n.y| + |n.z|. A corner relative to another, 1 u s; a corner of
-    // a part of a feature, whose weights are exact, 20 u s; its place at a time between, 6 u s; the difference of two such,
-    // 56 u s; the dot product, 8 u s. The time found is wrong by less than 4 u, while d changes by 4 |n| s per unit of time
-    // at most: 16 u s. Together 80 |n| u s, for which 128 are taken off.
-    const double error = constants::motion_rounding * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
+PIERCE_HD double separated_until(const Corners& now, const Corners& end, double t, Vec3d n,
+                                 double size) {
+    // u = 2^-53, coordinates up to the size s, |n| = |n.x| + |n.y| + |n.z|. A corner relative to
+    // another, 1 u s; a corner of a part of a feature, whose weights are exact, 20 u s; its place
+    // at a time between, 6 u s; the difference of two such, 56 u s; the dot product, 8 u s. The
+    // time found is wrong by less than 4 u, while d changes by 4 |n| s per unit of time at most: 16
+    // u s. Together 80 |n| u s, for which 128 are taken off.
+    const double error = constants::motion_rounding *
+                         (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
     double from[4], to[4];
     for (int k = 0; k < 4; ++k) {
         from[k] = dot(n, now.at[k]);

@@ -11,12 +11,13 @@ namespace pierce {
 /// True if the triangle is too thin to have a normal.
 PIERCE_HD inline bool is_degenerate(Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d ab = b - a, bc = c - b, ca = a - c;
-    const double longest = max_of(length_squared(ab), max_of(length_squared(bc), length_squared(ca)));
+    const double longest = max_of(length_squared(ab),
+                                  max_of(length_squared(bc), length_squared(ca)));
     return !(length(cross(ab, ca)) > constants::degenerate_area * longest);
 }
 
-/// A ray prepared for the triangle test: the axis it runs along most becomes the third, and a shear makes it run along that
-/// axis alone.
+/// A ray prepared for the triangle test: the axis it runs along most becomes the third, and a shear
+/// makes it run along that axis alone.
 struct ShearedRay {
     Vec3d origin;
     Vec3d direction;
@@ -25,8 +26,10 @@ struct ShearedRay {
     double facing = 1;  ///< -1 if the ray runs against its axis
 
     ShearedRay() = default;
-    PIERCE_HD ShearedRay(Vec3d ray_origin, Vec3d ray_direction) : origin(ray_origin), direction(ray_direction) {
-        const double x = std::fabs(direction.x), y = std::fabs(direction.y), z = std::fabs(direction.z);
+    PIERCE_HD ShearedRay(Vec3d ray_origin, Vec3d ray_direction)
+        : origin(ray_origin), direction(ray_direction) {
+        const double x = std::fabs(direction.x), y = std::fabs(direction.y),
+                     z = std::fabs(direction.z);
         axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
         const Vec3d d = turned(direction);
         shear_x = d.x / d.z;
@@ -40,7 +43,8 @@ struct ShearedRay {
         return axis == 1 ? Vec3d{v.z, v.x, v.y} : Vec3d{v.y, v.z, v.x};
     }
 
-    /// Where a point given relative to the origin lies, seen along the ray; the third coordinate stays.
+    /// Where a point given relative to the origin lies, seen along the ray; the third coordinate
+    /// stays.
     PIERCE_HD Vec3d sheared(Vec3d relative) const {
         const Vec3d v = turned(relative);
         return {v.x - shear_x * v.z, v.y - shear_y * v.z, v.z};
@@ -55,16 +59,17 @@ struct Crossing {
         coplanar,     ///< the line lies in the triangle's plane
     };
     Kind kind = none;
-    double t = 0;           ///< along the ray's direction; negative behind the origin
-    double sign = 0;        ///< +1: leaves through the back (exit), -1: comes in from the front (entry)
+    double t = 0;     ///< along the ray's direction; negative behind the origin
+    double sign = 0;  ///< +1: leaves through the back (exit), -1: comes in from the front (entry)
     double weight[3] = {};  ///< barycentric coordinates of the point hit
 
     PIERCE_HD explicit operator bool() const { return kind == transversal; }
 };
 
-/// The one geometric truth of the library: the watertight line-triangle test of Woop, Benthin and Wald (JCGT 2(1),
-/// 2013) in double. Neighbouring triangles compute their shared edge function from the same sheared vertices with the
-/// operands swapped, so it differs in sign only and no line passes between them.
+/// The one geometric truth of the library: the watertight line-triangle test of Woop, Benthin and
+/// Wald (JCGT 2(1), 2013) in double. Neighbouring triangles compute their shared edge function from
+/// the same sheared vertices with the operands swapped, so it differs in sign only and no line
+/// passes between them.
 PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2) {
     const Vec3d a = v0 - ray.origin, b = v1 - ray.origin, c = v2 - ray.origin;
     const Vec3d p = ray.sheared(a), q = ray.sheared(b), r = ray.sheared(c);
@@ -86,22 +91,33 @@ PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d 
     crossing.weight[0] = u / det;
     crossing.weight[1] = v / det;
     crossing.weight[2] = w / det;
-    crossing.t = dot(crossing.weight[0] * a + crossing.weight[1] * b + crossing.weight[2] * c, ray.direction);
+    crossing.t = dot(crossing.weight[0] * a + crossing.weight[1] * b + crossing.weight[2] * c,
+                     ray.direction);
     return crossing;
 }
 
-/// The part of the full turn that the triangle covers around the line, in parts of constants::half_turn of half a turn: two
-/// halves if the line passes through the inside, one through an edge, the angle through a vertex. Signed shares of all
-/// triangles met at one point of a closed surface add up to the change of the winding number, times two half turns. Whole
+/// The part of the full turn that the triangle covers around the line, in parts of
+/// constants::half_turn of half a turn: two halves if the line passes through the inside, one
+/// through an edge, the angle through a vertex. Signed shares of all triangles met at one point of
+/// a closed surface add up to the change of the winding number, times two half turns. Whole
 /// numbers, so that the sum does not depend on the order.
-PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2, const Crossing& crossing) {
+PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2,
+                                             const Crossing& crossing) {
     constexpr double pi = 3.14159265358979323846;
     const bool on[3] = {crossing.weight[0] == 0, crossing.weight[1] == 0, crossing.weight[2] == 0};
     const int zeros = on[0] + on[1] + on[2];
     if (zeros == 0) return 2 * constants::half_turn;
     if (zeros == 1) return constants::half_turn;
     // The corner hit, and the two after it; not in a list, which a GPU would keep in memory.
-    const Vec3d p = !on[0] ? v0 : !on[1] ? v1 : v2, q = !on[0] ? v1 : !on[1] ? v2 : v0, r = !on[0] ? v2 : !on[1] ? v0 : v1;
+    const Vec3d p = !on[0]   ? v0
+                    : !on[1] ? v1
+                             : v2,
+                q = !on[0]   ? v1
+                    : !on[1] ? v2
+                             : v0,
+                r = !on[0]   ? v2
+                    : !on[1] ? v0
+                             : v1;
     const auto flat = [&](Vec3d corner) {
         const Vec3d d = ray.sheared(corner - p);
         return Vec3d{d.x, d.y, 0};
@@ -111,15 +127,19 @@ PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Ve
     return static_cast<std::int64_t>(part * static_cast<double>(constants::half_turn));
 }
 
-/// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer than `tolerance` to its three sides and
-/// to its box: beyond a sharp corner the lines along its sides are near for longer than boxes of trees reach.
+/// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer than
+/// `tolerance` to its three sides and to its box: beyond a sharp corner the lines along its sides
+/// are near for longer than boxes of trees reach.
 PIERCE_HD inline bool touches_triangle(Vec3d p, Vec3d v0, Vec3d v1, Vec3d v2, double tolerance) {
     for (int k = 0; k < 3; ++k)
-        if (p[k] < min_of(v0[k], min_of(v1[k], v2[k])) - tolerance || p[k] > max_of(v0[k], max_of(v1[k], v2[k])) + tolerance)
+        if (p[k] < min_of(v0[k], min_of(v1[k], v2[k])) - tolerance ||
+            p[k] > max_of(v0[k], max_of(v1[k], v2[k])) + tolerance)
             return false;
     const Vec3d n = normalized(cross(v1 - v0, v2 - v0));
     if (length_squared(n) == 0 || std::fabs(dot(n, p - v0)) > tolerance) return false;
-    const auto is_beyond = [&](Vec3d from, Vec3d to) { return dot(cross(n, normalized(to - from)), p - from) < -tolerance; };
+    const auto is_beyond = [&](Vec3d from, Vec3d to) {
+        return dot(cross(n, normalized(to - from)), p - from) < -tolerance;
+    };
     return !is_beyond(v0, v1) && !is_beyond(v1, v2) && !is_beyond(v2, v0);
 }
 

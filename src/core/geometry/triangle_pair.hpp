@@ -17,31 +17,37 @@ namespace pierce {
 using Corners = std::array<Vec3d, 3>;
 
 inline Corners corners_of(View<const Vec3f> positions, const Triangle& t) {
-    return {to_double(positions[t.vertex[0]]), to_double(positions[t.vertex[1]]), to_double(positions[t.vertex[2]])};
+    return {to_double(positions[t.vertex[0]]), to_double(positions[t.vertex[1]]),
+            to_double(positions[t.vertex[2]])};
 }
 
 /// True if the triangles have a vertex id in common.
 inline bool share_vertex(const Triangle& t, const Triangle& other) {
-    return std::ranges::any_of(
-        t.vertex, [&](std::uint32_t v) { return std::ranges::find(other.vertex, v) != std::end(other.vertex); });
+    return std::ranges::any_of(t.vertex, [&](std::uint32_t v) {
+        return std::ranges::find(other.vertex, v) != std::end(other.vertex);
+    });
 }
 
-/// True if an edge of `a` passes through `b`. Left aside are its ends, as far as `end_inset` [its length], and the border of
-/// `b`, as far as `border_inset` [barycentric].
-inline bool edge_pierces(const Corners& a, const Corners& b, double end_inset, double border_inset) {
+/// True if an edge of `a` passes through `b`. Left aside are its ends, as far as `end_inset` [its
+/// length], and the border of `b`, as far as `border_inset` [barycentric].
+inline bool edge_pierces(const Corners& a, const Corners& b, double end_inset,
+                         double border_inset) {
     for (int k = 0; k < 3; ++k) {
         const Vec3d edge = a[(k + 1) % 3] - a[k];
         const double size = length(edge);
         if (!(size > 0)) continue;
         const Crossing crossing = cross_triangle({a[k], (1 / size) * edge}, b[0], b[1], b[2]);
-        if (!crossing || crossing.t < end_inset * size || crossing.t > (1 - end_inset) * size) continue;
-        if (std::ranges::all_of(crossing.weight, [&](double w) { return w >= border_inset; })) return true;
+        if (!crossing || crossing.t < end_inset * size || crossing.t > (1 - end_inset) * size)
+            continue;
+        if (std::ranges::all_of(crossing.weight, [&](double w) { return w >= border_inset; }))
+            return true;
     }
     return false;
 }
 
-/// The sine of the angle between two triangles that share the edge from `a` to `b`, their third corners being `own` and
-/// `other`; 1 from a right angle on, 0 where one lies folded onto the other.
+/// The sine of the angle between two triangles that share the edge from `a` to `b`, their third
+/// corners being `own` and `other`; 1 from a right angle on, 0 where one lies folded onto the
+/// other.
 inline double fold_sine(Vec3d a, Vec3d b, Vec3d own, Vec3d other) {
     const Vec3d edge = normalized(b - a);
     const auto across = [&](Vec3d p) {
@@ -52,9 +58,10 @@ inline double fold_sine(Vec3d a, Vec3d b, Vec3d own, Vec3d other) {
     return dot(u, w) <= 0 ? 1 : length(cross(u, w));
 }
 
-/// True if the triangles pass through each other: each has corners on both sides of the other's plane, and the segments in
-/// which they meet the line common to both planes overlap (Moeller 1997). A touch that goes no deeper than
-/// constants::touch_tolerance times the two triangles' extent is none.
+/// True if the triangles pass through each other: each has corners on both sides of the other's
+/// plane, and the segments in which they meet the line common to both planes overlap (Moeller
+/// 1997). A touch that goes no deeper than constants::touch_tolerance times the two triangles'
+/// extent is none.
 inline bool triangles_cross(const Corners& a, const Corners& b) {
     Box box;
     for (Vec3d p : a) box.extend(p);
@@ -69,7 +76,8 @@ inline bool triangles_cross(const Corners& a, const Corners& b) {
         double side[3];
         for (int k = 0; k < 3; ++k) side[k] = dot(normal, c[k] - on_plane);
         std::pair<double, double> range(INFINITY, -INFINITY);
-        if (!(*std::ranges::min_element(side) < -touch && *std::ranges::max_element(side) > touch)) return range;
+        if (!(*std::ranges::min_element(side) < -touch && *std::ranges::max_element(side) > touch))
+            return range;
         for (int k = 0; k < 3; ++k) {
             const int next = (k + 1) % 3;
             if ((side[k] < 0) == (side[next] < 0)) continue;

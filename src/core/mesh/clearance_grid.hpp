@@ -15,7 +15,7 @@ struct Triangle;
 
 /// Where the cells of a regular grid are, and what they count in.
 struct ClearanceGridLayout {
-    Box box;                ///< the cells' union; reaches at least one cell beyond the solid on every side
+    Box box;  ///< the cells' union; reaches at least one cell beyond the solid on every side
     double cell = 0;        ///< edge length of a cell
     double per_length = 0;  ///< cells per unit of length
     double step = 0;        ///< [length] what one step of clearance is worth
@@ -27,18 +27,21 @@ struct ClearanceGridLayout {
     }
 };
 
-/// A lower bound of the distance from any point to a closed solid, looked up in one cell of a regular grid.
-/// What it proves: a point with positive clearance lies in the unbounded outside of the surface, that far from it.
+/// A lower bound of the distance from any point to a closed solid, looked up in one cell of a
+/// regular grid. What it proves: a point with positive clearance lies in the unbounded outside of
+/// the surface, that far from it.
 struct ClearanceGridView : ClearanceGridLayout {
     View<const std::uint8_t> steps;  ///< per cell, x fastest; empty: nothing is known
 
-    /// Distance from `p` to the solid is at least this; zero inside, near it, or where no grid was made.
-    /// Outside the box the nearest cell counts: the solid lies in the box, and moving `p` into the box brings it closer.
+    /// Distance from `p` to the solid is at least this; zero inside, near it, or where no grid was
+    /// made. Outside the box the nearest cell counts: the solid lies in the box, and moving `p`
+    /// into the box brings it closer.
     PIERCE_HD double operator()(Vec3d p) const {
         if (steps.size == 0) return 0.0;
         std::int32_t at[3];
         for (int i = 0; i < 3; ++i)
-            at[i] = static_cast<std::int32_t>(clamp_to((p[i] - box.lower[i]) * per_length, 0.0, size[i] - 1.0));
+            at[i] = static_cast<std::int32_t>(
+                clamp_to((p[i] - box.lower[i]) * per_length, 0.0, size[i] - 1.0));
         return step * steps_at(at[0], at[1], at[2]);
     }
 
@@ -53,9 +56,11 @@ struct ClearanceGrid {
     std::vector<std::uint8_t> steps;
 };
 
-/// Builds the grid of a closed surface: cells a triangle may touch are marked, the outside is flooded from the border,
-/// and every outside cell gets the gap to the nearest cell that is not outside (separable exact distance transform,
-/// after Felzenszwalb and Huttenlocher 2012, with cells as cubes so that the bound holds for all their points).
-ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+/// Builds the grid of a closed surface: cells a triangle may touch are marked, the outside is
+/// flooded from the border, and every outside cell gets the gap to the nearest cell that is not
+/// outside (separable exact distance transform, after Felzenszwalb and Huttenlocher 2012, with
+/// cells as cubes so that the bound holds for all their points).
+ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
+                                   std::span<const Triangle> triangles);
 
 }  // namespace pierce

@@ -18,7 +18,9 @@ inline std::vector<std::uint32_t> first_at_position(std::span<const Vec3f> posit
     std::vector<std::uint32_t> order;
     for (std::uint32_t v : first)
         if (is_finite(positions[v])) order.push_back(v);
-    const auto key = [&](std::uint32_t v) { return std::tuple{positions[v].x, positions[v].y, positions[v].z, v}; };
+    const auto key = [&](std::uint32_t v) {
+        return std::tuple{positions[v].x, positions[v].y, positions[v].z, v};
+    };
     std::ranges::sort(order, {}, key);
     for (std::size_t i = 1; i < order.size(); ++i)
         if (positions[order[i]] == positions[order[i - 1]]) first[order[i]] = first[order[i - 1]];

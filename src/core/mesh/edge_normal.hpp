@@ -8,22 +8,28 @@
 namespace pierce {
 
 /// The unit normal of a triangle; zero if it has no area.
-PIERCE_HD inline Vec3d triangle_normal(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t triangle) {
+PIERCE_HD inline Vec3d triangle_normal(const MeshView& mesh, View<const Vec3f> positions,
+                                       std::uint32_t triangle) {
     const Triangle& t = mesh.triangles[triangle];
     const Vec3d a = to_double(positions[t.vertex[0]]);
-    return normalized(cross(to_double(positions[t.vertex[1]]) - a, to_double(positions[t.vertex[2]]) - a));
+    return normalized(
+        cross(to_double(positions[t.vertex[1]]) - a, to_double(positions[t.vertex[2]]) - a));
 }
 
-/// The unit outward normal of an edge: halfway between those of its triangles, so that its opposite leads inside between
-/// them, whether they meet in a ridge or in a valley. Zero where they cancel or have no area.
-PIERCE_HD inline Vec3d edge_normal(const MeshView& mesh, View<const Vec3f> positions, const Edge& edge) {
+/// The unit outward normal of an edge: halfway between those of its triangles, so that its opposite
+/// leads inside between them, whether they meet in a ridge or in a valley. Zero where they cancel
+/// or have no area.
+PIERCE_HD inline Vec3d edge_normal(const MeshView& mesh, View<const Vec3f> positions,
+                                   const Edge& edge) {
     Vec3d sum = triangle_normal(mesh, positions, edge.triangle[0]);
     if (edge.triangle[1] != no_triangle) sum += triangle_normal(mesh, positions, edge.triangle[1]);
     return length(sum) > constants::vanishing_normal ? normalized(sum) : Vec3d{};
 }
 
-/// True if `direction`, leaving the edge, is strictly behind both of its triangles; then it leads into the inside.
-PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions, const Edge& edge, Vec3d direction) {
+/// True if `direction`, leaving the edge, is strictly behind both of its triangles; then it leads
+/// into the inside.
+PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions,
+                                   const Edge& edge, Vec3d direction) {
     if (edge.triangle[1] == no_triangle) return false;
     return dot(triangle_normal(mesh, positions, edge.triangle[0]), direction) < 0 &&
            dot(triangle_normal(mesh, positions, edge.triangle[1]), direction) < 0;

@@ -17,7 +17,9 @@ PIERCE_HD inline std::uint32_t patch_count(const MeshView& mesh) {
 }
 
 /// Where the vertices of patch `p` begin in MeshView::patch_vertices.
-PIERCE_HD inline std::size_t patch_begin(std::uint32_t p) { return std::size_t{p} * constants::patch_size; }
+PIERCE_HD inline std::size_t patch_begin(std::uint32_t p) {
+    return std::size_t{p} * constants::patch_size;
+}
 
 /// Vertex count of patch `p`; only the last one may hold less than constants::patch_size.
 PIERCE_HD inline std::uint32_t patch_length(const MeshView& mesh, std::uint32_t p) {
@@ -46,16 +48,18 @@ PIERCE_HD inline float longest(const Offsets& offsets) {
     float squared[Offsets::count];
     PIERCE_VECTOR_LOOP
     for (std::uint32_t i = 0; i < Offsets::count; ++i)
-        squared[i] = offsets.x[i] * offsets.x[i] + offsets.y[i] * offsets.y[i] + offsets.z[i] * offsets.z[i];
+        squared[i] = offsets.x[i] * offsets.x[i] + offsets.y[i] * offsets.y[i] +
+                     offsets.z[i] * offsets.z[i];
     float furthest = 0;
     for (std::uint32_t i = 0; i < Offsets::count; ++i) furthest = max_of(squared[i], furthest);
     return std::sqrt(furthest) * static_cast<float>(1 + constants::touch_tolerance);
 }
 
-/// Measures patch `p` at `positions`: its mean, which it puts into its block, its vertices relative to that, and how far
-/// they reach. Places past the last vertex repeat the mean. A mean, unlike the middle of a box, turns with the patch.
-PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t p, PatchBlock& block,
-                                    Offsets& patch) {
+/// Measures patch `p` at `positions`: its mean, which it puts into its block, its vertices relative
+/// to that, and how far they reach. Places past the last vertex repeat the mean. A mean, unlike the
+/// middle of a box, turns with the patch.
+PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions,
+                                    std::uint32_t p, PatchBlock& block, Offsets& patch) {
     const std::uint32_t first = p / constants::block_size * constants::block_size, k = p - first;
     const std::uint32_t* vertex = mesh.patch_vertices.data + patch_begin(p);
     const std::uint32_t count = patch_length(mesh, p);
@@ -72,21 +76,25 @@ PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> posi
 }
 
 /// The mean of the k-th patch of a block that begins with patch `first`, once it is measured.
-PIERCE_HD inline Vec3d measured_center(const MeshView& mesh, View<const Vec3f> positions, const PatchBlock& block,
-                                       std::uint32_t first, std::uint32_t k) {
+PIERCE_HD inline Vec3d measured_center(const MeshView& mesh, View<const Vec3f> positions,
+                                       const PatchBlock& block, std::uint32_t first,
+                                       std::uint32_t k) {
     return to_double(positions[mesh.patch_vertices[patch_begin(first)]]) +
            Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
 }
 
 /// Completes block `b`, whose patches are measured. Places past the last patch repeat its centre.
-PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t b, PatchBlock& block) {
-    block.center = to_double(positions[mesh.patch_vertices[patch_begin(b * constants::block_size)]]);
+PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions,
+                                   std::uint32_t b, PatchBlock& block) {
+    block.center = to_double(
+        positions[mesh.patch_vertices[patch_begin(b * constants::block_size)]]);
     for (std::uint32_t k = block_length(mesh, b); k < constants::block_size; ++k) {
         block.offsets.set(k, {});
         block.radius[k] = 0;
     }
     float reach = 0;
-    for (std::uint32_t k = 0; k < constants::block_size; ++k) reach = max_of(block.radius[k], reach);
+    for (std::uint32_t k = 0; k < constants::block_size; ++k)
+        reach = max_of(block.radius[k], reach);
     block.reach = longest(block.offsets) + reach;
 }
 
@@ -102,7 +110,8 @@ struct TurnedOffsets {
             const Vec3f row = to_float(rotation.row[r]);
             PIERCE_VECTOR_LOOP
             for (std::uint32_t k = 0; k < Share::count; ++k)
-                at[r][k] = row.x * offsets.x[first + k] + row.y * offsets.y[first + k] + row.z * offsets.z[first + k];
+                at[r][k] = row.x * offsets.x[first + k] + row.y * offsets.y[first + k] +
+                           row.z * offsets.z[first + k];
         }
     }
 };

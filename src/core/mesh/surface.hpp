@@ -9,7 +9,8 @@ namespace pierce {
 struct Surface {
     View<const Vec3f> positions;
     View<const Triangle> triangles;
-    double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance times the extent
+    double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance
+                       ///< times the extent
 };
 
 }  // namespace pierce

@@ -8,9 +8,11 @@
 
 namespace pierce {
 
-/// The unit outward normal of vertex `v`: its triangles' normals weighted by their angle at `v`, which makes its sign
-/// right for inside tests (Baerentzen and Aanaes 2005). Zero if the triangles cancel or have no area.
-PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t v) {
+/// The unit outward normal of vertex `v`: its triangles' normals weighted by their angle at `v`,
+/// which makes its sign right for inside tests (Baerentzen and Aanaes 2005). Zero if the triangles
+/// cancel or have no area.
+PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> positions,
+                                     std::uint32_t v) {
     const Vec3d apex = to_double(positions[v]);
     Vec3d sum;
     double angles = 0;
@@ -27,10 +29,12 @@ PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> pos
     return length(sum) > constants::vanishing_normal * angles ? normalized(sum) : Vec3d{};
 }
 
-/// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then it leads into the inside of a
-/// closed surface: seen from `v` the inside is a spherical polygon, and were the direction outside of it, the polygon's
-/// point nearest to it would lie on an edge, or a corner, whose triangle has the direction in front.
-PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions, std::uint32_t v, Vec3d direction) {
+/// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then it
+/// leads into the inside of a closed surface: seen from `v` the inside is a spherical polygon, and
+/// were the direction outside of it, the polygon's point nearest to it would lie on an edge, or a
+/// corner, whose triangle has the direction in front.
+PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions,
+                                   std::uint32_t v, Vec3d direction) {
     const Vec3d apex = to_double(positions[v]);
     for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
         const Vec3d a = to_double(positions[mesh.corners[i].next]) - apex;

@@ -15,7 +15,8 @@ int longest_axis(Vec3d size) {
 
 }  // namespace
 
-BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()), nodes_(1) {
+BoxTree::BoxTree(std::vector<Box> boxes)
+    : boxes_(std::move(boxes)), order_(boxes_.size()), nodes_(1) {
     std::iota(order_.begin(), order_.end(), 0u);
     split(0, 0, static_cast<std::uint32_t>(order_.size()));
 }

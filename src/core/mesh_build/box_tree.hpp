@@ -12,7 +12,8 @@ class BoxTree {
 public:
     explicit BoxTree(std::vector<Box> boxes);
 
-    /// Calls visit(i) for every box i that `wanted` holds for; so it must for every box around such a one.
+    /// Calls visit(i) for every box i that `wanted` holds for; so it must for every box around such
+    /// a one.
     template <class Test, class F>
     void for_each_that(Test wanted, F visit) const {
         std::vector<std::uint32_t> open{0};

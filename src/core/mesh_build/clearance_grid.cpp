@@ -15,7 +15,9 @@ struct Cells {
     ClearanceGridLayout layout;
     std::vector<Cell> state;
 
-    std::size_t at(std::int32_t x, std::int32_t y, std::int32_t z) const { return layout.index_of(x, y, z); }
+    std::size_t at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return layout.index_of(x, y, z);
+    }
 };
 
 Cells make_cells(const Box& solid) {
@@ -52,7 +54,8 @@ void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
         last[i] = std::min(static_cast<std::int32_t>(std::max(high, 0.0)), grid.size[i] - 1);
     }
     const Vec3d n = cross(b - a, c - a);
-    const double reach = 0.5 * grid.cell * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) + margin * length(n);
+    const double reach = 0.5 * grid.cell * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) +
+                         margin * length(n);
     for (std::int32_t z = first[2]; z <= last[2]; ++z)
         for (std::int32_t y = first[1]; y <= last[1]; ++y)
             for (std::int32_t x = first[0]; x <= last[0]; ++x) {
@@ -79,12 +82,14 @@ void flood_outside(Cells& cells) {
             if (ny < 0 || ny >= size[1] || nz < 0 || nz >= size[2]) continue;
             const Cell* const next = cells.state.data() + cells.at(0, ny, nz);
             for (std::int32_t k = first; k <= last; ++k)
-                if (next[k] == unknown && (k == first || next[k - 1] != unknown)) open.push_back({k, ny, nz});
+                if (next[k] == unknown && (k == first || next[k - 1] != unknown))
+                    open.push_back({k, ny, nz});
         }
     }
 }
 
-/// Squares of gaps in whole cells. More than `most` is no more than that: clearance is stored in a byte.
+/// Squares of gaps in whole cells. More than `most` is no more than that: clearance is stored in a
+/// byte.
 using Gap = std::int16_t;
 constexpr std::int32_t most_cells = 256 / constants::clearance_steps_per_cell + 1;
 constexpr Gap most = most_cells * most_cells;
@@ -113,11 +118,13 @@ std::vector<Gap> gaps_along_x(const Cells& cells) {
     return gaps;
 }
 
-/// One more axis of the distance transform: of lines of `count` rows, `stride` apart, out[i] = min over j of
-/// in[j] + gap(i, j)^2.
+/// One more axis of the distance transform: of lines of `count` rows, `stride` apart, out[i] = min
+/// over j of in[j] + gap(i, j)^2.
 void join_rows(const ClearanceGridLayout& grid, int axis, std::vector<Gap>& gaps) {
-    const auto length = static_cast<std::size_t>(grid.size[0]), rows_y = static_cast<std::size_t>(grid.size[1]);
-    const std::size_t stride = axis == 1 ? length : length * rows_y, count = static_cast<std::size_t>(grid.size[axis]);
+    const auto length = static_cast<std::size_t>(grid.size[0]),
+               rows_y = static_cast<std::size_t>(grid.size[1]);
+    const std::size_t stride = axis == 1 ? length : length * rows_y,
+                      count = static_cast<std::size_t>(grid.size[axis]);
     const std::size_t lines = static_cast<std::size_t>(axis == 1 ? grid.size[2] : grid.size[1]);
     const std::size_t line_stride = axis == 1 ? length * rows_y : length;
     const std::vector<Gap> in = gaps;
@@ -149,7 +156,8 @@ std::vector<Gap> squared_gaps(const Cells& cells) {
 
 }  // namespace
 
-ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
+ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
+                                   std::span<const Triangle> triangles) {
     Box solid;
     for (const Triangle& t : triangles)
         for (std::uint32_t v : t.vertex) solid.extend(to_double(positions[v]));
@@ -165,10 +173,12 @@ ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions, std::span<c
     grid.steps.reserve(cells.state.size());
     std::array<std::uint8_t, most + 1> steps_of{};
     for (std::size_t squared = 0; squared < steps_of.size(); ++squared) {
-        const double steps = std::floor(std::sqrt(static_cast<double>(squared)) * constants::clearance_steps_per_cell);
+        const double steps = std::floor(std::sqrt(static_cast<double>(squared)) *
+                                        constants::clearance_steps_per_cell);
         steps_of[squared] = static_cast<std::uint8_t>(std::min(steps, 255.0));
     }
-    for (const Gap squared : squared_gaps(cells)) grid.steps.push_back(steps_of[static_cast<std::size_t>(squared)]);
+    for (const Gap squared : squared_gaps(cells))
+        grid.steps.push_back(steps_of[static_cast<std::size_t>(squared)]);
     return grid;
 }
 

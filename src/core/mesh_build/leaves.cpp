@@ -24,24 +24,31 @@ std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Tr
     std::vector<Couple> couples;
     for_each_edge(triangles, [&](std::span<const HalfEdge> sides) {
         if (sides.size() != 2 || sides[0].triangle == sides[1].triangle) return;
-        const float area = join(box_of(triangles[sides[0].triangle]), box_of(triangles[sides[1].triangle])).half_area();
-        couples.push_back({min_of(area, INFINITY), {sides[0], sides[1]}});  // infinite, too, if positions are not numbers
+        const float area = join(box_of(triangles[sides[0].triangle]),
+                                box_of(triangles[sides[1].triangle]))
+                               .half_area();
+        couples.push_back({min_of(area, INFINITY), {sides[0], sides[1]}});  // infinite, too, if
+                                                                            // positions are not
+                                                                            // numbers
     });
     std::ranges::stable_sort(couples, {}, &Couple::area);
 
     std::vector<const Couple*> couple_of(triangles.size(), nullptr);
     for (const Couple& couple : couples) {
-        const Couple *&first = couple_of[couple.side[0].triangle], *&second = couple_of[couple.side[1].triangle];
+        const Couple *&first = couple_of[couple.side[0].triangle],
+                     *&second = couple_of[couple.side[1].triangle];
         if (first == nullptr && second == nullptr) first = second = &couple;
     }
     std::vector<Leaf> leaves;
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         const Triangle& alone = triangles[t];
-        Leaf leaf{{alone.vertex[0], alone.vertex[1], alone.vertex[2], alone.vertex[0]}, {t, no_triangle}};
+        Leaf leaf{{alone.vertex[0], alone.vertex[1], alone.vertex[2], alone.vertex[0]},
+                  {t, no_triangle}};
         if (const Couple* couple = couple_of[t]) {
             const HalfEdge &side = couple->side[0], &other = couple->side[1];
             if (side.triangle != t) continue;  // they are listed with the first
-            leaf = {{alone.vertex[side.opposite], side.low, side.high, triangles[other.triangle].vertex[other.opposite]},
+            leaf = {{alone.vertex[side.opposite], side.low, side.high,
+                     triangles[other.triangle].vertex[other.opposite]},
                     {t, other.triangle}};
         }
         leaves.push_back(leaf);

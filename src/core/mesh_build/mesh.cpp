@@ -29,13 +29,15 @@ void check_indices(const std::string& name, const MeshData& data) {
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (std::uint32_t v : data.triangles[t].vertex)
             if (v >= data.positions.size())
-                throw InputError("mesh '" + name + "': triangle " + std::to_string(t) + " names vertex " +
-                                 std::to_string(v) + ", but there are " + std::to_string(data.positions.size()));
+                throw InputError("mesh '" + name + "': triangle " + std::to_string(t) +
+                                 " names vertex " + std::to_string(v) + ", but there are " +
+                                 std::to_string(data.positions.size()));
 }
 
 }  // namespace
 
-/// What a Mesh owns. Its arrays are filled one after the other; what fills one reads earlier ones through `view`.
+/// What a Mesh owns. Its arrays are filled one after the other; what fills one reads earlier ones
+/// through `view`.
 struct Mesh::Parts {
     std::string name;
     MeshTraits traits;
@@ -58,8 +60,8 @@ Mesh::Parts::Parts(std::string its_name, MeshData data) : name(std::move(its_nam
     check_positions(name, data.positions);
     check_indices(name, data);
     if (std::max(data.positions.size(), 3 * data.triangles.size()) > constants::max_elements)
-        throw InputError("mesh '" + name + "' has more than " + std::to_string(constants::max_elements) +
-                         " vertices or corners");
+        throw InputError("mesh '" + name + "' has more than " +
+                         std::to_string(constants::max_elements) + " vertices or corners");
 
     Vec3d sum;
     for (Vec3f p : data.positions) {
@@ -72,7 +74,8 @@ Mesh::Parts::Parts(std::string its_name, MeshData data) : name(std::move(its_nam
     view.closed = traits.closed();
     arrays.positions = std::move(data.positions);
     arrays.triangles = std::move(data.triangles);
-    std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles, arrays.positions.size());
+    std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles,
+                                                                 arrays.positions.size());
     arrays.fans = fans_of(arrays.corner_offsets, arrays.corners);
     divide_into_patches();
     find_edges();
@@ -84,7 +87,8 @@ void Mesh::Parts::divide_into_patches() {
     std::vector<Vec3d> points, middles;
     for (Vec3f p : arrays.positions) points.push_back(to_double(p));
     for (const Triangle& t : arrays.triangles)
-        middles.push_back((1.0 / 3) * (points[t.vertex[0]] + points[t.vertex[1]] + points[t.vertex[2]]));
+        middles.push_back((1.0 / 3) *
+                          (points[t.vertex[0]] + points[t.vertex[1]] + points[t.vertex[2]]));
     arrays.patch_vertices = spatial_order(points);
     arrays.group_triangles = spatial_order(middles);
     arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles);
@@ -108,7 +112,9 @@ void Mesh::Parts::find_edges() {
 void Mesh::Parts::measure_solid() {
     arrays.rings = rings_of(view);
     view.simple = traits.volume > 0 && arrays.parts.size() == 1 &&
-                  std::ranges::all_of(arrays.rings, [](const TriangleRing& r) { return r.gap > 0 && r.openness > 0; });
+                  std::ranges::all_of(arrays.rings, [](const TriangleRing& r) {
+                      return r.gap > 0 && r.openness > 0;
+                  });
     arrays.star_clearance = star_clearance(view);
     ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
     arrays.clearance_steps = std::move(clearance.steps);
@@ -120,12 +126,15 @@ void Mesh::Parts::measure_patches() {
     arrays.blocks.resize(block_count(view));
     arrays.patches.resize(patch_count(view));
     for (std::uint32_t p = 0; p < patch_count(view); ++p)
-        measure_patch(view, view.positions, p, arrays.blocks[p / constants::block_size], arrays.patches[p]);
-    for (std::uint32_t b = 0; b < block_count(view); ++b) finish_block(view, view.positions, b, arrays.blocks[b]);
+        measure_patch(view, view.positions, p, arrays.blocks[p / constants::block_size],
+                      arrays.patches[p]);
+    for (std::uint32_t b = 0; b < block_count(view); ++b)
+        finish_block(view, view.positions, b, arrays.blocks[b]);
     see_arrays();
 }
 
-Mesh::Mesh(std::string name, MeshData data) : parts_(std::make_unique<Parts>(std::move(name), std::move(data))) {}
+Mesh::Mesh(std::string name, MeshData data)
+    : parts_(std::make_unique<Parts>(std::move(name), std::move(data))) {}
 Mesh::Mesh(Mesh&&) noexcept = default;
 Mesh& Mesh::operator=(Mesh&&) noexcept = default;
 Mesh::~Mesh() = default;

@@ -24,7 +24,8 @@ namespace {
 class Findings {
 public:
     Findings() {
-        for (std::uint32_t i = 0; i < mesh_defect_count; ++i) all_[i].kind = static_cast<MeshDefect>(i);
+        for (std::uint32_t i = 0; i < mesh_defect_count; ++i)
+            all_[i].kind = static_cast<MeshDefect>(i);
     }
 
     void add(MeshDefect kind, std::initializer_list<std::uint32_t> place) {
@@ -35,7 +36,8 @@ public:
 
     std::vector<MeshFinding> present() const {
         std::vector<MeshFinding> findings;
-        std::ranges::copy_if(all_, std::back_inserter(findings), [](const MeshFinding& f) { return f.count > 0; });
+        std::ranges::copy_if(all_, std::back_inserter(findings),
+                             [](const MeshFinding& f) { return f.count > 0; });
         return findings;
     }
 
@@ -49,7 +51,8 @@ struct Part {
     std::vector<std::uint32_t> ids;
 };
 
-/// Sorts out what cannot be looked at: numbers that are none, and vertices that are not there or not used.
+/// Sorts out what cannot be looked at: numbers that are none, and vertices that are not there or
+/// not used.
 Part usable_part(const MeshData& mesh, Findings& findings) {
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
         if (!is_finite(mesh.positions[v])) findings.add(MeshDefect::not_finite, {v});
@@ -91,25 +94,31 @@ void check_triangles(const Part& part, Findings& findings) {
     for (std::uint32_t t = 0; t < part.ids.size(); ++t) {
         const Triangle& triangle = part.mesh.triangles[t];
         const Corners c = corners_of(view_of(part.mesh.positions), triangle);
-        if (is_degenerate(c[0], c[1], c[2])) findings.add(MeshDefect::degenerate_triangle, {part.ids[t]});
-        std::array<std::uint32_t, 3> key = {triangle.vertex[0], triangle.vertex[1], triangle.vertex[2]};
+        if (is_degenerate(c[0], c[1], c[2]))
+            findings.add(MeshDefect::degenerate_triangle, {part.ids[t]});
+        std::array<std::uint32_t, 3> key = {triangle.vertex[0], triangle.vertex[1],
+                                            triangle.vertex[2]};
         std::ranges::sort(key);
         const auto [earlier, is_new] = first.try_emplace(key, t);
         if (is_new) continue;
         const bool same_way = turned(triangle) == turned(part.mesh.triangles[earlier->second]);
-        findings.add(same_way ? MeshDefect::duplicate_triangle : MeshDefect::opposite_triangle, {part.ids[t]});
+        findings.add(same_way ? MeshDefect::duplicate_triangle : MeshDefect::opposite_triangle,
+                     {part.ids[t]});
     }
 }
 
 /// What edges say about the surface around vertices and triangles.
 struct Connections {
     std::vector<bool> on_open_edge;       ///< per triangle: an edge of it is not balanced
-    std::vector<bool> on_irregular_edge;  ///< per vertex: an edge of it has not two triangles that run opposite ways
-    DisjointSets fans;                    ///< triangles' corners, 3 t + k, in sets that lie side by side around a vertex
+    std::vector<bool> on_irregular_edge;  ///< per vertex: an edge of it has not two triangles that
+                                          ///< run opposite ways
+    DisjointSets fans;  ///< triangles' corners, 3 t + k, in sets that lie side by side around a
+                        ///< vertex
 };
 
 Connections check_edges(const MeshData& mesh, Findings& findings) {
-    Connections connections{std::vector<bool>(mesh.triangles.size()), std::vector<bool>(mesh.positions.size()),
+    Connections connections{std::vector<bool>(mesh.triangles.size()),
+                            std::vector<bool>(mesh.positions.size()),
                             DisjointSets(3 * mesh.triangles.size())};
     for_each_edge(mesh.triangles, [&](std::span<const HalfEdge> sides) {
         const std::uint32_t low = sides[0].low, high = sides[0].high;
@@ -122,15 +131,18 @@ Connections check_edges(const MeshData& mesh, Findings& findings) {
         };
         for (const HalfEdge& s : sides) {
             if (!balanced) connections.on_open_edge[s.triangle] = true;
-            for (const bool of_low : {true, false}) connections.fans.join(corner(s, of_low), corner(sides[0], of_low));
+            for (const bool of_low : {true, false})
+                connections.fans.join(corner(s, of_low), corner(sides[0], of_low));
         }
-        if (!balanced || sides.size() != 2) connections.on_irregular_edge[low] = connections.on_irregular_edge[high] = true;
+        if (!balanced || sides.size() != 2)
+            connections.on_irregular_edge[low] = connections.on_irregular_edge[high] = true;
     });
     return connections;
 }
 
-/// True if the opposite of a vertex's normal leads out of the surface, of which the vertex's triangles are a closed fan: the
-/// nearest feature of the fan, continued to infinity, has the direction in front (Baerentzen and Aanaes 2005).
+/// True if the opposite of a vertex's normal leads out of the surface, of which the vertex's
+/// triangles are a closed fan: the nearest feature of the fan, continued to infinity, has the
+/// direction in front (Baerentzen and Aanaes 2005).
 bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
     if (leads_inside(mesh, mesh.positions, v, direction)) return false;
     struct Wedge {
@@ -140,9 +152,12 @@ bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
     const Vec3d apex = to_double(mesh.positions[v]);
     std::vector<Wedge> fan;
     for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
-        const Vec3d a = constants::wedge_length * normalized(to_double(mesh.positions[mesh.corners[i].next]) - apex);
-        const Vec3d b = constants::wedge_length * normalized(to_double(mesh.positions[mesh.corners[i].previous]) - apex);
-        fan.push_back({direction - closest_on_triangle(direction, {}, a, b), normalized(cross(a, b))});
+        const Vec3d a = constants::wedge_length *
+                        normalized(to_double(mesh.positions[mesh.corners[i].next]) - apex);
+        const Vec3d b = constants::wedge_length *
+                        normalized(to_double(mesh.positions[mesh.corners[i].previous]) - apex);
+        fan.push_back(
+            {direction - closest_on_triangle(direction, {}, a, b), normalized(cross(a, b))});
     }
     const auto distance = [](const Wedge& w) { return length(w.away); };
     const Wedge nearest = *std::ranges::min_element(fan, {}, distance);
@@ -154,7 +169,8 @@ bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
     return dot(nearest.away, normal) > constants::touch_tolerance;
 }
 
-void check_vertices(const MeshData& mesh, bool closed, Connections& connections, Findings& findings) {
+void check_vertices(const MeshData& mesh, bool closed, Connections& connections,
+                    Findings& findings) {
     const auto [offsets, corners] = corners_of(mesh.triangles, mesh.positions.size());
     MeshView view;
     view.positions = view_of(mesh.positions);
@@ -164,7 +180,8 @@ void check_vertices(const MeshData& mesh, bool closed, Connections& connections,
     std::vector<std::uint32_t> fan(mesh.positions.size(), none);
     std::vector<bool> bowtie(mesh.positions.size());
     for (std::uint32_t i = 0; i < 3 * mesh.triangles.size(); ++i) {
-        const std::uint32_t v = mesh.triangles[i / 3].vertex[i % 3], root = connections.fans.root(i);
+        const std::uint32_t v = mesh.triangles[i / 3].vertex[i % 3],
+                            root = connections.fans.root(i);
         if (fan[v] != none && fan[v] != root) bowtie[v] = true;
         fan[v] = root;
     }
@@ -186,12 +203,14 @@ struct Component {
     bool closed = true;
 };
 
-std::vector<Component> components_of(const MeshData& mesh, const Connections& connections, Vec3d origin) {
+std::vector<Component> components_of(const MeshData& mesh, const Connections& connections,
+                                     Vec3d origin) {
     DisjointSets vertices = connected_vertices(mesh.triangles, mesh.positions.size());
     std::map<std::uint32_t, std::size_t> index;
     std::vector<Component> components;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const auto [at, is_new] = index.try_emplace(vertices.root(mesh.triangles[t].vertex[0]), components.size());
+        const auto [at, is_new] = index.try_emplace(vertices.root(mesh.triangles[t].vertex[0]),
+                                                    components.size());
         if (is_new) components.emplace_back();
         Component& component = components[at->second];
         const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
@@ -203,24 +222,28 @@ std::vector<Component> components_of(const MeshData& mesh, const Connections& co
     return components;
 }
 
-/// How often a component winds around `p`, by the solid angles of its triangles (van Oosterom and Strackee 1983).
+/// How often a component winds around `p`, by the solid angles of its triangles (van Oosterom and
+/// Strackee 1983).
 double winding_number(const MeshData& mesh, const Component& component, Vec3d p) {
     double sum = 0;
     for (std::uint32_t t : component.triangles) {
         Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
         for (Vec3d& corner : c) corner = normalized(corner - p);
-        sum += std::atan2(dot(c[0], cross(c[1], c[2])), 1 + dot(c[0], c[1]) + dot(c[1], c[2]) + dot(c[2], c[0]));
+        sum += std::atan2(dot(c[0], cross(c[1], c[2])),
+                          1 + dot(c[0], c[1]) + dot(c[1], c[2]) + dot(c[2], c[0]));
     }
     return sum / (2 * std::numbers::pi);
 }
 
 /// True if the component lies inside others, as the wall of a cavity does.
-bool is_inside_others(const MeshData& mesh, const std::vector<Component>& components, const Component& component) {
+bool is_inside_others(const MeshData& mesh, const std::vector<Component>& components,
+                      const Component& component) {
     const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[component.triangles[0]]);
     const Vec3d p = (1.0 / 3) * (c[0] + c[1] + c[2]);
     double winding = 0;
     for (const Component& other : components)
-        if (&other != &component && other.closed && other.box.distance(p) == 0) winding += winding_number(mesh, other, p);
+        if (&other != &component && other.closed && other.box.distance(p) == 0)
+            winding += winding_number(mesh, other, p);
     return std::lround(winding) > 0;
 }
 
@@ -232,7 +255,8 @@ const MeshFinding* MeshReport::find(MeshDefect kind) const {
 }
 
 bool MeshReport::sound() const {
-    return std::ranges::none_of(findings, [](const MeshFinding& f) { return changes_detection(f.kind); });
+    return std::ranges::none_of(findings,
+                                [](const MeshFinding& f) { return changes_detection(f.kind); });
 }
 
 MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
@@ -252,7 +276,8 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
         report.closed = report.traits.closed();
     }
     check_vertices(part.mesh, report.closed, connections, findings);
-    const std::vector<Component> components = components_of(part.mesh, connections, report.box.center());
+    const std::vector<Component> components = components_of(part.mesh, connections,
+                                                            report.box.center());
     report.components = static_cast<std::uint32_t>(components.size());
     for (const Component& c : components)
         if (c.closed && c.volume < 0 && !is_inside_others(part.mesh, components, c))

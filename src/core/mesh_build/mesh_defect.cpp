@@ -12,42 +12,54 @@ struct Description {
 };
 
 constexpr Description descriptions[mesh_defect_count] = {
-    {MeshDefect::no_triangles, "no triangles", MeshElement::none, true, "the mesh is refused: there is nothing to hit"},
+    {MeshDefect::no_triangles, "no triangles", MeshElement::none, true,
+     "the mesh is refused: there is nothing to hit"},
     {MeshDefect::not_finite, "vertices not finite", MeshElement::vertex, true,
      "the mesh is refused; all else is said of what is left without them"},
     {MeshDefect::bad_index, "triangles with a bad index", MeshElement::triangle, true,
      "the mesh is refused; all else is said of what is left without them"},
     {MeshDefect::border_edge, "border edges", MeshElement::edge, true,
-     "the mesh is open: it has no inside, so nothing is found to penetrate it; its own rays are limited in length and rules "
+     "the mesh is open: it has no inside, so nothing is found to penetrate it; its own rays are "
+     "limited in length and rules "
      "R2 and R3 do not apply"},
     {MeshDefect::flipped_edge, "flipped edges", MeshElement::edge, true,
-     "the triangles disagree about the outside, so the mesh counts as open, and rays leave its vertices there in a "
+     "the triangles disagree about the outside, so the mesh counts as open, and rays leave its "
+     "vertices there in a "
      "direction "
      "that means nothing"},
     {MeshDefect::non_manifold_edge, "non-manifold edges", MeshElement::edge, true,
-     "walks end there, and the mesh counts as open unless as many of the triangles run through the edge one way as the "
+     "walks end there, and the mesh counts as open unless as many of the triangles run through the "
+     "edge one way as the "
      "other"},
     {MeshDefect::inside_out, "components inside out", MeshElement::triangle, true,
-     "inside and outside are exchanged: its rays start in the wrong direction, what is in it is not found, and what is in "
+     "inside and outside are exchanged: its rays start in the wrong direction, what is in it is "
+     "not found, and what is in "
      "front of it may be"},
     {MeshDefect::degenerate_triangle, "degenerate triangles", MeshElement::triangle, true,
-     "they are never hit, and as their normals are rounding, rays of their vertices may lean the wrong way"},
+     "they are never hit, and as their normals are rounding, rays of their vertices may lean the "
+     "wrong way"},
     {MeshDefect::duplicate_triangle, "duplicate triangles", MeshElement::triangle, true,
-     "the surface lies there twice: its edges have more than two triangles, so that walks end there and the mesh mostly "
+     "the surface lies there twice: its edges have more than two triangles, so that walks end "
+     "there and the mesh mostly "
      "counts as open"},
     {MeshDefect::opposite_triangle, "opposite triangles", MeshElement::triangle, true,
      "the two cancel: a ray passes through them as if there were nothing"},
     {MeshDefect::bowtie_vertex, "bowtie vertices", MeshElement::vertex, true,
-     "surfaces meet in one vertex that sends one ray, along the mean of their normals, or none where these cancel"},
-    {MeshDefect::no_inward_direction, "vertices without an inward direction", MeshElement::vertex, true,
-     "they are not found inside other bodies: they send no ray, or one that starts outside of their own"},
+     "surfaces meet in one vertex that sends one ray, along the mean of their normals, or none "
+     "where these cancel"},
+    {MeshDefect::no_inward_direction, "vertices without an inward direction", MeshElement::vertex,
+     true,
+     "they are not found inside other bodies: they send no ray, or one that starts outside of "
+     "their own"},
     {MeshDefect::self_intersection, "self-intersections", MeshElement::triangle_pair, true,
-     "where the mesh overlaps itself, a ray's first crossing may lead into the second layer or out of the first only: "
+     "where the mesh overlaps itself, a ray's first crossing may lead into the second layer or out "
+     "of the first only: "
      "contacts there are missed or too shallow"},
     {MeshDefect::unused_vertex, "unused vertices", MeshElement::vertex, false,
      "they send no rays; they only widen the mesh's box"},
     {MeshDefect::duplicate_vertex, "duplicate vertices", MeshElement::vertex, false,
-     "a seam sends a ray per vertex; triangles that meet in it by position alone are not joined, and their edges count as "
+     "a seam sends a ray per vertex; triangles that meet in it by position alone are not joined, "
+     "and their edges count as "
      "borders"},
 };
 
@@ -58,7 +70,9 @@ constexpr bool in_order() {
 }
 static_assert(in_order());
 
-const Description& description(MeshDefect defect) { return descriptions[static_cast<std::size_t>(defect)]; }
+const Description& description(MeshDefect defect) {
+    return descriptions[static_cast<std::size_t>(defect)];
+}
 
 }  // namespace
 

@@ -7,12 +7,12 @@
 
 namespace pierce {
 
-/// The edges of a mesh, patch after patch (patch.hpp): an edge belongs to the patch that holds the first of its two
-/// vertices.
+/// The edges of a mesh, patch after patch (patch.hpp): an edge belongs to the patch that holds the
+/// first of its two vertices.
 struct MeshEdges {
     std::vector<Edge> edges;
     std::vector<std::uint32_t> offsets;  ///< per patch and one more: where its edges begin
-    std::vector<float> reach;            ///< per patch, the longest of its edges in the rest shape [length]
+    std::vector<float> reach;  ///< per patch, the longest of its edges in the rest shape [length]
 };
 
 /// Reads positions, triangles and patches of `mesh`.

@@ -35,8 +35,8 @@ MeshTraits traits_of(const MeshData& data, Vec3d origin) {
     return traits;
 }
 
-std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<const Triangle> triangles,
-                                                                      std::size_t vertex_count) {
+std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(
+    std::span<const Triangle> triangles, std::size_t vertex_count) {
     std::vector<std::uint32_t> offsets(vertex_count + 1, 0);
     for (const Triangle& t : triangles)
         for (std::uint32_t v : t.vertex) ++offsets[v + 1];
@@ -44,17 +44,21 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(std::span<
     std::vector<Corner> corners(offsets.back());
     std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
     for (const Triangle& t : triangles)
-        for (int k = 0; k < 3; ++k) corners[next[t.vertex[k]]++] = {t.vertex[(k + 1) % 3], t.vertex[(k + 2) % 3]};
+        for (int k = 0; k < 3; ++k)
+            corners[next[t.vertex[k]]++] = {t.vertex[(k + 1) % 3], t.vertex[(k + 2) % 3]};
     return {std::move(offsets), std::move(corners)};
 }
 
-std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets, std::span<const Corner> corners) {
+std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets,
+                                   std::span<const Corner> corners) {
     std::vector<std::uint32_t> fans(corners.size(), no_vertex);
     for (std::size_t v = 0; v + 1 < corner_offsets.size(); ++v) {
-        const std::span<const Corner> at = corners.subspan(corner_offsets[v], corner_offsets[v + 1] - corner_offsets[v]);
+        const std::span<const Corner> at = corners.subspan(
+            corner_offsets[v], corner_offsets[v + 1] - corner_offsets[v]);
         std::vector<std::uint32_t> fan;
         bool simple = at.size() >= 3;
-        for (std::uint32_t next = simple ? at[0].next : no_vertex; simple && fan.size() < at.size();) {
+        for (std::uint32_t next = simple ? at[0].next : no_vertex;
+             simple && fan.size() < at.size();) {
             fan.push_back(next);
             const auto follows = [&](const Corner& c) { return c.next == next; };
             simple = std::ranges::count_if(at, follows) == 1;

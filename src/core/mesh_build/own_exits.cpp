@@ -11,12 +11,15 @@
 namespace pierce {
 
 std::vector<double> own_exits_of(const MeshView& mesh) {
-    const Surface surface{mesh.positions, mesh.triangles, constants::touch_tolerance * mesh.box.extent()};
+    const Surface surface{mesh.positions, mesh.triangles,
+                          constants::touch_tolerance * mesh.box.extent()};
     std::vector<Box> boxes(mesh.triangles.size);
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t) {
-        for (std::uint32_t v : mesh.triangles[t].vertex) boxes[t].extend(to_double(mesh.positions[v]));
+        for (std::uint32_t v : mesh.triangles[t].vertex)
+            boxes[t].extend(to_double(mesh.positions[v]));
         // A ray in a triangle's plane touches it from the touch tolerance away.
-        boxes[t] = boxes[t].inflated(constants::tree_margin * mesh.box.max_coordinate() + surface.touch);
+        boxes[t] = boxes[t].inflated(constants::tree_margin * mesh.box.max_coordinate() +
+                                     surface.touch);
     }
     const BoxTree tree(std::move(boxes));
 
@@ -32,7 +35,8 @@ std::vector<double> own_exits_of(const MeshView& mesh) {
             tree.for_each_that(
                 [&](const Box& box) {
                     const Stretch inside = stretch_inside(box, ray.origin, ray.direction);
-                    return inside.begin <= inside.end && inside.end >= search.begin() && inside.begin <= search.limit();
+                    return inside.begin <= inside.end && inside.end >= search.begin() &&
+                           inside.begin <= search.limit();
                 },
                 [&](std::uint32_t t) { search.test(t); });
         });

@@ -20,18 +20,21 @@ std::vector<Triangle> welded(const MeshData& mesh) {
 }
 
 std::uint32_t corner_not_in(const Triangle& t, const Triangle& other) {
-    return *std::ranges::find_if(
-        t.vertex, [&](std::uint32_t v) { return std::ranges::find(other.vertex, v) == std::end(other.vertex); });
+    return *std::ranges::find_if(t.vertex, [&](std::uint32_t v) {
+        return std::ranges::find(other.vertex, v) == std::end(other.vertex);
+    });
 }
 
-/// True if two triangles with two common vertices lie on the same side of their common edge, in one plane.
+/// True if two triangles with two common vertices lie on the same side of their common edge, in one
+/// plane.
 bool folded(View<const Vec3f> positions, const Triangle& t, const Triangle& other) {
     const auto at = [&](std::uint32_t v) { return to_double(positions[v]); };
     const std::uint32_t own = corner_not_in(t, other);
     std::uint32_t edge[2], size = 0;
     for (std::uint32_t v : t.vertex)
         if (v != own) edge[size++] = v;
-    return fold_sine(at(edge[0]), at(edge[1]), at(own), at(corner_not_in(other, t))) <= constants::touch_tolerance;
+    return fold_sine(at(edge[0]), at(edge[1]), at(own), at(corner_not_in(other, t))) <=
+           constants::touch_tolerance;
 }
 
 }  // namespace
@@ -55,7 +58,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const Me
         tree.for_each_in(boxes[t], [&](std::uint32_t other) {
             if (other <= t || !sound[other]) return;
             const auto common = std::ranges::count_if(triangles[t].vertex, [&](std::uint32_t v) {
-                return std::ranges::find(triangles[other].vertex, v) != std::end(triangles[other].vertex);
+                return std::ranges::find(triangles[other].vertex, v) !=
+                       std::end(triangles[other].vertex);
             });
             const bool meet = common == 3   ? true
                               : common == 2 ? folded(positions, triangles[t], triangles[other])

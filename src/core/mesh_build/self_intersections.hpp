@@ -7,9 +7,10 @@
 
 namespace pierce {
 
-/// All pairs of triangles, the smaller id first, that cross each other elsewhere than in common vertices, or lie folded onto
-/// each other along a common edge. Vertices at the same position count as one; triangles without area are left out. Indices
-/// must be valid and the triangles' positions finite.
+/// All pairs of triangles, the smaller id first, that cross each other elsewhere than in common
+/// vertices, or lie folded onto each other along a common edge. Vertices at the same position count
+/// as one; triangles without area are left out. Indices must be valid and the triangles' positions
+/// finite.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const MeshData& mesh);
 
 }  // namespace pierce

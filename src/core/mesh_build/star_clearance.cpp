@@ -22,14 +22,15 @@ std::vector<float> star_clearance(const MeshView& mesh) {
     for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
         double nearest = 0;
         for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
-            nearest =
-                std::max({nearest, length(at(mesh.corners[i].next) - at(v)), length(at(mesh.corners[i].previous) - at(v))});
+            nearest = std::max({nearest, length(at(mesh.corners[i].next) - at(v)),
+                                length(at(mesh.corners[i].previous) - at(v))});
         Box region;
         region.extend(at(v));
         tree.for_each_in(region.inflated(nearest), [&](std::uint32_t t) {
             const auto& [corner] = mesh.triangles[t];
             if (corner[0] == v || corner[1] == v || corner[2] == v) return;
-            const Vec3d closest = closest_on_triangle(at(v), at(corner[0]), at(corner[1]), at(corner[2]));
+            const Vec3d closest = closest_on_triangle(at(v), at(corner[0]), at(corner[1]),
+                                                      at(corner[2]));
             nearest = std::min(nearest, length(closest - at(v)));
         });
         clearance[v] = round_down(std::max(nearest - rounding, 0.0));

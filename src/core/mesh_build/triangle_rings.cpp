@@ -25,13 +25,15 @@ std::vector<Neighbors> neighbors_of(std::span<const Triangle> triangles) {
 
 namespace {
 
-/// True if the triangles around `v` form one closed fan that, seen along `axis`, goes once around it.
+/// True if the triangles around `v` form one closed fan that, seen along `axis`, goes once around
+/// it.
 bool goes_around_once(const MeshView& mesh, std::uint32_t v, Vec3d axis) {
     const Corner* corner = mesh.corners.data + mesh.corner_offsets[v];
     const std::uint32_t count = mesh.corner_offsets[v + 1] - mesh.corner_offsets[v];
     std::uint32_t next = corner[0].previous, seen = 1;
     while (next != corner[0].next && seen < count) {
-        const Corner* found = std::find_if(corner, corner + count, [&](const Corner& c) { return c.next == next; });
+        const Corner* found = std::find_if(corner, corner + count,
+                                           [&](const Corner& c) { return c.next == next; });
         if (found == corner + count) return false;
         next = found->previous;
         ++seen;
@@ -57,22 +59,26 @@ double triangle_distance(const Corners& a, const Corners& b) {
     for (int i = 0; i < 3; ++i) {
         best = std::min(best, length(a[i] - closest_on_triangle(a[i], b[0], b[1], b[2])));
         best = std::min(best, length(b[i] - closest_on_triangle(b[i], a[0], a[1], a[2])));
-        for (int j = 0; j < 3; ++j) best = std::min(best, segment_distance(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]));
+        for (int j = 0; j < 3; ++j)
+            best = std::min(best, segment_distance(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]));
     }
     return best;
 }
 
-/// No point x of `other`, which shares vertices with `own`, is closer to a point Q of `own` than this times Q's distance to
-/// the border of `own`. Beyond a shared edge lies a half plane: its distance from Q is that to the edge, or the dihedral
-/// angle's sine of it. At a shared vertex lies a wedge: unit vectors along the sides of one are that far from the other.
+/// No point x of `other`, which shares vertices with `own`, is closer to a point Q of `own` than
+/// this times Q's distance to the border of `own`. Beyond a shared edge lies a half plane: its
+/// distance from Q is that to the edge, or the dihedral angle's sine of it. At a shared vertex lies
+/// a wedge: unit vectors along the sides of one are that far from the other.
 double openness_towards(const MeshView& mesh, const Triangle& own, const Triangle& other) {
     const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
     std::vector<std::uint32_t> shared, own_rest, other_rest;
     for (std::uint32_t v : own.vertex)
-        (std::ranges::find(other.vertex, v) != std::end(other.vertex) ? shared : own_rest).push_back(v);
+        (std::ranges::find(other.vertex, v) != std::end(other.vertex) ? shared : own_rest)
+            .push_back(v);
     for (std::uint32_t v : other.vertex)
         if (std::ranges::find(own.vertex, v) == std::end(own.vertex)) other_rest.push_back(v);
-    if (shared.size() == 2) return fold_sine(at(shared[0]), at(shared[1]), at(own_rest[0]), at(other_rest[0]));
+    if (shared.size() == 2)
+        return fold_sine(at(shared[0]), at(shared[1]), at(own_rest[0]), at(other_rest[0]));
     if (shared.size() != 1) return 0;
     const Vec3d apex = at(shared[0]);
     const auto along = [&](std::uint32_t v) { return normalized(at(v) - apex); };
@@ -81,7 +87,8 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
         const auto& from = side == 0 ? own_rest : other_rest;
         const auto& to = side == 0 ? other_rest : own_rest;
         for (std::uint32_t v : from) {
-            const Vec3d closest = closest_on_triangle(along(v), {}, constants::wedge_length * along(to[0]),
+            const Vec3d closest = closest_on_triangle(along(v), {},
+                                                      constants::wedge_length * along(to[0]),
                                                       constants::wedge_length * along(to[1]));
             least = std::min(least, length(along(v) - closest));
         }
@@ -89,7 +96,9 @@ double openness_towards(const MeshView& mesh, const Triangle& own, const Triangl
     return least;
 }
 
-Corners corners_of(const MeshView& mesh, std::uint32_t t) { return corners_of(mesh.positions, mesh.triangles[t]); }
+Corners corners_of(const MeshView& mesh, std::uint32_t t) {
+    return corners_of(mesh.positions, mesh.triangles[t]);
+}
 
 Vec3d center_of(const Corners& c) { return (1.0 / 3) * (c[0] + c[1] + c[2]); }
 
@@ -104,33 +113,37 @@ std::vector<Corners> ring_of(const MeshView& mesh, std::uint32_t t) {
 }
 
 /// The cone around the ring's normals, and by how much they may turn.
-void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Corners>& triangles, TriangleRing& ring) {
+void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Corners>& triangles,
+                     TriangleRing& ring) {
     Vec3d sum;
     std::vector<Vec3d> normals;
     double lowest = std::numeric_limits<double>::infinity();
     bool sound = true;
     for (const Corners& c : triangles) {
         const Vec3d normal = cross(c[1] - c[0], c[2] - c[0]);
-        lowest =
-            std::min(lowest, length(normal) / std::max({length(c[1] - c[0]), length(c[2] - c[0]), length(c[2] - c[1])}));
+        lowest = std::min(
+            lowest, length(normal) /
+                        std::max({length(c[1] - c[0]), length(c[2] - c[0]), length(c[2] - c[1])}));
         sound &= !is_degenerate(c[0], c[1], c[2]);
         normals.push_back(normalized(normal));
         sum += normals.back();
     }
-    // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at most, over its length,
-    // longest times lowest: the sine of its turn is below 8 d / lowest while d is below the longest edge, and that above 1
-    // beyond.
+    // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at
+    // most, over its length, longest times lowest: the sine of its turn is below 8 d / lowest while
+    // d is below the longest edge, and that above 1 beyond.
     ring.tilt = round_up(8 / lowest);
 
     const Vec3d axis = normalized(sum);
     double cosine = 1;
     for (Vec3d n : normals) cosine = std::min(cosine, dot(axis, n));
     sound &= cosine > 0;
-    for (std::uint32_t v : mesh.triangles[t].vertex) sound = sound && goes_around_once(mesh, v, axis);
+    for (std::uint32_t v : mesh.triangles[t].vertex)
+        sound = sound && goes_around_once(mesh, v, axis);
     if (!sound) return;
     ring.axis = to_float(axis);
     // Rounded up, so that a direction inside it faces every triangle of the ring for certain.
-    ring.sine = static_cast<float>(std::sqrt(1 - std::min(cosine * cosine, 1.0)) + constants::touch_tolerance);
+    ring.sine = static_cast<float>(std::sqrt(1 - std::min(cosine * cosine, 1.0)) +
+                                   constants::touch_tolerance);
 }
 
 }  // namespace
@@ -151,7 +164,8 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
         measure_normals(mesh, t, triangles, ring);
         for (int k = 0; k < 3; ++k) {
             const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
-            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) / length(edge));
+            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) /
+                                        length(edge));
         }
 
         // The rest of the surface is looked for as far as the ring reaches.
@@ -164,12 +178,16 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh) {
             const Corners its = corners_of(mesh, other);
             if (share_vertex(mesh.triangles[t], mesh.triangles[other])) {
                 constexpr double inset = constants::touch_tolerance;
-                const bool crosses = edge_pierces(own, its, inset, inset) || edge_pierces(its, own, inset, inset);
-                openness =
-                    crosses ? 0 : std::min(openness, openness_towards(mesh, mesh.triangles[t], mesh.triangles[other]));
+                const bool crosses = edge_pierces(own, its, inset, inset) ||
+                                     edge_pierces(its, own, inset, inset);
+                openness = crosses ? 0
+                                   : std::min(openness, openness_towards(mesh, mesh.triangles[t],
+                                                                         mesh.triangles[other]));
                 return;
             }
-            if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >= gap) return;
+            if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >=
+                gap)
+                return;
             gap = std::min(gap, triangle_distance(own, its));
         });
         ring.gap = round_down(std::max(gap - rounding, 0.0));

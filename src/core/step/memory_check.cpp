@@ -64,9 +64,11 @@ private:
     void check_directed(std::uint32_t i) const {
         const Known k = known(i / 2);
         if (!k.is_known) return;
-        const BodyView &source = bodies_[k.pair.source(i % 2)], &target = bodies_[k.pair.target(i % 2)];
+        const BodyView &source = bodies_[k.pair.source(i % 2)],
+                       &target = bodies_[k.pair.target(i % 2)];
         if (!stages::is_asked(source, target, k.pair.is_self(), i % 2)) return;
-        const std::uint32_t first = memory_.directed[i].first_block, count = block_count(source.mesh);
+        const std::uint32_t first = memory_.directed[i].first_block,
+                            count = block_count(source.mesh);
         require_range(first, count, memory_.blocks.size());
         for (std::uint32_t b = 0; b < count; ++b) {
             const BlockRecord& block = memory_.blocks[first + b];
@@ -74,7 +76,8 @@ private:
             require_range(block.first_patch, bit_count(block.kept), memory_.patches.size());
             std::uint32_t place = block.first_patch;
             for (std::uint32_t left = block.kept; left != 0; left &= left - 1, ++place)
-                check_patch(memory_.patches[place], patch_length(source.mesh, b * constants::block_size + lowest_bit(left)),
+                check_patch(memory_.patches[place],
+                            patch_length(source.mesh, b * constants::block_size + lowest_bit(left)),
                             target.mesh);
         }
     }
@@ -85,7 +88,8 @@ private:
         for (std::uint32_t k = 0; k < bit_count(patch.mask); ++k) {
             const VertexRecord& record = memory_.vertices[patch.first_vertex + k];
             require(record.triangle == no_triangle ||
-                    (record.triangle < target.triangles.size && record.seen_triangle < target.triangles.size));
+                    (record.triangle < target.triangles.size &&
+                     record.seen_triangle < target.triangles.size));
         }
     }
 
@@ -95,7 +99,8 @@ private:
         if (!k.is_known) return;
         require(c.a == ids_[k.pair.a] && c.b == ids_[k.pair.b]);
         const auto side = static_cast<std::uint32_t>(c.source);
-        const MeshView &source = bodies_[k.pair.source(side)].mesh, &target = bodies_[k.pair.target(side)].mesh;
+        const MeshView &source = bodies_[k.pair.source(side)].mesh,
+                       &target = bodies_[k.pair.target(side)].mesh;
         require(c.vertex < source.positions.size && c.triangle < target.triangles.size);
         require(!c.is_edge() || (c.edge_end < source.positions.size && c.edge < source.edges.size));
     }
@@ -107,8 +112,10 @@ private:
         const auto kind = static_cast<stages::FeatureKind>(key >> memory_.sheet_bits & 7);
         const SheetRecord& record = memory_.sheet_records[i];
         require(record.side >= -1 && record.side <= 1);
-        if (kind == stages::FeatureKind::vertex_of_a) require(record.other < bodies_[k.pair.b].mesh.triangles.size);
-        if (kind == stages::FeatureKind::vertex_of_b) require(record.other < bodies_[k.pair.a].mesh.triangles.size);
+        if (kind == stages::FeatureKind::vertex_of_a)
+            require(record.other < bodies_[k.pair.b].mesh.triangles.size);
+        if (kind == stages::FeatureKind::vertex_of_b)
+            require(record.other < bodies_[k.pair.a].mesh.triangles.size);
     }
 
     const StepMemory& memory_;

@@ -7,8 +7,8 @@
 
 namespace pierce {
 
-/// Throws InputError unless a step of these bodies may use the memory: whatever it says, nothing outside of any list is
-/// read, and contacts name what there is.
+/// Throws InputError unless a step of these bodies may use the memory: whatever it says, nothing
+/// outside of any list is read, and contacts name what there is.
 void check(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids);
 
 }  // namespace pierce

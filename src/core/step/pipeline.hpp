@@ -34,8 +34,9 @@
 
 namespace pierce {
 
-/// The step, top to bottom, on any executor and tracer; in one file, long as it is, so that it can be read so. Owns the
-/// buffers between stages; they grow and are kept, so a steady step allocates nothing.
+/// The step, top to bottom, on any executor and tracer; in one file, long as it is, so that it can
+/// be read so. Owns the buffers between stages; they grow and are kept, so a steady step allocates
+/// nothing.
 template <Executor E, Tracer<E> T>
 class Pipeline {
 public:
@@ -51,13 +52,14 @@ public:
           separation_(tools_),
           sheets_(tools_) {}
 
-    /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(), once the executor is done.
+    /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(),
+    /// once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
         StageTimer time(executor_, stats);
         recall(scene);
 
-        // On a device all bodies are placed while their pairs are looked for; not where there are solids, too, most of which
-        // have no sheet near.
+        // On a device all bodies are placed while their pairs are looked for; not where there are
+        // solids, too, most of which have no sheet near.
         if (!E::runs_on_host && scene.plan->sheets && !scene.plan->casts_rays)
             time("sheets", [&] { sheets_.bound_all(scene); });
         time("bounds", [&] { bounds(scene); });
@@ -95,7 +97,8 @@ public:
         stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
         stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
         reported_ = after;
-        stages::ContactSums contacts = plan.casts_rays ? executor_.read(sums_.contacts) : stages::ContactSums{};
+        stages::ContactSums contacts = plan.casts_rays ? executor_.read(sums_.contacts)
+                                                       : stages::ContactSums{};
         if (plan.sheets) {
             contacts = contacts + executor_.read(sums_.sheet_contacts);
             stats.contacts += executor_.number(count_of(sheets_.contacts()));
@@ -152,13 +155,16 @@ public:
     const Buffer<Pair>& pairs() const { return pairs_.pairs; }
 
     /// What spared a vertex of a pair its ray in the last step, if it was a proof.
-    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side, std::uint32_t vertex) const {
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const {
         const auto at = std::find(pairs_.pairs.begin(), pairs_.pairs.end(), pair);
         if (at == pairs_.pairs.end() || now_.directed.empty() || now_.blocks.empty()) return {};
-        const PairMemory& memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
+        const PairMemory&
+            memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
         const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
         if (bodies[pair.target(side)].mesh.clearance_steps.size == 0) return {};
-        const auto place = static_cast<std::uint32_t>(std::find(order.begin(), order.end(), vertex) - order.begin());
+        const auto place = static_cast<std::uint32_t>(
+            std::find(order.begin(), order.end(), vertex) - order.begin());
         const std::uint32_t patch = place / constants::patch_size;
         const RecordsView records = now_.of_vertices();
         const auto until = [&](Certificate::Kind kind, float expiry) {
@@ -167,9 +173,9 @@ public:
         };
         const PatchRecord* in_patch = records.patch(memory.first_block, patch);
         if (in_patch == nullptr)
-            return until(
-                Certificate::patch,
-                records.blocks[memory.first_block + patch / constants::block_size].expiry[patch % constants::block_size]);
+            return until(Certificate::patch,
+                         records.blocks[memory.first_block + patch / constants::block_size]
+                             .expiry[patch % constants::block_size]);
         const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
         return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
                                  : until(Certificate::vertex, record->expiry);
@@ -188,9 +194,11 @@ private:
         time("vertex_cull", [&] { vertex_cull(scene); });
         time("ray_gen", [&] { ray_gen(scene); });
         if (complete) {
-            time("edges", [&] { edges_.cull(scene, view_of(cull_.directed), view_of(cull_.blocks)); });
+            time("edges",
+                 [&] { edges_.cull(scene, view_of(cull_.directed), view_of(cull_.blocks)); });
             time("update", [&] { tools_.update(scene.bodies, edges_.segments()); });
-            time("edges", [&] { edges_.cast(scene, view_of(cull_.directed), batch_, routes_.routes); });
+            time("edges",
+                 [&] { edges_.cast(scene, view_of(cull_.directed), batch_, routes_.routes); });
         }
         if (remembers) time("walk", [&] { walk(scene); });
         const Buffer<Ray>& full = remembers ? routes_.full_rays : batch_.rays;
@@ -203,18 +211,23 @@ private:
         time("classify", [&] { test_inside(scene); });
         if (scene.plan->traces_own_exits) {
             time("update", [&] { tools_.update(scene.bodies, exits_.rays); });
-            time("trace", [&] { tools_.trace("trace_own", scene.bodies, exits_.rays, exits_.hits); });
+            time("trace",
+                 [&] { tools_.trace("trace_own", scene.bodies, exits_.rays, exits_.hits); });
         }
         batch_.keep.resize(count_of(batch_.candidates));
         // Later stages read or change `keep`.
         const bool others_ask = scene.plan->meets_itself || complete || scene.plan->reprojects;
         if (others_ask)
-            time("classify",
-                 [&] { executor_.for_each("test_own_exit", count_of(batch_.candidates), own_exit_test(scene.bodies)); });
-        if (scene.plan->meets_itself) time("self", [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
+            time("classify", [&] {
+                executor_.for_each("test_own_exit", count_of(batch_.candidates),
+                                   own_exit_test(scene.bodies));
+            });
+        if (scene.plan->meets_itself)
+            time("self", [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
         if (complete)
             time("separation", [&] {
-                separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed), edges_, batch_, routes_.routes);
+                separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed), edges_,
+                                     batch_, routes_.routes);
             });
         if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
         // What follows changes neither hits nor own rays.
@@ -223,8 +236,8 @@ private:
         if (remembers) time("remember", [&] { remember(scene); });
     }
 
-    /// What an earlier step has left in the lists of stages that cast rays: stages may not run in this one, and others tell
-    /// by an empty list that they did not.
+    /// What an earlier step has left in the lists of stages that cast rays: stages may not run in
+    /// this one, and others tell by an empty list that they did not.
     void forget_rays() {
         now_.forget_rays();
         routes_.routes.clear();
@@ -237,7 +250,8 @@ private:
     // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
         if (scene.ranges.size < scene.bodies.size)
-            executor_.for_each("place_box", scene.bodies.size, stages::PlaceBox{scene.bodies, scene.plan->sheets});
+            executor_.for_each("place_box", scene.bodies.size,
+                               stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
         now_.bodies.clear();
         if (scene.plan->temporal == Temporal::off) return;
@@ -248,7 +262,8 @@ private:
                                                    .last = view_of(std::as_const(last_.bodies)),
                                                    .seen = view_of(now_.bodies)});
         if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
-            executor_.for_each("measure_reach", scene.bodies.size, stages::MeasureReach{scene.bodies, scene.settings});
+            executor_.for_each("measure_reach", scene.bodies.size,
+                               stages::MeasureReach{scene.bodies, scene.settings});
     }
 
     void measure_deformation(const Scene& scene) {
@@ -263,15 +278,18 @@ private:
                                                       .blocks = scene.blocks,
                                                       .patches = scene.patches,
                                                       .moments = view_of(bounds_.moments)});
-            executor_.for_each("fit_frame", bodies, stages::FitFrame{scene.bodies, scene.ranges, view_of(bounds_.moments)});
+            executor_.for_each(
+                "fit_frame", bodies,
+                stages::FitFrame{scene.bodies, scene.ranges, view_of(bounds_.moments)});
             executor_.for_each("measure_bounds", blocks,
                                stages::MeasureBounds{.bodies = scene.bodies,
                                                      .items = scene.block_items,
                                                      .seen = scene.seen,
                                                      .bounds = view_of(bounds_.blocks)});
         } else {
-            executor_.for_each("measure_boxes", blocks,
-                               stages::MeasureBoxes{scene.bodies, scene.block_items, view_of(bounds_.blocks)});
+            executor_.for_each(
+                "measure_boxes", blocks,
+                stages::MeasureBoxes{scene.bodies, scene.block_items, view_of(bounds_.blocks)});
         }
         executor_.for_each("join_bounds", bodies,
                            stages::JoinBounds{.bodies = scene.bodies,
@@ -280,7 +298,8 @@ private:
                                               .has_fit = scene.plan->casts_rays});
     }
 
-    // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they were.
+    // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they
+    // were.
     void pairs(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
         const stages::LinkPair link{.bodies = scene.bodies,
@@ -288,8 +307,8 @@ private:
                                     .last_keys = view_of(last_.pair_keys),
                                     .last = view_of(last_.identities)};
         if (!E::runs_on_host && bodies <= constants::few_bodies)
-            return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link}, now_.pair_keys,
-                                  pairs_.pairs, now_.identities, pairs_.links);
+            return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link},
+                                  now_.pair_keys, pairs_.pairs, now_.identities, pairs_.links);
         sweep(scene.bodies);
         const Count total = count_of(now_.pair_keys);
         pairs_.pairs.resize(total);
@@ -307,17 +326,21 @@ private:
         sort_.keys.resize(bodies.size);
         sort_.values.resize(bodies.size);
         pairs_.sweep.resize(bodies.size);
-        executor_.for_each("sweep_key", bodies.size, stages::SweepKey{bodies, view_of(sort_.keys), view_of(sort_.values)});
-        tools_.sort("sweep_sort", stages::sweep_key_bits, sort_.keys, sort_.values, pairs_.body_keys, sort_.order);
-        executor_.for_each("gather_sweep", bodies.size,
-                           stages::GatherSweep{bodies, view_of(sort_.order), view_of(pairs_.sweep)});
+        executor_.for_each("sweep_key", bodies.size,
+                           stages::SweepKey{bodies, view_of(sort_.keys), view_of(sort_.values)});
+        tools_.sort("sweep_sort", stages::sweep_key_bits, sort_.keys, sort_.values,
+                    pairs_.body_keys, sort_.order);
+        executor_.for_each(
+            "gather_sweep", bodies.size,
+            stages::GatherSweep{bodies, view_of(sort_.order), view_of(pairs_.sweep)});
         const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
-        executor_.emit("sweep", Count{bodies.size * walks}, stages::SweepPairs{view_of(pairs_.sweep), walks},
-                       pairs_.box_keys);
-        executor_.emit("test_pair", count_of(pairs_.box_keys), stages::TestPair{bodies, view_of(pairs_.box_keys)},
-                       sort_.keys);
+        executor_.emit("sweep", Count{bodies.size * walks},
+                       stages::SweepPairs{view_of(pairs_.sweep), walks}, pairs_.box_keys);
+        executor_.emit("test_pair", count_of(pairs_.box_keys),
+                       stages::TestPair{bodies, view_of(pairs_.box_keys)}, sort_.keys);
         sort_.values.resize(count_of(sort_.keys));
-        tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), sort_.keys, sort_.values, now_.pair_keys, sort_.order);
+        tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), sort_.keys, sort_.values,
+                    now_.pair_keys, sort_.order);
     }
 
     // Stage 3. How far pairs have moved.
@@ -364,18 +387,20 @@ private:
         });
         if (remembers) now_.patches.resize(count_of(cull_.patches));
         share_out(count_of(cull_.patches), [&](auto share, Count patches) {
-            const stages::CullVertices<decltype(share)> vertices{.bodies = bodies,
-                                                                 .directed = view_of(cull_.directed),
-                                                                 .patches = view_of(cull_.patches),
-                                                                 .temporal = temporal,
-                                                                 .last = last_.of_vertices(),
-                                                                 .links = view_of(pairs_.links),
-                                                                 .last_keys = view_of(last_.contact_keys),
-                                                                 .block_offsets = view_of(cull_.block_offsets),
-                                                                 .block_records = view_of(now_.blocks),
-                                                                 .records = view_of(now_.patches)};
+            const stages::CullVertices<decltype(share)> vertices{
+                .bodies = bodies,
+                .directed = view_of(cull_.directed),
+                .patches = view_of(cull_.patches),
+                .temporal = temporal,
+                .last = last_.of_vertices(),
+                .links = view_of(pairs_.links),
+                .last_keys = view_of(last_.contact_keys),
+                .block_offsets = view_of(cull_.block_offsets),
+                .block_records = view_of(now_.blocks),
+                .records = view_of(now_.patches)};
             if (remembers)
-                executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_.routes, now_.vertices);
+                executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_.routes,
+                               now_.vertices);
             else
                 executor_.emit("cull_vertices", patches, vertices, batch_.sources);
         });
@@ -409,7 +434,8 @@ private:
     // Stage 6. Walks; the lost ones join the full rays.
     void walk(const Scene& scene) {
         const Count walks = tools_.list("walk_list", count_of(batch_.rays),
-                                        stages::HasRoute{view_of(routes_.routes), Route::walk}, routes_.walks);
+                                        stages::HasRoute{view_of(routes_.routes), Route::walk},
+                                        routes_.walks);
         routes_.counts.resize(walks);
         routes_.found.resize(count_of(batch_.rays));
         batch_.meetings.resize(count_of(batch_.rays));
@@ -427,15 +453,18 @@ private:
                                         .meetings = view_of(batch_.meetings),
                                         .counts = view_of(routes_.counts)});
         const Count full = tools_.list("full_list", count_of(batch_.rays),
-                                       stages::HasRoute{view_of(routes_.routes), Route::full}, routes_.full);
+                                       stages::HasRoute{view_of(routes_.routes), Route::full},
+                                       routes_.full);
         routes_.full_rays.resize(full);
         executor_.for_each("gather_rays", full,
-                           stages::Gather<Ray>{view_of(batch_.rays), view_of(routes_.full), view_of(routes_.full_rays)});
+                           stages::Gather<Ray>{view_of(batch_.rays), view_of(routes_.full),
+                                               view_of(routes_.full_rays)});
     }
 
     void scatter_hits() {
         executor_.for_each("scatter_hits", count_of(routes_.full),
-                           stages::Scatter<Hit>{view_of(routes_.full_hits), view_of(routes_.full), view_of(batch_.hits)});
+                           stages::Scatter<Hit>{view_of(routes_.full_hits), view_of(routes_.full),
+                                                view_of(batch_.hits)});
     }
 
     void relate_to_layers(View<const BodyView> bodies) {
@@ -507,7 +536,8 @@ private:
                                                  .accepted = view_of(reprojected_.accepted)});
     }
 
-    // Stage 10. The list, in (pair, side, vertex) order. Candidates are tested on the way, unless they were.
+    // Stage 10. The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
+    // they were.
     void contacts(const Scene& scene, bool tested) {
         const Count candidates = count_of(batch_.candidates);
         const stages::KeyContacts keys{.chords = edges_.chords(),
@@ -517,8 +547,8 @@ private:
         if (tested)
             executor_.emit("key_contacts", candidates, keys, sort_.keys, sort_.values);
         else
-            executor_.emit("key_contacts", candidates, FindAfter(own_exit_test(scene.bodies), keys), sort_.keys,
-                           sort_.values);
+            executor_.emit("key_contacts", candidates, FindAfter(own_exit_test(scene.bodies), keys),
+                           sort_.keys, sort_.values);
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
         tools_.sort("contact_sort", bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         const Count total = count_of(now_.contact_keys);
@@ -530,28 +560,29 @@ private:
                                                    .order = view_of(sort_.order)});
         now_.ages.resize(total);
         now_.contacts.resize(total);
-        executor_.reduce("fill_contact", total,
-                         stages::FillContact{.bodies = scene.bodies,
-                                             .ids = scene.ids,
-                                             .pairs = view_of(pairs_.pairs),
-                                             .chords = edges_.chords(),
-                                             .sources = view_of(batch_.sources),
-                                             .found_rays = batch_.results(),
-                                             .aimed = reprojected_.aimed.results(),
-                                             .accepted = view_of(reprojected_.accepted),
-                                             .candidates = view_of(batch_.candidates),
-                                             .order = view_of(sort_.order),
-                                             .keys = view_of(now_.contact_keys),
-                                             .routes = view_of(routes_.routes),
-                                             .found = view_of(routes_.found),
-                                             .links = view_of(pairs_.links),
-                                             .last_keys = view_of(last_.contact_keys),
-                                             .last_ages = view_of(last_.ages),
-                                             .last_contacts = view_of(std::as_const(last_.contacts)),
-                                             .records = view_of(now_.vertices),
-                                             .ages = view_of(now_.ages),
-                                             .contacts = view_of(now_.contacts)},
-                         sums_.contacts);
+        executor_.reduce(
+            "fill_contact", total,
+            stages::FillContact{.bodies = scene.bodies,
+                                .ids = scene.ids,
+                                .pairs = view_of(pairs_.pairs),
+                                .chords = edges_.chords(),
+                                .sources = view_of(batch_.sources),
+                                .found_rays = batch_.results(),
+                                .aimed = reprojected_.aimed.results(),
+                                .accepted = view_of(reprojected_.accepted),
+                                .candidates = view_of(batch_.candidates),
+                                .order = view_of(sort_.order),
+                                .keys = view_of(now_.contact_keys),
+                                .routes = view_of(routes_.routes),
+                                .found = view_of(routes_.found),
+                                .links = view_of(pairs_.links),
+                                .last_keys = view_of(last_.contact_keys),
+                                .last_ages = view_of(last_.ages),
+                                .last_contacts = view_of(std::as_const(last_.contacts)),
+                                .records = view_of(now_.vertices),
+                                .ages = view_of(now_.ages),
+                                .contacts = view_of(now_.contacts)},
+            sums_.contacts);
     }
 
     // Stage 11. What the next step needs to know.
@@ -589,7 +620,8 @@ private:
         tools_.update(scene.bodies, routes_.full_rays);
         tools_.trace("prove", scene.bodies, routes_.full_rays, routes_.full_hits);
         executor_.for_each("limit_to_certificate", uncertain,
-                           stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits), view_of(routes_.full_rays)});
+                           stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits),
+                                                      view_of(routes_.full_rays)});
         tools_.closest("closest", scene.bodies, routes_.full_rays, closest_);
         executor_.for_each("certify", uncertain,
                            stages::Certify{.bodies = scene.bodies,
@@ -606,18 +638,21 @@ private:
     void count(const Plan& plan) {
         if (plan.sheets) sheets_.add_up(sums_.sheet_contacts);
         if (plan.temporal == Temporal::off) return;
-        executor_.reduce("count_walks", count_of(routes_.counts), stages::CountWalk{view_of(routes_.counts)}, sums_.walks);
-        executor_.reduce("count_skipped", count_of(routes_.routes), stages::CountSkipped{view_of(routes_.routes)},
-                         sums_.skipped);
-        executor_.reduce("count_predicted", count_of(now_.vertices), stages::CountPredicted{view_of(now_.vertices)},
-                         sums_.predicted);
-        executor_.reduce("count_full_passes", count_of(pairs_.pairs), stages::CountFullPass{view_of(now_.directed)},
-                         sums_.full_passes);
+        executor_.reduce("count_walks", count_of(routes_.counts),
+                         stages::CountWalk{view_of(routes_.counts)}, sums_.walks);
+        executor_.reduce("count_skipped", count_of(routes_.routes),
+                         stages::CountSkipped{view_of(routes_.routes)}, sums_.skipped);
+        executor_.reduce("count_predicted", count_of(now_.vertices),
+                         stages::CountPredicted{view_of(now_.vertices)}, sums_.predicted);
+        executor_.reduce("count_full_passes", count_of(pairs_.pairs),
+                         stages::CountFullPass{view_of(now_.directed)}, sums_.full_passes);
     }
 
     void count_rays() {
-        executor_.reduce("count_hits", count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, sums_.hits);
-        executor_.reduce("count_own_rays", count_of(exits_.rays), stages::CountTraced{view_of(exits_.rays)}, sums_.own_rays);
+        executor_.reduce("count_hits", count_of(batch_.hits),
+                         stages::CountHit{view_of(batch_.hits)}, sums_.hits);
+        executor_.reduce("count_own_rays", count_of(exits_.rays),
+                         stages::CountTraced{view_of(exits_.rays)}, sums_.own_rays);
     }
 
     E& executor_;

@@ -35,7 +35,9 @@ struct StepRecords {
     Buffer<Contact> contacts;
 
     /// What vertices, patches and blocks remember.
-    RecordsView of_vertices() const { return {view_of(blocks), view_of(patches), view_of(vertices)}; }
+    RecordsView of_vertices() const {
+        return {view_of(blocks), view_of(patches), view_of(vertices)};
+    }
 
     /// Nothing is left of stages that cast rays.
     void forget_rays() {

@@ -7,14 +7,17 @@
 
 namespace pierce {
 
-/// The point of a surface's triangle that is closest to `p`. Rounding does not carry it out of the triangle's box, so no box
-/// around the triangle is further from `p` than this point, to the last bit.
+/// The point of a surface's triangle that is closest to `p`. Rounding does not carry it out of the
+/// triangle's box, so no box around the triangle is further from `p` than this point, to the last
+/// bit.
 PIERCE_HD inline Vec3d closest_point(Vec3d p, const Surface& surface, std::uint32_t triangle) {
     const Triangle& t = surface.triangles[triangle];
-    const Vec3d a = to_double(surface.positions[t.vertex[0]]), b = to_double(surface.positions[t.vertex[1]]),
+    const Vec3d a = to_double(surface.positions[t.vertex[0]]),
+                b = to_double(surface.positions[t.vertex[1]]),
                 c = to_double(surface.positions[t.vertex[2]]);
     Vec3d q = closest_on_triangle(p, a, b, c);
-    for (int k = 0; k < 3; ++k) q[k] = clamp_to(q[k], min_of(a[k], min_of(b[k], c[k])), max_of(a[k], max_of(b[k], c[k])));
+    for (int k = 0; k < 3; ++k)
+        q[k] = clamp_to(q[k], min_of(a[k], min_of(b[k], c[k])), max_of(a[k], max_of(b[k], c[k])));
     return q;
 }
 
@@ -23,8 +26,8 @@ PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32
     return length(p - closest_point(p, surface, triangle));
 }
 
-/// The search for the triangle of a surface that is closest to a point and no further away than a limit; of equally close
-/// ones, the one with the smallest id.
+/// The search for the triangle of a surface that is closest to a point and no further away than a
+/// limit; of equally close ones, the one with the smallest id.
 class ClosestSearch {
 public:
     PIERCE_HD ClosestSearch(Vec3d point, const Surface& surface, double limit)
@@ -50,8 +53,8 @@ private:
     std::uint32_t triangle_ = no_triangle;
 };
 
-/// The triangle closest to a ray's origin, t_max away at most, or none. `show(search)` calls search.test() for every
-/// triangle that is no further away than search.limit().
+/// The triangle closest to a ray's origin, t_max away at most, or none. `show(search)` calls
+/// search.test() for every triangle that is no further away than search.limit().
 template <class Show>
 PIERCE_HD std::uint32_t closest_triangle(const Ray& ray, const Surface& surface, Show show) {
     if (!(ray.t_max >= 0)) return no_triangle;

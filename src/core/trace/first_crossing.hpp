@@ -15,16 +15,18 @@ PIERCE_HD inline bool is_excluded(const Triangle& t, const std::uint32_t (&exclu
     return has_vertex(t, excluded[0]) && has_vertex(t, excluded[1]);
 }
 
-/// A ray under way through a surface. Any tracer shows it candidate triangles in any order through test(); which
-/// triangle it settles on does not depend on that order, nor on candidates it was shown in vain.
+/// A ray under way through a surface. Any tracer shows it candidate triangles in any order through
+/// test(); which triangle it settles on does not depend on that order, nor on candidates it was
+/// shown in vain.
 ///
-/// Meaning of the result (first_crossing below): crossings within `touch` of the ray's origin are a start. If they lead
-/// out of the surface, the origin touches it from inside and that triangle is the hit; if they lead in, they do not count.
-/// Then comes the first window [t, t + touch] whose signed crossings do not cancel: its net sign decides, and the
-/// triangle of that sign with the smallest id is the hit. Cancelling windows are grazed edges and coincident sheets.
-/// A ray with a `t_min` has no start: what it crosses up to there is left out.
-/// If the ray has an `outward` and the answer does not lead out, the last crossing behind the start, that far at most, is
-/// looked at, too. If it leads out along the ray, it is the hit, predicted.
+/// Meaning of the result (first_crossing below): crossings within `touch` of the ray's origin are a
+/// start. If they lead out of the surface, the origin touches it from inside and that triangle is
+/// the hit; if they lead in, they do not count. Then comes the first window [t, t + touch] whose
+/// signed crossings do not cancel: its net sign decides, and the triangle of that sign with the
+/// smallest id is the hit. Cancelling windows are grazed edges and coincident sheets. A ray with a
+/// `t_min` has no start: what it crosses up to there is left out. If the ray has an `outward` and
+/// the answer does not lead out, the last crossing behind the start, that far at most, is looked
+/// at, too. If it leads out along the ray, it is the hit, predicted.
 class CrossingSearch {
 public:
     PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
@@ -39,7 +41,9 @@ public:
     /// Triangles beyond this need not be shown any more. It only shrinks.
     PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + surface_.touch; }
     /// Triangles before this need not be shown.
-    PIERCE_HD double begin() const { return first_pass_ ? -max_of(outward_, surface_.touch) : after_; }
+    PIERCE_HD double begin() const {
+        return first_pass_ ? -max_of(outward_, surface_.touch) : after_;
+    }
 
     PIERCE_HD void test(std::uint32_t triangle) {
         const Triangle& t = surface_.triangles[triangle];
@@ -68,7 +72,8 @@ public:
                 window_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
             return;
         }
-        const bool clean = crossing.weight[0] > 0 && crossing.weight[1] > 0 && crossing.weight[2] > 0;
+        const bool clean = crossing.weight[0] > 0 && crossing.weight[1] > 0 &&
+                           crossing.weight[2] > 0;
         if (crossing.t < nearest_) {
             second_ = nearest_;
             nearest_ = crossing.t;
@@ -80,8 +85,9 @@ public:
         }
     }
 
-    /// What to do after all triangles between begin() and limit() were shown: true to show them all again, false if
-    /// hit() is the answer. Rays that meet one clean crossing, nearly all, need no second look.
+    /// What to do after all triangles between begin() and limit() were shown: true to show them all
+    /// again, false if hit() is the answer. Rays that meet one clean crossing, nearly all, need no
+    /// second look.
     PIERCE_HD bool again() {
         if (first_pass_) {
             first_pass_ = false;
@@ -90,7 +96,8 @@ public:
         }
         if (!summing_) {
             if (nearest_triangle_ == no_triangle) return settle(no_triangle, false);
-            if (nearest_clean_ && second_ > nearest_ + surface_.touch) return settle(nearest_triangle_, nearest_exit_);
+            if (nearest_clean_ && second_ > nearest_ + surface_.touch)
+                return settle(nearest_triangle_, nearest_exit_);
             summing_ = true;
             window_ = {};
             return true;
@@ -159,10 +166,12 @@ private:
 };
 
 /// How a ray's line meets a triangle of the surface.
-PIERCE_HD inline Crossing crossing_of(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
+PIERCE_HD inline Crossing crossing_of(const Ray& ray, const Surface& surface,
+                                      std::uint32_t triangle) {
     const Triangle& t = surface.triangles[triangle];
     return cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
-                          to_double(surface.positions[t.vertex[1]]), to_double(surface.positions[t.vertex[2]]));
+                          to_double(surface.positions[t.vertex[1]]),
+                          to_double(surface.positions[t.vertex[2]]));
 }
 
 /// True if the ray leaves the surface through `triangle`, or lies in it.
@@ -176,8 +185,8 @@ PIERCE_HD inline bool lies_in(const Ray& ray, const Surface& surface, std::uint3
     return crossing_of(ray, surface, triangle).kind == Crossing::coplanar;
 }
 
-/// The triangle through which a ray first crosses a surface, or none. `show(search)` calls search.test() for every
-/// triangle the ray may meet between search.begin() and search.limit().
+/// The triangle through which a ray first crosses a surface, or none. `show(search)` calls
+/// search.test() for every triangle the ray may meet between search.begin() and search.limit().
 template <class Show>
 PIERCE_HD Hit first_crossing(const Ray& ray, const Surface& surface, Show show) {
     CrossingSearch search(ray, surface);

@@ -13,7 +13,8 @@ struct Meeting {
     std::uint8_t padding[7] = {};
 };
 
-/// A point of a triangle, which is not degenerate, as the place where a ray leaves after `t`: barycentrics by areas.
+/// A point of a triangle, which is not degenerate, as the place where a ray leaves after `t`:
+/// barycentrics by areas.
 PIERCE_HD inline Meeting meeting_at(Vec3d p, double t, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d n = cross(b - a, c - a);
     const double area = length_squared(n);
@@ -27,7 +28,8 @@ PIERCE_HD inline Meeting meeting_at(Vec3d p, double t, Vec3d a, Vec3d b, Vec3d c
 }
 
 /// The meeting of a ray with a triangle it crosses, or lies in.
-PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Vec3d a, Vec3d b, Vec3d c, double touch) {
+PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Vec3d a, Vec3d b,
+                                    Vec3d c, double touch) {
     if (crossing.kind == Crossing::coplanar) return meeting_at(ray.origin, 0, a, b, c);
     Meeting m;
     m.t = crossing.t > touch ? crossing.t : 0.0;
@@ -42,7 +44,8 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
     const Vec3d a = to_double(surface.positions[t.vertex[0]]);
     const Vec3d b = to_double(surface.positions[t.vertex[1]]);
     const Vec3d c = to_double(surface.positions[t.vertex[2]]);
-    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c, surface.touch);
+    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c,
+                      surface.touch);
 }
 
 }  // namespace pierce

@@ -7,15 +7,18 @@
 
 namespace pierce {
 
-/// A ray in the space of its target's positions: a rigid body's own space, the world for a deforming body.
+/// A ray in the space of its target's positions: a rigid body's own space, the world for a
+/// deforming body.
 struct alignas(16) Ray {
     Vec3d origin;
-    Vec3d direction;           ///< unit
-    double t_max = 0;          ///< [length]; negative: the ray hits nothing
-    double t_min = 0;          ///< [length] if positive, crossings up to here do not count, nor does the origin's place
-    double outward = 0;        ///< [length] where nothing is left behind, look so far back
-    std::uint32_t target = 0;  ///< body
-    std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices are not hit
+    Vec3d direction;     ///< unit
+    double t_max = 0;    ///< [length]; negative: the ray hits nothing
+    double t_min = 0;    ///< [length] if positive, crossings up to here do not count, nor does the
+                         ///< origin's place
+    double outward = 0;  ///< [length] where nothing is left behind, look so far back
+    std::uint32_t target = 0;                            ///< body
+    std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices
+                                                         ///< are not hit
     std::uint32_t padding[3] = {};
 };
 
@@ -28,7 +31,8 @@ struct RaySource {
     std::uint32_t item = 0;  ///< a vertex of the body, or an entry of the step's list of chords
     std::uint8_t side = 0;
     RayStart start = RayStart::vertex;
-    bool separates = false;  ///< its direction is not its own: it is the one in which the two bodies separate soonest
+    bool separates = false;  ///< its direction is not its own: it is the one in which the two
+                             ///< bodies separate soonest
     std::uint8_t padding = 0;
 };
 
@@ -36,11 +40,14 @@ struct RaySource {
 struct Chord {
     std::uint32_t edge = 0;
     std::uint32_t ordinal = 0;  ///< which of the edge's chords in this pair
-    double middle = 0;          ///< where along the edge its middle is: 0 at the first vertex, 1 at the second
-    double skin = 0;  ///< [length] the edge only touches the target: its ray does not count what it crosses up to here
+    double middle = 0;  ///< where along the edge its middle is: 0 at the first vertex, 1 at the
+                        ///< second
+    double skin = 0;  ///< [length] the edge only touches the target: its ray does not count what it
+                      ///< crosses up to here
 };
 
-/// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from it in `classify`.
+/// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from it in
+/// `classify`.
 struct alignas(8) Hit {
     std::uint32_t triangle = no_triangle;
     bool predicted = false;  ///< found looking outward: the vertex has not entered yet

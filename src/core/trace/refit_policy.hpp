@@ -7,9 +7,10 @@
 
 namespace pierce {
 
-/// Decides when a refitted tree should be rebuilt, by rent or buy: the triangle tests its rays needed beyond those of the
-/// fresh tree are added up, and once they would have paid for a rebuild, it is time. At most twice as expensive as the
-/// best schedule chosen in hindsight. Counts, not clocks, so that it decides the same in every run.
+/// Decides when a refitted tree should be rebuilt, by rent or buy: the triangle tests its rays
+/// needed beyond those of the fresh tree are added up, and once they would have paid for a rebuild,
+/// it is time. At most twice as expensive as the best schedule chosen in hindsight. Counts, not
+/// clocks, so that it decides the same in every run.
 class RefitPolicy {
 public:
     /// A tree was built or rebuilt.
@@ -22,7 +23,8 @@ public:
             baseline_tests_ += tests;
             return;
         }
-        const double fresh = static_cast<double>(baseline_tests_) / static_cast<double>(baseline_rays_);
+        const double fresh = static_cast<double>(baseline_tests_) /
+                             static_cast<double>(baseline_rays_);
         excess_ += static_cast<double>(tests) - fresh * static_cast<double>(rays);
         if (excess_ < 0) excess_ = 0;
     }

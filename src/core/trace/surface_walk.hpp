@@ -23,9 +23,11 @@ struct WalkEnd {
     std::uint32_t steps = 0;  ///< from triangle to triangle
 };
 
-/// Walks from triangle `start` to one that the line meets, each time across the edge the line passes by on the wrong side of
-/// by most (Lehericey, Gouranton and Arnaldi 2013). Need not find the first crossing, nor any.
-PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions, const ShearedRay& line, std::uint32_t start,
+/// Walks from triangle `start` to one that the line meets, each time across the edge the line
+/// passes by on the wrong side of by most (Lehericey, Gouranton and Arnaldi 2013). Need not find
+/// the first crossing, nor any.
+PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
+                              const ShearedRay& line, std::uint32_t start,
                               std::uint32_t max_steps) {
     std::uint32_t at = start, from = no_triangle;
     double side = 0;
@@ -36,13 +38,15 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
         const Vec3d q = line.sheared(to_double(positions[t.vertex[1]]) - line.origin);
         const Vec3d r = line.sheared(to_double(positions[t.vertex[2]]) - line.origin);
         // Twice the areas the line's point spans with the edges; all of one sign if it lies inside.
-        const double area[3] = {r.x * q.y - r.y * q.x, p.x * r.y - p.y * r.x, q.x * p.y - q.y * p.x};
+        const double area[3] = {r.x * q.y - r.y * q.x, p.x * r.y - p.y * r.x,
+                                q.x * p.y - q.y * p.x};
         const double all = area[0] + area[1] + area[2];
         if (all == 0) return {WalkEnd::edge_on, at, step};
         const double sign = all > 0 ? 1.0 : -1.0;
         if (side != 0 && sign != side && ++turns > 1) return {WalkEnd::silhouette, at, step};
         side = sign;
-        if (sign * area[0] >= 0 && sign * area[1] >= 0 && sign * area[2] >= 0) return {WalkEnd::found, at, step};
+        if (sign * area[0] >= 0 && sign * area[1] >= 0 && sign * area[2] >= 0)
+            return {WalkEnd::found, at, step};
         if (step == max_steps) return {WalkEnd::step_limit, at, step};
 
         const Vec3d edge[3] = {r - q, p - r, q - p};
@@ -52,7 +56,8 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t across = mesh.neighbors[at].across[k];
             if (sign * area[k] >= 0 || (across == from && across != no_triangle)) continue;
-            const double distance = sign * area[k] / std::sqrt(edge[k].x * edge[k].x + edge[k].y * edge[k].y);
+            const double distance = sign * area[k] /
+                                    std::sqrt(edge[k].x * edge[k].x + edge[k].y * edge[k].y);
             if (any && !(distance < worst)) continue;
             any = true;
             worst = distance;
@@ -68,26 +73,31 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
 /// How far the point met is from the other triangles of the ring, at least.
 PIERCE_HD inline double ring_distance(const TriangleRing& ring, const Crossing& crossing) {
     double border = crossing.weight[0] * static_cast<double>(ring.height[0]);
-    for (int k = 1; k < 3; ++k) border = min_of(crossing.weight[k] * static_cast<double>(ring.height[k]), border);
+    for (int k = 1; k < 3; ++k)
+        border = min_of(crossing.weight[k] * static_cast<double>(ring.height[k]), border);
     return static_cast<double>(ring.openness) * border;
 }
 
-/// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only one between the ray's
-/// origin and the triangle, so that a tracer would return this triangle if it lies ahead. `ring` is the triangle's in the
-/// rest shape, `direction` the ray's as the rest shape sees it; no vertex is further than `deviation` from its place there.
+/// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only
+/// one between the ray's origin and the triangle, so that a tracer would return this triangle if it
+/// lies ahead. `ring` is the triangle's in the rest shape, `direction` the ray's as the rest shape
+/// sees it; no vertex is further than `deviation` from its place there.
 ///
-/// Proof. Let Q be the point met and t its distance, ahead or behind. Whatever the ray crosses between a touch tolerance
-/// behind its origin and one beyond Q lies within t and that tolerance of Q, and so does what its origin touches. No
-/// triangle outside the ring (those that share a vertex with this one) comes so close to any point of this triangle. If none
-/// of the ring comes so close to Q either, there is nothing else to cross. Otherwise, let the ring's triangles all face the
-/// way the ray goes, and each of the three fans it is made of go around its vertex once: seen along the ray, triangles of a
-/// fan do not cover each other. So a line through the inside of this triangle meets no other of the ring. Vertices that have
-/// moved take their deviation off each distance, twice, and turn each normal by `tilt` times it; on the way there no
-/// triangle of a fan turned over, so fans go around as often as before.
-PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing& crossing, Vec3d direction, double deviation,
-                                       double touch) {
+/// Proof. Let Q be the point met and t its distance, ahead or behind. Whatever the ray crosses
+/// between a touch tolerance behind its origin and one beyond Q lies within t and that tolerance of
+/// Q, and so does what its origin touches. No triangle outside the ring (those that share a vertex
+/// with this one) comes so close to any point of this triangle. If none of the ring comes so close
+/// to Q either, there is nothing else to cross. Otherwise, let the ring's triangles all face the
+/// way the ray goes, and each of the three fans it is made of go around its vertex once: seen along
+/// the ray, triangles of a fan do not cover each other. So a line through the inside of this
+/// triangle meets no other of the ring. Vertices that have moved take their deviation off each
+/// distance, twice, and turn each normal by `tilt` times it; on the way there no triangle of a fan
+/// turned over, so fans go around as often as before.
+PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing& crossing,
+                                       Vec3d direction, double deviation, double touch) {
     if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return false;
-    if (!(crossing.weight[0] > 0) || !(crossing.weight[1] > 0) || !(crossing.weight[2] > 0)) return false;
+    if (!(crossing.weight[0] > 0) || !(crossing.weight[1] > 0) || !(crossing.weight[2] > 0))
+        return false;
     const double near = std::fabs(crossing.t) + 2 * (touch + deviation);
     if (!(near < static_cast<double>(ring.gap))) return false;
     const double sine = static_cast<double>(ring.sine) + static_cast<double>(ring.tilt) * deviation;
@@ -95,9 +105,11 @@ PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing&
     return near < ring_distance(ring, crossing);
 }
 
-/// How far the origin of a ray is from a surface, at least, if is_only_crossing() is true of a crossing behind it; `height`
-/// is that over the triangle's plane. The point met is `|t|` away: so much nearer than to it the other triangles may be.
-PIERCE_HD inline double distance_in_front(const TriangleRing& ring, const Crossing& crossing, double height) {
+/// How far the origin of a ray is from a surface, at least, if is_only_crossing() is true of a
+/// crossing behind it; `height` is that over the triangle's plane. The point met is `|t|` away: so
+/// much nearer than to it the other triangles may be.
+PIERCE_HD inline double distance_in_front(const TriangleRing& ring, const Crossing& crossing,
+                                          double height) {
     const double others = min_of(static_cast<double>(ring.gap), ring_distance(ring, crossing));
     return min_of(height, others - std::fabs(crossing.t));
 }

@@ -19,15 +19,18 @@ struct TracerCounts {
     std::uint64_t triangle_tests = 0;
 };
 
-/// Finds the triangle each ray crosses first (the meaning is CrossingSearch's), and the one closest to its origin
-/// (ClosestSearch's). Must give the same answers as BruteForceTracer for every ray whose origin lies within the target's
-/// box, grown by a few touch tolerances.
+/// Finds the triangle each ray crosses first (the meaning is CrossingSearch's), and the one closest
+/// to its origin (ClosestSearch's). Must give the same answers as BruteForceTracer for every ray
+/// whose origin lies within the target's box, grown by a few touch tolerances.
 template <class T, class E>
-concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies, View<const std::uint32_t> wanted,
-                          typename E::Count count, View<const Ray> rays, View<Hit> hits, View<std::uint32_t> triangles) {
-    tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit their positions
+concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies,
+                          View<const std::uint32_t> wanted, typename E::Count count,
+                          View<const Ray> rays, View<Hit> hits, View<std::uint32_t> triangles) {
+    tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit
+                                              // their positions
     tracer.closest_hits(executor, "trace", bodies, count, rays, hits);
-    // The triangle of its target that is closest to each ray's origin; no_triangle if that is further away than t_max.
+    // The triangle of its target that is closest to each ray's origin; no_triangle if that is
+    // further away than t_max.
     tracer.closest_triangles(executor, "closest", bodies, count, rays, triangles);
     { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };

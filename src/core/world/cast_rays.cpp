@@ -8,7 +8,8 @@
 
 namespace pierce {
 
-std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<const Vec3d> directions) {
+std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
+                                                    std::span<const Vec3d> directions) {
     state_->check_stepped("cast_rays");
     const auto usable = [](Vec3d v) { return is_finite(v); };
     if (!usable(origin) || !std::ranges::all_of(directions, usable))
@@ -23,12 +24,14 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<cons
         for (std::uint32_t b = 0; b < views.size(); ++b) {
             if (!views[b].active) continue;
             const Frame to_fit = relative_frame({}, views[b].fit);
-            const Stretch inside = stretch_inside(views[b].fit_box, to_fit.to_parent(origin), to_fit.rotation * direction);
+            const Stretch inside = stretch_inside(views[b].fit_box, to_fit.to_parent(origin),
+                                                  to_fit.rotation * direction);
             if (inside.begin > inside.end || inside.end < 0) continue;
             const Frame to_space = relative_frame({}, views[b].space);
             Ray ray;
             // From just outside the box: a surface in the box's face must still lie ahead.
-            ray.origin = to_space.to_parent(origin + std::max(inside.begin - 2 * views[b].touch, 0.0) * direction);
+            ray.origin = to_space.to_parent(
+                origin + std::max(inside.begin - 2 * views[b].touch, 0.0) * direction);
             ray.direction = to_space.rotation * direction;
             ray.t_max = views[b].fit_box.extent() + 2 * views[b].touch;
             ray.target = b;
@@ -50,8 +53,10 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin, std::span<cons
         if (best && best->t <= t) continue;
         const Triangle& tri = body.mesh.triangles[hits[r].triangle];
         const Vec3d a = to_double(body.positions[tri.vertex[0]]);
-        const Vec3d n = cross(to_double(body.positions[tri.vertex[1]]) - a, to_double(body.positions[tri.vertex[2]]) - a);
-        best = RayHit{state_->ids[rays[r].target], hits[r].triangle, t, body.space.rotation * normalized(n)};
+        const Vec3d n = cross(to_double(body.positions[tri.vertex[1]]) - a,
+                              to_double(body.positions[tri.vertex[2]]) - a);
+        best = RayHit{state_->ids[rays[r].target], hits[r].triangle, t,
+                      body.space.rotation * normalized(n)};
     }
     return nearest;
 }

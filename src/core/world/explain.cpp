@@ -24,8 +24,8 @@ namespace {
 /// Answers by the step's own functors, on bodies as the last step left them.
 class Explainer {
 public:
-    Explainer(Backend& backend, View<const BodyView> bodies, std::uint32_t source, std::uint32_t target,
-              std::uint32_t vertex)
+    Explainer(Backend& backend, View<const BodyView> bodies, std::uint32_t source,
+              std::uint32_t target, std::uint32_t vertex)
         : backend_(backend),
           bodies_(bodies),
           source_(bodies[source]),
@@ -59,8 +59,10 @@ private:
             return true;
         };
         if (!source_.active || !target_.active) return says(Reason::excluded);
-        if (source_.motion == Motion::fixed && target_.motion == Motion::fixed) return says(Reason::both_fixed);
-        if (!overlap(source_.world_box.inflated(source_.touch), target_.world_box.inflated(target_.touch))) {
+        if (source_.motion == Motion::fixed && target_.motion == Motion::fixed)
+            return says(Reason::both_fixed);
+        if (!overlap(source_.world_box.inflated(source_.touch),
+                     target_.world_box.inflated(target_.touch))) {
             Vec3d gap;
             for (int i = 0; i < 3; ++i)
                 gap[i] = std::max({source_.world_box.lower[i] - target_.world_box.upper[i],
@@ -134,8 +136,10 @@ private:
         ray.excluded[0] = ray.excluded[1] = vertex_;
         const Hit hit = first_hit(ray);
         if (hit.triangle == no_triangle) {
-            // Only the triangles around the vertex lie ahead: it is inside if it starts behind them.
-            if (!leads_inside(source_.mesh, source_.positions, vertex_, ray.direction)) return std::nullopt;
+            // Only the triangles around the vertex lie ahead: it is inside if it starts behind
+            // them.
+            if (!leads_inside(source_.mesh, source_.positions, vertex_, ray.direction))
+                return std::nullopt;
             return INFINITY;
         }
         const Meeting exit = meet(ray, source_.surface(), hit.triangle);
@@ -159,11 +163,12 @@ std::string number(double value) {
 }
 
 /// Those of a vertex of one body with another, or with the body itself.
-std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, BodyId other, std::uint32_t vertex) {
+std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, BodyId other,
+                                 std::uint32_t vertex) {
     std::vector<Contact> result;
     std::ranges::copy_if(all, std::back_inserter(result), [&](const Contact& c) {
-        return (c.source == Side::a ? c.a : c.b) == body && (c.source == Side::a ? c.b : c.a) == other &&
-               c.vertex == vertex && !c.is_edge();
+        return (c.source == Side::a ? c.a : c.b) == body &&
+               (c.source == Side::a ? c.b : c.a) == other && c.vertex == vertex && !c.is_edge();
     });
     return result;
 }
@@ -174,21 +179,24 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     vertex_position(body, vertex);  // checks both
     state_->bodies.get(other, "body");
     const bool sheet = collision_of(body).sheet || collision_of(other).sheet;
-    if (body == other && !sheet) throw InputError("a vertex of a solid is not explained against its own body");
+    if (body == other && !sheet)
+        throw InputError("a vertex of a solid is not explained against its own body");
     state_->check_stepped("explain");
     state_->backend->fetch_bodies(view_of(state_->views));
     const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
     const View<const BodyView> views = view_of(std::as_const(state_->views));
     if (sheet)
         return explain_sheet(views[body.index], views[other.index], vertex,
-                             std::max(collision_of(body).thickness, collision_of(other).thickness), of_vertex);
-    Explanation result = Explainer(*state_->backend, views, body.index, other.index, vertex).answer();
+                             std::max(collision_of(body).thickness, collision_of(other).thickness),
+                             of_vertex);
+    Explanation result = Explainer(*state_->backend, views, body.index, other.index, vertex)
+                             .answer();
 
     const BodyId a = std::min(body, other), b = std::max(body, other);
     const Side side = body == a ? Side::a : Side::b;
     if (state_->plan.temporal == Temporal::certified)
-        result.certificate =
-            state_->backend->certificate(views, {a.index, b.index}, static_cast<std::uint32_t>(side), vertex);
+        result.certificate = state_->backend->certificate(views, {a.index, b.index},
+                                                          static_cast<std::uint32_t>(side), vertex);
     if (!of_vertex.empty()) {
         result.contact = of_vertex.front();
         result.reason = Reason::contact;
@@ -210,7 +218,8 @@ const char* how_found(Found found) {
         case Found::prediction:
             return ", found by a walk to a predicted triangle";
         case Found::separation:
-            return ", measured along the direction in which the two separate soonest, as the pair has no contact along an "
+            return ", measured along the direction in which the two separate soonest, as the pair "
+                   "has no contact along an "
                    "inward ray";
         case Found::self:
         case Found::near:
@@ -227,14 +236,17 @@ std::string of_sheet(const Contact& c) {
     const std::string where = " triangle " + std::to_string(c.triangle);
     switch (c.found) {
         case Found::crossing:
-            return "In contact: the vertex meets" + where + " in this step, at " + number(c.time) + " of it, and ends " +
-                   number(std::fabs(c.distance)) + (c.distance < 0 ? " behind it." : " in front of it.");
+            return "In contact: the vertex meets" + where + " in this step, at " + number(c.time) +
+                   " of it, and ends " + number(std::fabs(c.distance)) +
+                   (c.distance < 0 ? " behind it." : " in front of it.");
         case Found::remembered:
-            return "In contact: the vertex went through" + where + ", or one beside it, in an earlier step, and is " +
+            return "In contact: the vertex went through" + where +
+                   ", or one beside it, in an earlier step, and is " +
                    number(std::fabs(c.distance)) + " behind it.";
         default:
             return "In contact: the vertex is " + number(std::fabs(c.distance)) +
-                   (c.distance < 0 ? " behind" : " in front of") + where + ", closer than the thickness.";
+                   (c.distance < 0 ? " behind" : " in front of") + where +
+                   ", closer than the thickness.";
     }
 }
 
@@ -245,7 +257,8 @@ std::string Explanation::text() const {
     switch (reason) {
         case Reason::contact:
             if (contact && contact->of_sheet) return of_sheet(*contact);
-            s = "In contact: the vertex is inside and " + number(contact ? contact->penetration_depth() : t) + " deep";
+            s = "In contact: the vertex is inside and " +
+                number(contact ? contact->penetration_depth() : t) + " deep";
             if (contact) {
                 s += " at triangle " + std::to_string(contact->triangle);
                 s += how_found(contact->found);
@@ -261,33 +274,38 @@ std::string Explanation::text() const {
             break;
         case Reason::boxes_apart:
             s = distance > 0 ? "No contact: the bodies' boxes are " + number(distance) + " apart."
-                             : "No contact: the bodies' boxes, each in its body's own directions, do not overlap.";
+                             : "No contact: the bodies' boxes, each in its body's own directions, "
+                               "do not overlap.";
             break;
         case Reason::open_target:
             s = "No contact: the other body's mesh is open and has no inside.";
             break;
         case Reason::outside_box:
-            s = "No contact: the vertex is " + number(distance) + " outside of the other body's box.";
+            s = "No contact: the vertex is " + number(distance) +
+                " outside of the other body's box.";
             break;
         case Reason::outside_solid:
             s = "No contact: the vertex is at least " + number(distance) +
                 " outside of the other body, by its clearance grid.";
             break;
         case Reason::no_direction:
-            s = "No contact: the triangles around the vertex cancel, so it has no inward direction and no ray.";
+            s = "No contact: the triangles around the vertex cancel, so it has no inward direction "
+                "and no ray.";
             break;
         case Reason::entry_first:
-            s = "No contact: its ray first enters the other body, at " + number(t) + " through triangle " +
-                std::to_string(triangle) + ", so the vertex is outside.";
+            s = "No contact: its ray first enters the other body, at " + number(t) +
+                " through triangle " + std::to_string(triangle) + ", so the vertex is outside.";
             break;
         case Reason::nothing_ahead:
             s = "No contact: its ray meets the other body nowhere, so the vertex is outside.";
             break;
         case Reason::not_inside_own:
-            s = "No contact by rule R2: the vertex is inside the other body, but its ray does not start inside its own.";
+            s = "No contact by rule R2: the vertex is inside the other body, but its ray does not "
+                "start inside its own.";
             break;
         case Reason::own_exit_first:
-            s = "No contact by rule R3: the vertex is inside the other body, but its ray leaves its own body at " +
+            s = "No contact by rule R3: the vertex is inside the other body, but its ray leaves "
+                "its own body at " +
                 number(own_exit) + ", before the other one at " + number(t) + ".";
             break;
         case Reason::beyond_range:
@@ -298,25 +316,31 @@ std::string Explanation::text() const {
             s = "No contact: the sheet is not looked for in itself by continuous tests.";
             break;
         case Reason::apart:
-            s = "No contact: the two have not met in this step, and the other surface is " + number(distance) +
-                " away, at triangle " + std::to_string(triangle) + ", no less than the thickness.";
+            s = "No contact: the two have not met in this step, and the other surface is " +
+                number(distance) + " away, at triangle " + std::to_string(triangle) +
+                ", no less than the thickness.";
             break;
         case Reason::close_at_rest:
-            s = "No contact: the sheet's own surface is " + number(distance) + " away, at triangle " +
-                std::to_string(triangle) + ", but no less than half of what it is at rest.";
+            s = "No contact: the sheet's own surface is " + number(distance) +
+                " away, at triangle " + std::to_string(triangle) +
+                ", but no less than half of what it is at rest.";
             break;
         case Reason::beside:
-            s = "No contact: the other surface is " + number(distance) + " away, at triangle " + std::to_string(triangle) +
+            s = "No contact: the other surface is " + number(distance) + " away, at triangle " +
+                std::to_string(triangle) +
                 ", but the vertex is over none of its triangles: an edge or a corner is close.";
             break;
         case Reason::not_looked_at:
-            s = "No contact in this step: the vertex is inside, but is not looked at before the pair's next full pass.";
+            s = "No contact in this step: the vertex is inside, but is not looked at before the "
+                "pair's next full pass.";
             break;
     }
     if (certificate.kind != Certificate::none) {
-        constexpr const char* who[] = {"", "its patch of vertices", "all of its patch that was not near", "this vertex"};
-        s += std::string(" No ray is needed until the bodies have moved on by ") + number(certificate.left) + ": " +
-             who[certificate.kind] + " is proved to stay outside.";
+        constexpr const char* who[] = {"", "its patch of vertices",
+                                       "all of its patch that was not near", "this vertex"};
+        s += std::string(" No ray is needed until the bodies have moved on by ") +
+             number(certificate.left) + ": " + who[certificate.kind] +
+             " is proved to stay outside.";
     }
     return s;
 }

@@ -17,7 +17,9 @@ struct Corners {
     Corners(const Frame& space, View<const Vec3f> positions, const Triangle& t) {
         for (int k = 0; k < 3; ++k) at[k] = space.to_parent(to_double(positions[t.vertex[k]]));
     }
-    double distance(Vec3d p) const { return length(p - closest_on_triangle(p, at[0], at[1], at[2])); }
+    double distance(Vec3d p) const {
+        return length(p - closest_on_triangle(p, at[0], at[1], at[2]));
+    }
     /// True if the foot of `p` lies in the triangle.
     bool is_under(Vec3d p) const {
         const Vec3d n = cross(at[1] - at[0], at[2] - at[0]);
@@ -29,8 +31,8 @@ struct Corners {
 
 }  // namespace
 
-Explanation explain_sheet(const BodyView& source, const BodyView& target, std::uint32_t vertex, double thickness,
-                          std::span<const Contact> contacts) {
+Explanation explain_sheet(const BodyView& source, const BodyView& target, std::uint32_t vertex,
+                          double thickness, std::span<const Contact> contacts) {
     Explanation result;
     if (!contacts.empty()) {
         result.contact = *std::ranges::min_element(contacts, {}, &Contact::distance);

@@ -9,12 +9,14 @@ namespace pierce {
 
 std::unique_ptr<Backend> reference_backend() {
     return std::make_unique<PipelineBackend<SerialExecutor, BruteForceTracer>>(
-        "reference, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BruteForceTracer>());
+        "reference, 1 thread", std::make_unique<SerialExecutor>(),
+        std::make_unique<BruteForceTracer>());
 }
 
 std::unique_ptr<Backend> bvh_backend() {
     return std::make_unique<PipelineBackend<SerialExecutor, BvhTracer<SerialExecutor>>>(
-        "bvh, 1 thread", std::make_unique<SerialExecutor>(), std::make_unique<BvhTracer<SerialExecutor>>());
+        "bvh, 1 thread", std::make_unique<SerialExecutor>(),
+        std::make_unique<BvhTracer<SerialExecutor>>());
 }
 
 }  // namespace pierce

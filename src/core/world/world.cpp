@@ -16,7 +16,8 @@ namespace pierce {
 bool is_usable(const Pose& pose) {
     const Quaternion& q = pose.rotation;
     const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    return is_within_reach(pose.position) && norm >= constants::smallest_rotation && norm <= constants::largest_rotation;
+    return is_within_reach(pose.position) && norm >= constants::smallest_rotation &&
+           norm <= constants::largest_rotation;
 }
 
 bool is_usable(std::span<const Vec3f> positions) {
@@ -27,24 +28,28 @@ namespace {
 
 void check_pose(const Pose& pose, const std::string& mesh) {
     if (!is_usable(pose))
-        throw InputError("pose of a body of mesh '" + mesh + "' is not finite, too far away or has no rotation");
+        throw InputError("pose of a body of mesh '" + mesh +
+                         "' is not finite, too far away or has no rotation");
 }
 
 void check_count(std::size_t given, const Mesh& mesh) {
     if (given != mesh.positions().size())
-        throw InputError("body of mesh '" + mesh.name() + "' needs " + std::to_string(mesh.positions().size()) +
-                         " positions, got " + std::to_string(given));
+        throw InputError("body of mesh '" + mesh.name() + "' needs " +
+                         std::to_string(mesh.positions().size()) + " positions, got " +
+                         std::to_string(given));
 }
 
 }  // namespace
 
 World::World(const Settings& settings) : World(reference_backend(), settings) {}
 
-World::World(std::unique_ptr<Backend> backend, const Settings& settings) : state_(std::make_unique<State>()) {
+World::World(std::unique_ptr<Backend> backend, const Settings& settings)
+    : state_(std::make_unique<State>()) {
     if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
     if (settings.full_every == 0) throw InputError("full_every must be at least 1");
     if (!(settings.walk_threshold >= 0)) throw InputError("walk_threshold must not be negative");
-    if (std::isnan(settings.prediction_distance)) throw InputError("prediction_distance must be a number");
+    if (std::isnan(settings.prediction_distance))
+        throw InputError("prediction_distance must be a number");
     state_->backend = std::move(backend);
     state_->settings = settings;
 }
@@ -64,7 +69,8 @@ MeshId World::add_mesh(std::shared_ptr<const Mesh> mesh) {
 void World::remove_mesh(MeshId mesh) {
     const Mesh& named = this->mesh(mesh);
     for (const auto& slot : state_->bodies.slots())
-        if (slot.used && slot.thing.mesh == mesh) throw InputError("mesh '" + named.name() + "' is still used by a body");
+        if (slot.used && slot.thing.mesh == mesh)
+            throw InputError("mesh '" + named.name() + "' is still used by a body");
     state_->meshes.remove(mesh, "mesh");
 }
 
@@ -106,25 +112,30 @@ Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
     if (vertex >= mesh.positions().size())
         throw InputError("mesh '" + mesh.name() + "' has no vertex " + std::to_string(vertex));
     if (entry.device_positions != nullptr)
-        throw InputError("body " + std::to_string(body.index) + " has its positions in device memory");
+        throw InputError("body " + std::to_string(body.index) +
+                         " has its positions in device memory");
     if (entry.motion == Motion::deforming) return to_double(entry.positions[vertex]);
     return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
 }
 
 void World::set_collision(BodyId body, const Collision& collision) {
     BodyEntry& entry = state_->bodies.get(body, "body");
-    state_->check_collision(entry, collision,
-                            "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'");
+    state_->check_collision(
+        entry, collision,
+        "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'");
     entry.collision = collision;
     state_->change();
 }
 
-const Collision& World::collision_of(BodyId body) const { return state_->bodies.get(body, "body").collision; }
+const Collision& World::collision_of(BodyId body) const {
+    return state_->bodies.get(body, "body").collision;
+}
 
 void World::set_pose(BodyId body, const Pose& pose) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     if (entry.motion == Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) + " deforms: it has positions, not a pose");
+        throw InputError("body " + std::to_string(body.index) +
+                         " deforms: it has positions, not a pose");
     state_->begin_motion(entry);
     entry.pose = pose;
     if (!entry.usable) entry.start_pose = pose;
@@ -134,7 +145,8 @@ void World::set_pose(BodyId body, const Pose& pose) {
 void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     if (entry.motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+        throw InputError("body " + std::to_string(body.index) +
+                         " is rigid: it has a pose, not positions");
     check_count(positions.size(), state_->mesh_of(entry));
     state_->begin_motion(entry);
     std::ranges::copy(positions, entry.positions.begin());
@@ -144,7 +156,8 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     entry.usable = is_usable(positions);
 }
 
-void World::set_motion(BodyId body, std::span<const Vec3f> start, std::span<const Vec3f> positions) {
+void World::set_motion(BodyId body, std::span<const Vec3f> start,
+                       std::span<const Vec3f> positions) {
     check_count(start.size(), state_->mesh_of(state_->bodies.get(body, "body")));
     set_positions(body, positions);
     BodyEntry& entry = state_->bodies.get(body, "body");
@@ -161,16 +174,19 @@ void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
 
 void World::set_device_positions(BodyId body, const Vec3f* positions) {
     if (plan().sheets)
-        throw InputError("a world with a sheet needs positions at both ends of a step: use set_device_motion()");
+        throw InputError(
+            "a world with a sheet needs positions at both ends of a step: use set_device_motion()");
     set_device_motion(body, nullptr, positions);
 }
 
 void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     if (entry.motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) + " is rigid: it has a pose, not positions");
+        throw InputError("body " + std::to_string(body.index) +
+                         " is rigid: it has a pose, not positions");
     if (!state_->backend->runs_on_device())
-        throw InputError("positions in device memory need a backend that runs there, not '" + backend() + "'");
+        throw InputError("positions in device memory need a backend that runs there, not '" +
+                         backend() + "'");
     entry.device_positions = positions;
     entry.device_start = start;
     entry.positions_version = state_->next_key++;
@@ -182,10 +198,12 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     BodyEntry& entry = state_->bodies.get(body, "body");
     const Mesh& shape = this->mesh(mesh);
     if (entry.motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) + " is rigid: only a deforming body changes its mesh");
+        throw InputError("body " + std::to_string(body.index) +
+                         " is rigid: only a deforming body changes its mesh");
     check_count(positions.size(), shape);
     if (entry.collision != Collision{} && !entry.collision.sheet && !shape.traits().closed())
-        throw InputError("mesh '" + shape.name() + "' has no inside: its body can meet itself only as a sheet");
+        throw InputError("mesh '" + shape.name() +
+                         "' has no inside: its body can meet itself only as a sheet");
     entry.mesh = mesh;
     entry.seen.clear();
     entry.start.assign(positions.begin(), positions.end());
@@ -219,7 +237,9 @@ const StepStats& World::detect() {
     s.backend->step(scene, s.stats);
     s.end_motion();
     s.stepped = true;
-    s.stats.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    s.stats.milliseconds = std::chrono::duration<double, std::milli>(
+                               std::chrono::steady_clock::now() - begin)
+                               .count();
     return s.stats;
 }
 

@@ -12,8 +12,8 @@
 #include "core/step/memory_check.hpp"
 #include "core/world/world_state.hpp"
 
-/// Saved worlds: a header (mark, version, length and checksum of what follows), then settings, meshes, bodies and what the
-/// last step has left for the next.
+/// Saved worlds: a header (mark, version, length and checksum of what follows), then settings,
+/// meshes, bodies and what the last step has left for the next.
 namespace pierce {
 namespace {
 
@@ -31,7 +31,8 @@ void transfer(A& archive, Id<Tag>& id) {
 
 template <class A>
 void transfer(A& archive, Settings& s) {
-    transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.prediction_distance, s.full_every, s.walk_threshold);
+    transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.prediction_distance,
+                 s.full_every, s.walk_threshold);
     transfer(archive, s.coverage, Coverage::complete);
     transfer(archive, s.temporal, Temporal::certified);
 }
@@ -67,8 +68,8 @@ template <class A>
 void transfer(A& archive, BodyEntry& b) {
     transfer(archive, b.mesh);
     transfer(archive, b.motion, Motion::deforming);
-    transfer_all(archive, b.pose, b.positions, b.start, b.start_pose, b.moved, b.collision, b.seen, b.positions_version,
-                 b.usable);
+    transfer_all(archive, b.pose, b.positions, b.start, b.start_pose, b.moved, b.collision, b.seen,
+                 b.positions_version, b.usable);
 }
 
 template <class A>
@@ -91,7 +92,8 @@ void transfer(A& archive, SheetRecord& r) {
 
 template <class A>
 void transfer(A& archive, PairMemory& m) {
-    transfer_all(archive, m.relative, m.step, m.odometer, m.at_full, m.since_full, m.known, m.first_block);
+    transfer_all(archive, m.relative, m.step, m.odometer, m.at_full, m.since_full, m.known,
+                 m.first_block);
     transfer(archive, m.pass, Pass::walk);
 }
 
@@ -107,23 +109,24 @@ void transfer(A& archive, PatchRecord& r) {
 
 template <class A>
 void transfer(A& archive, VertexRecord& r) {
-    transfer_all(archive, r.triangle, r.predicted, r.expiry, r.retry, r.contact, r.seen_triangle, r.seen_weight,
-                 r.seen_offset);
+    transfer_all(archive, r.triangle, r.predicted, r.expiry, r.retry, r.contact, r.seen_triangle,
+                 r.seen_weight, r.seen_offset);
 }
 
 template <class A>
 void transfer(A& archive, Contact& c) {
-    transfer_all(archive, c.a, c.b, c.grazing, c.reprojected, c.of_sheet, c.unknown_side, c.vertex, c.edge_end, c.edge,
-                 c.chord, c.other_edge, c.triangle, c.age, c.along, c.time, c.distance, c.barycentric, c.point_a, c.point_b,
-                 c.normal, c.face_normal);
+    transfer_all(archive, c.a, c.b, c.grazing, c.reprojected, c.of_sheet, c.unknown_side, c.vertex,
+                 c.edge_end, c.edge, c.chord, c.other_edge, c.triangle, c.age, c.along, c.time,
+                 c.distance, c.barycentric, c.point_a, c.point_b, c.normal, c.face_normal);
     transfer(archive, c.source, Side::b);
     transfer(archive, c.found, Found::separation);
 }
 
 template <class A>
 void transfer(A& archive, StepMemory& m) {
-    transfer_all(archive, m.pair_keys, m.identities, m.bodies, m.directed, m.blocks, m.patches, m.vertices, m.contact_keys,
-                 m.ages, m.contacts, m.sheet_bits, m.sheet_keys, m.sheet_records, m.deepest);
+    transfer_all(archive, m.pair_keys, m.identities, m.bodies, m.directed, m.blocks, m.patches,
+                 m.vertices, m.contact_keys, m.ages, m.contacts, m.sheet_bits, m.sheet_keys,
+                 m.sheet_records, m.deepest);
 }
 
 namespace {
@@ -167,7 +170,8 @@ void World::save(std::ostream& out) const {
     for (const auto& slot : s.bodies.slots())
         if (slot.used && slot.thing.device_positions != nullptr)
             throw InputError("a body with positions in device memory cannot be saved");
-    if (s.planned) s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));
+    if (s.planned)
+        s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));
     StepMemory memory = s.backend->memory();
 
     ArchiveWriter archive;
@@ -202,8 +206,8 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     transfer_all(all, first, its_version);
     require(first == mark, "something else: it is not one");
     if (its_version != version)
-        throw InputError("a saved world has version " + std::to_string(its_version) + "; this library reads version " +
-                         std::to_string(version));
+        throw InputError("a saved world has version " + std::to_string(its_version) +
+                         "; this library reads version " + std::to_string(version));
     transfer_all(all, length, sum);
     require(length == all.left(), "more or less than its header says");
     std::string bytes(length, '\0');
@@ -218,8 +222,10 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     transfer_all(archive, s.next_key, s.forgets_sides);
     std::set<std::uint64_t> keys;
     restore_slots<SavedMesh>(archive, s.meshes, [&](SavedMesh saved) {
-        require(saved.key != 0 && saved.key < s.next_key && keys.insert(saved.key).second, "a mesh with a wrong key");
-        return MeshEntry{std::make_shared<const Mesh>(std::move(saved.name), std::move(saved.data)), saved.key};
+        require(saved.key != 0 && saved.key < s.next_key && keys.insert(saved.key).second,
+                "a mesh with a wrong key");
+        return MeshEntry{std::make_shared<const Mesh>(std::move(saved.name), std::move(saved.data)),
+                         saved.key};
     });
     restore_slots<BodyEntry>(archive, s.bodies, [&](BodyEntry body) {
         s.check_restored(body);
@@ -237,13 +243,16 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
 void World::State::check_restored(const BodyEntry& body) const {
     const Mesh& mesh = mesh_of(body);
     const bool deforms = body.motion == Motion::deforming;
-    require(body.positions.size() == (deforms ? mesh.positions().size() : 0), "a body with too many positions or too few");
+    require(body.positions.size() == (deforms ? mesh.positions().size() : 0),
+            "a body with too many positions or too few");
     require(body.start.size() == body.positions.size() || (!body.moved && body.start.empty()),
             "a body with a start that does not fit its end");
-    require(body.seen.empty() || (deforms && body.seen.size() == patch_count(mesh.view())), "a body seen in another shape");
+    require(body.seen.empty() || (deforms && body.seen.size() == patch_count(mesh.view())),
+            "a body seen in another shape");
     require(body.positions_version < next_key, "a body from the future");
-    const bool usable = deforms ? is_usable(body.positions) && (!body.moved || is_usable(body.start))
-                                : is_usable(body.pose) && (!body.moved || is_usable(body.start_pose));
+    const bool usable = deforms
+                            ? is_usable(body.positions) && (!body.moved || is_usable(body.start))
+                            : is_usable(body.pose) && (!body.moved || is_usable(body.start_pose));
     require(usable || !body.usable, "a body in a place that is none");
     check_collision(body, body.collision, "a saved body");
 }

@@ -12,7 +12,8 @@ namespace pierce {
 
 void World::State::add_blocks(std::uint32_t body) {
     BlockRange range{body, static_cast<std::uint32_t>(block_items.size()), 0};
-    for (std::uint32_t b = 0; b < block_count(views[body].mesh); ++b) block_items.push_back({body, b});
+    for (std::uint32_t b = 0; b < block_count(views[body].mesh); ++b)
+        block_items.push_back({body, b});
     range.last = static_cast<std::uint32_t>(block_items.size());
     ranges.push_back(range);
 }
@@ -28,24 +29,32 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
     };
     const MeshTraits& traits = mesh.traits();
     if (body.collision.sheet)
-        note("sheet: contacts of its surface over the motion of a step, whatever is inside or outside");
+        note(
+            "sheet: contacts of its surface over the motion of a step, whatever is inside or "
+            "outside");
     else if (!traits.closed())
         note("open (" + std::to_string(traits.inconsistent_edges) +
-             " edges without a partner of opposite direction): it has no inside, so nothing penetrates it; its own rays "
+             " edges without a partner of opposite direction): it has no inside, so nothing "
+             "penetrates it; its own rays "
              "are limited in length and rules R2 and R3 do not apply");
     else if (traits.volume < 0)
-        note("inside out (negative volume): its normals point inward, so rays start in the wrong direction");
+        note(
+            "inside out (negative volume): its normals point inward, so rays start in the wrong "
+            "direction");
     if (traits.degenerate_triangles > 0)
-        note(std::to_string(traits.degenerate_triangles) + " triangles have no area and are never hit");
+        note(std::to_string(traits.degenerate_triangles) +
+             " triangles have no area and are never hit");
 }
 
-void World::State::check_collision(const BodyEntry& body, const Collision& collision, const std::string& name) const {
+void World::State::check_collision(const BodyEntry& body, const Collision& collision,
+                                   const std::string& name) const {
     const bool asks = collision.sheet || collision.self != SelfCollision::off;
     if (asks && body.motion != Motion::deforming)
         throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
     if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
         throw InputError(name + " needs a thickness that is finite and not negative");
-    if (!collision.sheet && collision.thickness > 0) throw InputError(name + " has a thickness but is no sheet");
+    if (!collision.sheet && collision.thickness > 0)
+        throw InputError(name + " has a thickness but is no sheet");
     if (!collision.sheet && asks && !mesh_of(body).traits().closed())
         throw InputError(name + " has no inside: it can meet itself only as a sheet");
     if (!collision.sheet && asks && collision.self != SelfCollision::on)
@@ -63,7 +72,8 @@ void World::State::begin_motion(BodyEntry& body) {
 
 void World::State::check_stepped(const char* who) const {
     if (!stepped)
-        throw InputError(std::string(who) + " needs a detect() after bodies were added, removed, moved or changed");
+        throw InputError(std::string(who) +
+                         " needs a detect() after bodies were added, removed, moved or changed");
 }
 
 void World::State::end_motion() {
@@ -88,15 +98,17 @@ void World::State::make_plan() {
         const Collision& collision = slot.thing.collision;
         solids = solids || (!collision.sheet && mesh_of(slot.thing).traits().closed());
         plan.sheets = plan.sheets || collision.sheet;
-        plan.velocity_rays =
-            plan.velocity_rays ||
-            (collision.sheet && (collision.self == SelfCollision::rays || collision.self == SelfCollision::published));
-        plan.meets_itself = plan.meets_itself || (!collision.sheet && collision.self != SelfCollision::off);
+        plan.velocity_rays = plan.velocity_rays ||
+                             (collision.sheet && (collision.self == SelfCollision::rays ||
+                                                  collision.self == SelfCollision::published));
+        plan.meets_itself = plan.meets_itself ||
+                            (!collision.sheet && collision.self != SelfCollision::off);
     }
     plan.casts_rays = solids || plan.velocity_rays;
     // Where no rays are cast, nothing is to be remembered of them.
     plan.temporal = plan.casts_rays ? settings.temporal : Temporal::off;
-    if (plan.temporal == Temporal::certified && !backend->certificates_pay()) plan.temporal = Temporal::off;
+    if (plan.temporal == Temporal::certified && !backend->certificates_pay())
+        plan.temporal = Temporal::off;
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
@@ -107,8 +119,10 @@ void World::State::make_plan() {
         ids[i] = {i, slots[i].generation};
         view.mesh = entry.mesh->view();
         view.mesh_key = entry.key;
-        const std::uint32_t most = std::max({view.mesh.positions.size, view.mesh.edges.size, view.mesh.triangles.size});
-        plan.feature_bits = std::max(plan.feature_bits, static_cast<std::uint32_t>(std::bit_width(most)));
+        const std::uint32_t most = std::max(
+            {view.mesh.positions.size, view.mesh.edges.size, view.mesh.triangles.size});
+        plan.feature_bits = std::max(plan.feature_bits,
+                                     static_cast<std::uint32_t>(std::bit_width(most)));
         view.motion = body.motion;
         view.collision = body.collision;
         view.range = settings.open_body_range * view.mesh.mean_edge_length;
@@ -130,12 +144,15 @@ void World::State::make_plan() {
             view.patches = view.mesh.patches;
         }
     }
-    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 && (ids.size() > 1 || plan.sheets || plan.meets_itself);
+    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
+                  (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     plan.coverage = solids ? settings.coverage : Coverage::vertices;
-    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals know nothing of the way.
+    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals
+    // know nothing of the way.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
-    const bool remembers = plan.temporal != Temporal::off, complete = plan.coverage == Coverage::complete;
+    const bool remembers = plan.temporal != Temporal::off,
+               complete = plan.coverage == Coverage::complete;
     plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || complete);
     const auto add = [&](bool needed, std::initializer_list<const char*> names) {
         if (needed) plan.stages.insert(plan.stages.end(), names.begin(), names.end());
@@ -169,7 +186,8 @@ void World::State::refresh_views() {
             if (plan.sheets && body.device_positions != nullptr && body.device_start == nullptr)
                 throw InputError("body " + std::to_string(i) +
                                  " needs positions in device memory for both ends of the step");
-            if (plan.sheets && !body.moved && body.device_positions == nullptr && body.start != body.positions) {
+            if (plan.sheets && !body.moved && body.device_positions == nullptr &&
+                body.start != body.positions) {
                 body.start = body.positions;
                 body.positions_version = next_key++;
             }
@@ -179,7 +197,8 @@ void World::State::refresh_views() {
             views[i].device_start = body.device_start;
         } else {
             if (body.usable) views[i].fit = views[i].space = frame_of(body.pose);
-            views[i].start_space = plan.sheets && body.moved ? frame_of(body.start_pose) : views[i].space;
+            views[i].start_space = plan.sheets && body.moved ? frame_of(body.start_pose)
+                                                             : views[i].space;
         }
     }
 }

@@ -14,7 +14,8 @@
 
 namespace pierce {
 
-/// True for a place where a body can be: all coordinates are finite and none is too large, and a rotation is one.
+/// True for a place where a body can be: all coordinates are finite and none is too large, and a
+/// rotation is one.
 bool is_usable(const Pose& pose);
 bool is_usable(std::span<const Vec3f> positions);
 
@@ -34,9 +35,10 @@ struct BodyEntry {
     Motion motion = Motion::fixed;
     Pose pose;
     std::vector<Vec3f> positions;  ///< of a deforming body
-    std::vector<Vec3f> start;      ///< of a deforming body that has moved: where it was when the step began
-    Pose start_pose;               ///< of any other, likewise
-    bool moved = false;            ///< since the last step
+    std::vector<Vec3f> start;  ///< of a deforming body that has moved: where it was when the step
+                               ///< began
+    Pose start_pose;           ///< of any other, likewise
+    bool moved = false;        ///< since the last step
     Collision collision;
     const Vec3f* device_positions = nullptr;  ///< in place of those
     const Vec3f* device_start = nullptr;
@@ -47,7 +49,8 @@ struct BodyEntry {
     bool usable = true;  ///< all coordinates are finite and none is too large
 };
 
-/// What a World is made of; world.cpp changes it, and world_plan.cpp derives the step's input from it.
+/// What a World is made of; world.cpp changes it, and world_plan.cpp derives the step's input from
+/// it.
 struct World::State {
     std::unique_ptr<Backend> backend;
     Settings settings;
@@ -81,15 +84,16 @@ struct World::State {
     void check_stepped(const char* who) const;
 
     /// Throws InputError, naming the body, for what it cannot be in contact with.
-    void check_collision(const BodyEntry& body, const Collision& collision, const std::string& name) const;
+    void check_collision(const BodyEntry& body, const Collision& collision,
+                         const std::string& name) const;
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;
     /// What does not change between steps.
     void make_plan();
     void add_blocks(std::uint32_t body);
     void describe(const BodyEntry& body, const Mesh& mesh);
-    /// A body is about to get a new place: where it is, is where the next step begins. Of a deforming body, the positions
-    /// are anything then.
+    /// A body is about to get a new place: where it is, is where the next step begins. Of a
+    /// deforming body, the positions are anything then.
     void begin_motion(BodyEntry& body);
     /// The step is over: the next one begins where it has ended, whatever is given.
     void end_motion();

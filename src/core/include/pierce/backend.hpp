@@ -21,8 +21,9 @@ struct StepStats;
 template <class T>
 struct View;
 
-/// Where steps run: an executor and a tracer behind one door. Made by a factory (reference_backends.hpp, and one per
-/// backend library) and handed to a World. docs/new_backend.md says how to write one.
+/// Where steps run: an executor and a tracer behind one door. Made by a factory
+/// (reference_backends.hpp, and one per backend library) and handed to a World. docs/new_backend.md
+/// says how to write one.
 class Backend {
 public:
     virtual ~Backend() = default;
@@ -31,7 +32,8 @@ public:
     virtual std::string description() const = 0;
     /// True if steps run where set_device_positions() keeps positions.
     virtual bool runs_on_device() const { return false; }
-    /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is Temporal::off then.
+    /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is
+    /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }
     virtual void step(const Scene& scene, StepStats& stats) = 0;
     /// Results of the last step; valid until the next one.
@@ -40,18 +42,19 @@ public:
     /// What spared a vertex its ray in the last step. `side`: the pair's body it belongs to.
     virtual Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
                                     std::uint32_t vertex) const = 0;
-    /// Brings the world's views of its bodies up to date with what the last step found out about where they are. Does
-    /// nothing, unless overridden.
+    /// Brings the world's views of its bodies up to date with what the last step found out about
+    /// where they are. Does nothing, unless overridden.
     virtual void fetch_bodies(View<BodyView> bodies) const;
-    /// Brings deforming bodies' shapes of the last step (Scene::seen) up to date with what the last step has seen. Does
-    /// nothing, unless overridden.
+    /// Brings deforming bodies' shapes of the last step (Scene::seen) up to date with what the last
+    /// step has seen. Does nothing, unless overridden.
     virtual void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const;
     /// What the last step has left for the next one.
     virtual StepMemory memory() const = 0;
     /// Makes that the last step's, whoever has taken it. It must have been checked.
     virtual void remember(const StepMemory& memory) = 0;
     /// Traces rays outside a step, bringing the targets' trees up to date first.
-    virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) = 0;
+    virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays,
+                              View<Hit> hits) = 0;
 };
 
 }  // namespace pierce

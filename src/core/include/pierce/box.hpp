@@ -22,15 +22,18 @@ struct Box {
 
     /// An empty one changes nothing.
     PIERCE_HD void extend(const Box& b) {
-        lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y), min_of(b.lower.z, lower.z)};
-        upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y), max_of(b.upper.z, upper.z)};
+        lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y),
+                 min_of(b.lower.z, lower.z)};
+        upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y),
+                 max_of(b.upper.z, upper.z)};
     }
 
     PIERCE_HD bool empty() const { return !(lower.x <= upper.x); }
     PIERCE_HD Vec3d center() const { return 0.5 * (lower + upper); }
     PIERCE_HD Vec3d half_size() const { return 0.5 * (upper - lower); }
 
-    /// Length of the diagonal; the `extent` that relative tolerances multiply. Zero for an empty box.
+    /// Length of the diagonal; the `extent` that relative tolerances multiply. Zero for an empty
+    /// box.
     PIERCE_HD double extent() const { return empty() ? 0.0 : length(upper - lower); }
 
     /// The largest absolute coordinate of any point inside.
@@ -48,7 +51,8 @@ struct Box {
 
     /// True if `p` is inside or on the box.
     PIERCE_HD bool contains(Vec3d p) const {
-        return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y && p.z >= lower.z && p.z <= upper.z;
+        return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y &&
+               p.z >= lower.z && p.z <= upper.z;
     }
 
     /// Distance from `p` to the nearest point of the box; zero inside.
@@ -61,7 +65,8 @@ struct Box {
 
 /// Where a line is inside a box, by places along its direction; begin > end if nowhere.
 struct Stretch {
-    double begin = -std::numeric_limits<double>::infinity(), end = std::numeric_limits<double>::infinity();
+    double begin = -std::numeric_limits<double>::infinity(),
+           end = std::numeric_limits<double>::infinity();
 };
 
 PIERCE_HD inline Stretch stretch_inside(const Box& box, Vec3d origin, Vec3d direction) {
@@ -71,7 +76,8 @@ PIERCE_HD inline Stretch stretch_inside(const Box& box, Vec3d origin, Vec3d dire
             if (origin[k] < box.lower[k] || origin[k] > box.upper[k]) return {1, 0};
             continue;
         }
-        const double t0 = (box.lower[k] - origin[k]) / direction[k], t1 = (box.upper[k] - origin[k]) / direction[k];
+        const double t0 = (box.lower[k] - origin[k]) / direction[k],
+                     t1 = (box.upper[k] - origin[k]) / direction[k];
         inside.begin = max_of(min_of(t0, t1), inside.begin);
         inside.end = min_of(max_of(t0, t1), inside.end);
     }

@@ -6,24 +6,29 @@
 /// Lengths are relative: they are multiplied by the extent of the geometry they apply to.
 namespace pierce::constants {
 
-/// Distance between 1 and the next float32 [1]. Positions are float32, so this is their relative accuracy.
+/// Distance between 1 and the next float32 [1]. Positions are float32, so this is their relative
+/// accuracy.
 inline constexpr double float_ulp = 0x1p-23;
 
-/// Crossings closer together than this times the target's extent are one crossing, and a vertex closer than this to
-/// a surface touches it [target extent]. Eight ulp: the rounding of a position, of a pose and of their sum, twice over.
+/// Crossings closer together than this times the target's extent are one crossing, and a vertex
+/// closer than this to a surface touches it [target extent]. Eight ulp: the rounding of a position,
+/// of a pose and of their sum, twice over.
 inline constexpr double touch_tolerance = 8 * float_ulp;
 
-/// How far a tree's boxes reach beyond the triangles [largest coordinate]. A tracer may round the ray to float32
-/// (half an ulp for the origin, half an ulp per unit of length for the direction) and its slab test rounds again.
+/// How far a tree's boxes reach beyond the triangles [largest coordinate]. A tracer may round the
+/// ray to float32 (half an ulp for the origin, half an ulp per unit of length for the direction)
+/// and its slab test rounds again.
 inline constexpr double tree_margin = 4 * float_ulp;
 
-/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by half an ulp, its product
-/// with the reciprocal by another half, the box's by as much; direction, reciprocal and sum each add half an ulp of a
-/// distance of up to two coordinates: four and a half in all.
+/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by
+/// half an ulp, its product with the reciprocal by another half, the box's by as much; direction,
+/// reciprocal and sum each add half an ulp of a distance of up to two coordinates: four and a half
+/// in all.
 inline constexpr double slab_margin = 8 * float_ulp;
 
-/// Directions are taken to run along an axis by no less than the first, and by no less than the second times the largest
-/// coordinate [1]: so no product with a reciprocal overflows, and within a box a ray is off by less than slab_margin.
+/// Directions are taken to run along an axis by no less than the first, and by no less than the
+/// second times the largest coordinate [1]: so no product with a reciprocal overflows, and within a
+/// box a ray is off by less than slab_margin.
 inline constexpr float smallest_slope = 0x1p-60f, slope_per_coordinate = 0x1p-120f;
 
 /// Places of a traversal's stack.
@@ -33,78 +38,89 @@ inline constexpr std::uint32_t traversal_stack = 64;
 inline constexpr double node_cost = 1.2;
 inline constexpr double leaf_cost = 1.0;
 
-/// Parts of a treelet. The best tree over n parts is found in 3^n / 2 steps; seven are enough (Karras and Aila 2013).
+/// Parts of a treelet. The best tree over n parts is found in 3^n / 2 steps; seven are enough
+/// (Karras and Aila 2013).
 inline constexpr std::uint32_t treelet_parts = 7;
 
-/// Rounds of treelet restructuring. A round looks at subtrees with at least twice as many leaves as the one before.
+/// Rounds of treelet restructuring. A round looks at subtrees with at least twice as many leaves as
+/// the one before.
 inline constexpr std::uint32_t treelet_rounds = 3;
 
-/// When no more treelets than this are ready, threads climb: a GPU that has room for all of them gains nothing from having
-/// them side by side, and waits for every launch.
+/// When no more treelets than this are ready, threads climb: a GPU that has room for all of them
+/// gains nothing from having them side by side, and waits for every launch.
 inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 
-/// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister and Bittner 2018): twice
-/// as far doubles the work and gains a few per cent of a tree's cost.
+/// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister
+/// and Bittner 2018): twice as far doubles the work and gains a few per cent of a tree's cost.
 inline constexpr std::uint32_t cluster_radius = 8;
 
-/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a tree has 4096 at most and
-/// one thread can put them together.
+/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a
+/// tree has 4096 at most and one thread can put them together.
 inline constexpr std::uint32_t cell_bits = 12;
 
 /// Bins along each axis between which a split of cells is tried (Wald 2007).
 inline constexpr std::uint32_t split_bins = 16;
 
 /// A triangle whose three edge functions are all below this lies in a plane with the ray
-/// [sum of the products of the vertex distances]. Double rounding of nine products, with a factor of 16 to spare.
+/// [sum of the products of the vertex distances]. Double rounding of nine products, with a factor
+/// of 16 to spare.
 inline constexpr double coplanar_tolerance = 0x1p-46;
 
-/// A triangle with less area than this has no usable normal and is never hit [longest edge squared].
-/// Four float32 ulp: below it the sign of the normal is rounding.
+/// A triangle with less area than this has no usable normal and is never hit [longest edge
+/// squared]. Four float32 ulp: below it the sign of the normal is rounding.
 inline constexpr double degenerate_area = 4 * float_ulp;
 
-/// A sum of normals shorter than this is rounding of faces that cancel [1; of a vertex, the angles around it].
-/// angle_of() is wrong by less than half of that.
+/// A sum of normals shorter than this is rounding of faces that cancel [1; of a vertex, the angles
+/// around it]. angle_of() is wrong by less than half of that.
 inline constexpr double vanishing_normal = float_ulp;
 
-/// What half a turn around a ray counts, when the triangles that it meets in one point are added up: finer than the rounding
-/// of angles, and room for 2^23 triangles.
+/// What half a turn around a ray counts, when the triangles that it meets in one point are added
+/// up: finer than the rounding of angles, and room for 2^23 triangles.
 inline constexpr std::int64_t half_turn = std::int64_t{1} << 40;
 
-/// Smallest net sum that counts as a crossing. Exact sums of closed fans are nothing or two half turns; the angles of open
-/// fans come in between.
+/// Smallest net sum that counts as a crossing. Exact sums of closed fans are nothing or two half
+/// turns; the angles of open fans come in between.
 inline constexpr std::int64_t crossing_weight = half_turn / 2;
 
-/// A hit whose ray meets the face at a smaller sine than this is flagged as grazing [1]: its depth changes a
-/// thousand times faster than the vertex moves.
+/// A hit whose ray meets the face at a smaller sine than this is flagged as grazing [1]: its depth
+/// changes a thousand times faster than the vertex moves.
 inline constexpr double grazing_sine = 1e-3;
 
-/// Vertices, and edges, a mesh may have: contacts are sorted by keys that keep thirty bits for them.
+/// Vertices, and edges, a mesh may have: contacts are sorted by keys that keep thirty bits for
+/// them.
 inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
 
-/// A segment that may come near a solid is shortened by what is proved to be outside, as long as one look-up proves this
-/// part of the rest [1].
+/// A segment that may come near a solid is shortened by what is proved to be outside, as long as
+/// one look-up proves this part of the rest [1].
 inline constexpr double march_share = 0.125;
 
-/// Shorter edges are cast as they are: looking them up takes as long [cell of the target's clearance grid].
+/// Shorter edges are cast as they are: looking them up takes as long [cell of the target's
+/// clearance grid].
 inline constexpr double march_cells = 8;
 
-/// How far edges that only touch are moved before they are cast again, and how much deeper both bodies must be there to
-/// overlap [touch tolerance]: more than what two crossings must be apart to be two, at any angle that is not small.
+/// How far edges that only touch are moved before they are cast again, and how much deeper both
+/// bodies must be there to overlap [touch tolerance]: more than what two crossings must be apart to
+/// be two, at any angle that is not small.
 inline constexpr double nudge = 4, skin = 16;
 
-/// How deep both bodies must be behind an edge inside the other that gives the pair its only contacts [touch tolerance].
+/// How deep both bodies must be behind an edge inside the other that gives the pair its only
+/// contacts [touch tolerance].
 inline constexpr double least_inside = 2;
 
 /// The direction in which they are moved [1]: no mesh has edges or faces along it but by intent.
-inline constexpr double nudge_direction[3] = {0.5570860145311556, 0.37139067635410373, 0.7427813527082074};
+inline constexpr double nudge_direction[3] = {0.5570860145311556, 0.37139067635410373,
+                                              0.7427813527082074};
 
-/// Vertices of a body inside another that are asked for the way out, besides one of its part [1]: enough for a stable rest.
+/// Vertices of a body inside another that are asked for the way out, besides one of its part [1]:
+/// enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 
-/// Items that share a body's partners in the sweep on a GPU: one alone would be the whole step's longest.
+/// Items that share a body's partners in the sweep on a GPU: one alone would be the whole step's
+/// longest.
 inline constexpr std::uint32_t sweep_walks = 8;
 
-/// Bodies up to which a GPU looks at all pairs of them in one launch: with more, a sweep's launches are sooner over.
+/// Bodies up to which a GPU looks at all pairs of them in one launch: with more, a sweep's launches
+/// are sooner over.
 inline constexpr std::uint32_t few_bodies = 512;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
@@ -113,12 +129,12 @@ inline constexpr std::uint32_t patch_size = 16;
 /// Patches per block: one register's width of them is culled at a time.
 inline constexpr std::uint32_t block_size = 16;
 
-/// Triangles per group, and groups per block, when sheets are searched: a mask of sixteen bits says which of the other's
-/// sixteen are near.
+/// Triangles per group, and groups per block, when sheets are searched: a mask of sixteen bits says
+/// which of the other's sixteen are near.
 inline constexpr std::uint32_t group_size = 16;
 
-/// Cells along the longest side of a clearance grid. Measured on 100 tori: 96 and 128 save rays, but cost as
-/// much in cache misses, and up to eight times the memory.
+/// Cells along the longest side of a clearance grid. Measured on 100 tori: 96 and 128 save rays,
+/// but cost as much in cache misses, and up to eight times the memory.
 inline constexpr std::uint32_t grid_resolution = 64;
 
 /// Clearance is stored in one byte, in steps of this part of a cell [1 / cell].
@@ -130,25 +146,29 @@ inline constexpr double cell_diagonal = 1.7320508075688774;
 /// A triangle with sides this long stands for a wedge seen from its tip [unit vectors].
 inline constexpr double wedge_length = 0x1p20;
 
-/// Squarings of a matrix after which its columns are a rotation near the best fit of a body's vertices, and iterations that
-/// make it the best one. Any rotation is right; a better one culls more.
+/// Squarings of a matrix after which its columns are a rotation near the best fit of a body's
+/// vertices, and iterations that make it the best one. Any rotation is right; a better one culls
+/// more.
 inline constexpr std::uint32_t frame_fit_squarings = 6, frame_fit_iterations = 3;
 
-/// A body with a coordinate beyond this is left out of a step [length]. Squares of differences must be finite in float32,
-/// and Embree's trees hold no coordinate beyond 2^60.
+/// A body with a coordinate beyond this is left out of a step [length]. Squares of differences must
+/// be finite in float32, and Embree's trees hold no coordinate beyond 2^60.
 inline constexpr double largest_coordinate = 0x1p60;
 
 /// A quaternion whose squared length is not between these has lost digits or has none [1].
 inline constexpr double smallest_rotation = 0x1p-1000, largest_rotation = 0x1p1000;
 
-/// An open body shoots rays of this length by default [mean edge length]; it has no inside that could end them.
+/// An open body shoots rays of this length by default [mean edge length]; it has no inside that
+/// could end them.
 inline constexpr double open_body_range = 2.0;
 
-/// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest coordinate].
+/// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest
+/// coordinate].
 inline constexpr double double_rounding = 0x1p-47;
 
-/// What double arithmetic on moving corners may lose [largest coordinate relative to one of them]. The sum of the roundings
-/// is written out where it is used (separating_direction.hpp), with half as much to spare.
+/// What double arithmetic on moving corners may lose [largest coordinate relative to one of them].
+/// The sum of the roundings is written out where it is used (separating_direction.hpp), with half
+/// as much to spare.
 inline constexpr double motion_rounding = 0x1p-46;
 
 /// The same in float32, which has 29 bits less.
@@ -157,63 +177,71 @@ inline constexpr float quick_rounding = 0x1p-17f;
 /// A grid of boxes is not thinner than this [largest coordinate]: a step of it is still an ulp.
 inline constexpr float grid_thinness = 0x1p-16f;
 
-/// What a triangle's corners may reach along their own normal in float32 [largest coordinate relative to one of them, to the
-/// third]. The sum of the roundings is written out where it is used (quick_triangle.hpp), with half as much to spare.
+/// What a triangle's corners may reach along their own normal in float32 [largest coordinate
+/// relative to one of them, to the third]. The sum of the roundings is written out where it is used
+/// (quick_triangle.hpp), with half as much to spare.
 inline constexpr float quick_normal_rounding = 0x1p-20f;
 
-/// What a product of four lengths in float32 may lose [largest coordinate to the fourth]. The sum of the roundings is
-/// written out where it is used (sheet_features.hpp), with half as much to spare.
+/// What a product of four lengths in float32 may lose [largest coordinate to the fourth]. The sum
+/// of the roundings is written out where it is used (sheet_features.hpp), with half as much to
+/// spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;
 
-/// Below this, what such products lose comes near the smallest float32, and above the other their squares may exceed the
-/// largest [length]: nothing is concluded from them.
+/// Below this, what such products lose comes near the smallest float32, and above the other their
+/// squares may exceed the largest [length]: nothing is concluded from them.
 inline constexpr float quick_smallest = 0x1p-24f;
 inline constexpr float quick_largest = 0x1p19f;
 
-/// Moving features that come closer than this meet [largest coordinate of the corners relative to one of them]: half a
-/// float32 ulp. Closer than 2^-26, the direction between closest points is rounding, and a search takes twice as long.
+/// Moving features that come closer than this meet [largest coordinate of the corners relative to
+/// one of them]: half a float32 ulp. Closer than 2^-26, the direction between closest points is
+/// rounding, and a search takes twice as long.
 inline constexpr double meeting_tolerance = 0.5 * float_ulp;
 
-/// How often a feature is halved at most when the time of a meeting is looked for. Weights of its parts stay exact.
+/// How often a feature is halved at most when the time of a meeting is looked for. Weights of its
+/// parts stay exact.
 inline constexpr int meeting_halvings = 40;
 
-/// Advances of a search for a meeting, after which it answers that there is one. Measured on two layers of cloth that shake
-/// through each other: 12 where they meet, 69 at most; 8 over the root of the relative gap, where a vertex keeps that close
-/// to a turning face all the time.
+/// Advances of a search for a meeting, after which it answers that there is one. Measured on two
+/// layers of cloth that shake through each other: 12 where they meet, 69 at most; 8 over the root
+/// of the relative gap, where a vertex keeps that close to a turning face all the time.
 inline constexpr int meeting_advances = 1 << 14;
 
-/// A solid is not in contact with itself closer to home than this at rest [mean edge length]: three rings of triangles,
-/// which bend but do not meet.
+/// A solid is not in contact with itself closer to home than this at rest [mean edge length]: three
+/// rings of triangles, which bend but do not meet.
 inline constexpr double self_distance = 3.0;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;
 
-/// Displacement up to which walks are tried [mean edge length]. Two edges are four steps of a walk on average.
+/// Displacement up to which walks are tried [mean edge length]. Two edges are four steps of a walk
+/// on average.
 inline constexpr double walk_threshold = 2.0;
 
-/// Steps of a walk from triangle to triangle at most: twice what two edges of displacement need on average, and two more.
+/// Steps of a walk from triangle to triangle at most: twice what two edges of displacement need on
+/// average, and two more.
 inline constexpr std::uint32_t walk_steps = 10;
 
 /// Predictions reach this far at most [mean edge length].
 inline constexpr double prediction_limit = 2.0;
 
-/// A predicted vertex is looked at again when the bodies have moved by this part of its distance to the plane it may enter
-/// through: half, as the surface need not be flat [1].
+/// A predicted vertex is looked at again when the bodies have moved by this part of its distance to
+/// the plane it may enter through: half, as the surface need not be flat [1].
 inline constexpr double prediction_wait = 0.5;
 
-/// A vertex is proved to be outside up to this distance at most [mean edge length of the target]: looking further costs
-/// more than it saves.
+/// A vertex is proved to be outside up to this distance at most [mean edge length of the target]:
+/// looking further costs more than it saves.
 inline constexpr double certificate_limit = 1.0;
 
-/// A proof that is expected to expire within this many steps is skipped, and one that failed is retried only after as many
-/// [steps].
+/// A proof that is expected to expire within this many steps is skipped, and one that failed is
+/// retried only after as many [steps].
 inline constexpr double certificate_steps = 16;
 
-/// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us against 25 ns.
+/// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us
+/// against 25 ns.
 inline constexpr double rebuild_cost = 20.0;
 
-/// Rays a tree must have served before its cost per ray is known well enough to compare with [rays].
+/// Rays a tree must have served before its cost per ray is known well enough to compare with
+/// [rays].
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
 
 /// Places a finding of the mesh check keeps: enough to look at, few enough to print.

@@ -6,7 +6,8 @@
 
 namespace pierce {
 
-/// A handle: index plus generation. A default-made handle is null; a removed thing's handle never becomes valid again.
+/// A handle: index plus generation. A default-made handle is null; a removed thing's handle never
+/// becomes valid again.
 template <class Tag>
 struct Id {
     std::uint32_t index = 0;

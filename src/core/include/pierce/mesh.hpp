@@ -25,9 +25,10 @@ struct MeshData {
 
 /// What was found out about a mesh's topology; decides which contact rules apply to it.
 struct MeshTraits {
-    std::uint32_t boundary_edges = 0;        ///< edges with one triangle
-    std::uint32_t non_manifold_edges = 0;    ///< edges with more than two triangles
-    std::uint32_t inconsistent_edges = 0;    ///< edges whose triangles do not run through it equally often both ways
+    std::uint32_t boundary_edges = 0;      ///< edges with one triangle
+    std::uint32_t non_manifold_edges = 0;  ///< edges with more than two triangles
+    std::uint32_t inconsistent_edges = 0;  ///< edges whose triangles do not run through it equally
+                                           ///< often both ways
     std::uint32_t degenerate_triangles = 0;  ///< triangles without area; they are never hit
     double volume = 0;                       ///< signed; negative: the mesh is inside out
     double mean_edge_length = 0;
@@ -41,8 +42,9 @@ struct MeshView;
 /// Topology and rest shape, checked once and then constant; any number of bodies share it.
 class Mesh {
 public:
-    /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out of range or a position
-    /// that is not finite or beyond constants::largest_coordinate. Anything else is accepted and described by traits().
+    /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out
+    /// of range or a position that is not finite or beyond constants::largest_coordinate. Anything
+    /// else is accepted and described by traits().
     Mesh(std::string name, MeshData data);
     Mesh(Mesh&&) noexcept;
     Mesh& operator=(Mesh&&) noexcept;

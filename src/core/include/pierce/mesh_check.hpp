@@ -10,17 +10,20 @@
 namespace pierce {
 
 struct MeshCheckOptions {
-    bool self_intersections = false;  ///< look for them, too: the one question that takes longer than reading the mesh
+    bool self_intersections = false;  ///< look for them, too: the one question that takes longer
+                                      ///< than reading the mesh
 };
 
 /// All defects of one kind.
 struct MeshFinding {
     MeshDefect kind;
     std::uint32_t count = 0;            ///< of all of them
-    std::vector<std::uint32_t> places;  ///< of the first constants::finding_places, see element(); in the caller's numbering
+    std::vector<std::uint32_t> places;  ///< of the first constants::finding_places, see element();
+                                        ///< in the caller's numbering
 };
 
-/// What check_mesh found. Everything but the first three findings is said of the triangles that have three finite vertices.
+/// What check_mesh found. Everything but the first three findings is said of the triangles that
+/// have three finite vertices.
 struct MeshReport {
     std::vector<MeshFinding> findings;  ///< one per kind that there is, in the order of MeshDefect
     std::uint32_t vertices = 0;         ///< all there are, as `triangles`
@@ -36,7 +39,8 @@ struct MeshReport {
     bool sound() const;
 };
 
-/// Looks for everything in a mesh that changes what detection finds. Throws for no content, however bad.
+/// Looks for everything in a mesh that changes what detection finds. Throws for no content, however
+/// bad.
 MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options = {});
 
 }  // namespace pierce

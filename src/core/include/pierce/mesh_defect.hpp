@@ -18,7 +18,8 @@ enum class MeshDefect : std::uint8_t {
     duplicate_triangle,   ///< triangles with the vertices of an earlier one, facing the same way
     opposite_triangle,    ///< triangles with the vertices of an earlier one, facing the other way
     bowtie_vertex,        ///< vertices in which more than one fan of triangles meets
-    no_inward_direction,  ///< vertices whose triangles' normals cancel or, if the mesh is closed, do not show inside
+    no_inward_direction,  ///< vertices whose triangles' normals cancel or, if the mesh is closed,
+                          ///< do not show inside
     self_intersection,    ///< pairs of triangles that cross, or lie on each other
     unused_vertex,        ///< vertices without triangles
     duplicate_vertex,     ///< vertices where an earlier one is

@@ -11,7 +11,8 @@ struct PenaltySettings {
     double damping = 0;    ///< force per speed
 };
 
-/// The force of a contact on what it starts from and on the corners of the triangle it went through.
+/// The force of a contact on what it starts from and on the corners of the triangle it went
+/// through.
 struct PenaltyForce {
     Vec3d direction;     ///< unit, the way the source is pushed
     Vec3d on_source[2];  ///< on `vertex`, and on `edge_end` if an edge is in contact
@@ -24,9 +25,10 @@ struct ContactVelocities {
     Vec3d corner[3];
 };
 
-/// Hermann, Faure and Raffin (2008): pushes the source along its ray towards the target point, and the target the other way,
-/// spread by the weights of the vertices. The force acts along the line between its two points, so linear and angular
-/// momentum are kept to rounding, whatever the mesh's normals are like. Never pulls.
+/// Hermann, Faure and Raffin (2008): pushes the source along its ray towards the target point, and
+/// the target the other way, spread by the weights of the vertices. The force acts along the line
+/// between its two points, so linear and angular momentum are kept to rounding, whatever the mesh's
+/// normals are like. Never pulls.
 inline PenaltyForce penalty_force(const Contact& contact, const PenaltySettings& settings,
                                   const ContactVelocities& velocities) {
     PenaltyForce force;
@@ -35,7 +37,8 @@ inline PenaltyForce penalty_force(const Contact& contact, const PenaltySettings&
     for (int k = 0; k < 2; ++k) apart += contact.source_weight(k) * velocities.source[k];
     for (int k = 0; k < 3; ++k) apart += -contact.barycentric[k] * velocities.corner[k];
     const double speed = dot(apart, force.direction);
-    const double size = max_of(settings.stiffness * contact.penetration_depth() - settings.damping * speed, 0.0);
+    const double size = max_of(
+        settings.stiffness * contact.penetration_depth() - settings.damping * speed, 0.0);
     const Vec3d push = size * force.direction;
     for (int k = 0; k < 2; ++k) force.on_source[k] = contact.source_weight(k) * push;
     for (int k = 0; k < 3; ++k) force.on_corner[k] = -contact.barycentric[k] * push;

@@ -15,13 +15,15 @@ struct Plan {
     std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
     bool moving = false;                ///< anything can touch at all
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
-    bool casts_rays = false;            ///< some body has an inside that others are looked for in, or rays along velocities
-    bool traces_own_exits = false;      ///< contacts of deforming sources need a second ray
-    bool meets_itself = false;          ///< some solid is looked for in itself
-    bool sheets = false;                ///< some body is a sheet
-    std::uint32_t feature_bits = 0;     ///< as many as the number of a vertex, edge or triangle has at most
-    bool velocity_rays = false;         ///< some sheet is looked for in itself by rays along velocities
-    bool reprojects = false;            ///< contacts move to the closest point of the target's surface
+    bool casts_rays = false;  ///< some body has an inside that others are looked for in, or rays
+                              ///< along velocities
+    bool traces_own_exits = false;   ///< contacts of deforming sources need a second ray
+    bool meets_itself = false;       ///< some solid is looked for in itself
+    bool sheets = false;             ///< some body is a sheet
+    std::uint32_t feature_bits = 0;  ///< as many as the number of a vertex, edge or triangle has at
+                                     ///< most
+    bool velocity_rays = false;  ///< some sheet is looked for in itself by rays along velocities
+    bool reprojects = false;     ///< contacts move to the closest point of the target's surface
     Coverage coverage = Coverage::vertices;
     Temporal temporal = Temporal::off;
     std::vector<std::string> stages;  ///< names, in the order they run

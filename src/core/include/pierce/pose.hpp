@@ -23,10 +23,14 @@ struct Pose {
 struct Matrix3 {
     Vec3d row[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-    PIERCE_HD Vec3d operator*(Vec3d v) const { return {dot(row[0], v), dot(row[1], v), dot(row[2], v)}; }
+    PIERCE_HD Vec3d operator*(Vec3d v) const {
+        return {dot(row[0], v), dot(row[1], v), dot(row[2], v)};
+    }
 
     PIERCE_HD Matrix3 transposed() const {
-        return {{{row[0].x, row[1].x, row[2].x}, {row[0].y, row[1].y, row[2].y}, {row[0].z, row[1].z, row[2].z}}};
+        return {{{row[0].x, row[1].x, row[2].x},
+                 {row[0].y, row[1].y, row[2].y},
+                 {row[0].z, row[1].z, row[2].z}}};
     }
 
     PIERCE_HD Matrix3 operator*(const Matrix3& b) const {
@@ -62,10 +66,14 @@ PIERCE_HD inline Matrix3 rotation_matrix(Quaternion q) {
     const double xx = s * q.x * q.x, yy = s * q.y * q.y, zz = s * q.z * q.z;
     const double xy = s * q.x * q.y, xz = s * q.x * q.z, yz = s * q.y * q.z;
     const double wx = s * q.w * q.x, wy = s * q.w * q.y, wz = s * q.w * q.z;
-    return {{{1 - yy - zz, xy - wz, xz + wy}, {xy + wz, 1 - xx - zz, yz - wx}, {xz - wy, yz + wx, 1 - xx - yy}}};
+    return {{{1 - yy - zz, xy - wz, xz + wy},
+             {xy + wz, 1 - xx - zz, yz - wx},
+             {xz - wy, yz + wx, 1 - xx - yy}}};
 }
 
-PIERCE_HD inline Frame frame_of(const Pose& pose) { return {rotation_matrix(pose.rotation), pose.position}; }
+PIERCE_HD inline Frame frame_of(const Pose& pose) {
+    return {rotation_matrix(pose.rotation), pose.position};
+}
 
 /// The map from frame `from` into frame `to`, as a frame. Identity frames give the exact identity.
 PIERCE_HD inline Frame relative_frame(const Frame& from, const Frame& to) {

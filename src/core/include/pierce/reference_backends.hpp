@@ -6,7 +6,8 @@
 
 namespace pierce {
 
-/// One thread and brute force: slow, simple, and the definition of what every other backend must answer.
+/// One thread and brute force: slow, simple, and the definition of what every other backend must
+/// answer.
 std::unique_ptr<Backend> reference_backend();
 
 /// One thread and our own trees, the ones that serve the GPU: for tests of theirs on any machine.

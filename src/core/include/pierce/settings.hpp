@@ -9,14 +9,17 @@ namespace pierce {
 
 /// How last step's results are used.
 enum class Temporal : std::uint8_t {
-    off,        ///< not at all
-    paper,      ///< hits are walked on while displacement is small, and vertices without one wait for the next full pass
-    certified,  ///< like off, contact by contact, but without the rays that are proved to be needless
+    off,    ///< not at all
+    paper,  ///< hits are walked on while displacement is small, and vertices without one wait for
+            ///< the next full pass
+    certified,  ///< like off, contact by contact, but without the rays that are proved to be
+                ///< needless
 };
 
 /// What of a body is looked for inside others.
 enum class Coverage : std::uint8_t {
-    vertices,  ///< its vertices (the paper): fast, and blind to overlaps that hold no vertex or are thinner than one ray
+    vertices,  ///< its vertices (the paper): fast, and blind to overlaps that hold no vertex or are
+               ///< thinner than one ray
     complete,  ///< its edges too, and bodies inside one another: no overlap is missed
 };
 
@@ -26,17 +29,20 @@ struct Settings {
     double open_body_range = constants::open_body_range;
 
     Coverage coverage = Coverage::vertices;
-    /// Contacts move from where their ray leaves the target to the closest point of its surface: less depth, never more.
+    /// Contacts move from where their ray leaves the target to the closest point of its surface:
+    /// less depth, never more.
     bool reproject = false;
 
     Temporal temporal = Temporal::certified;
     /// Temporal::paper looks ahead along outward rays for vertices that are about to enter.
     bool predict = true;
-    /// How far it looks [length]; negative: as far as the bodies move until the next full pass, two edges at most.
+    /// How far it looks [length]; negative: as far as the bodies move until the next full pass, two
+    /// edges at most.
     double prediction_distance = -1.0;
     /// Temporal::paper looks at all vertices of a pair at least every so many steps.
     std::uint32_t full_every = constants::full_every;
-    /// Temporal::paper walks while the displacement since the last full ray is below this [mean edge length].
+    /// Temporal::paper walks while the displacement since the last full ray is below this [mean
+    /// edge length].
     double walk_threshold = constants::walk_threshold;
 
     /// True if contacts of pairs in which nothing moves stay as they are, unseen.

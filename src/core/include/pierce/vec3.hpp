@@ -17,8 +17,12 @@ struct Vec3 {
     PIERCE_HD constexpr T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
     PIERCE_HD constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
 
-    PIERCE_HD friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    PIERCE_HD friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    PIERCE_HD friend constexpr Vec3 operator+(Vec3 a, Vec3 b) {
+        return {a.x + b.x, a.y + b.y, a.z + b.z};
+    }
+    PIERCE_HD friend constexpr Vec3 operator-(Vec3 a, Vec3 b) {
+        return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
     PIERCE_HD friend constexpr Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
     PIERCE_HD friend constexpr Vec3 operator*(T s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
     PIERCE_HD friend constexpr Vec3 operator*(Vec3 a, T s) { return s * a; }
@@ -72,7 +76,8 @@ PIERCE_HD constexpr bool is_finite(Vec3<T> a) {
 /// True if two vectors are the same, bit for bit: 0 is not -0.
 PIERCE_HD constexpr bool are_identical(Vec3d a, Vec3d b) {
     bool same = true;
-    for (int k = 0; k < 3; ++k) same = same && std::bit_cast<std::uint64_t>(a[k]) == std::bit_cast<std::uint64_t>(b[k]);
+    for (int k = 0; k < 3; ++k)
+        same = same && std::bit_cast<std::uint64_t>(a[k]) == std::bit_cast<std::uint64_t>(b[k]);
     return same;
 }
 

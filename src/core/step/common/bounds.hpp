@@ -13,15 +13,15 @@
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"
 
-/// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
-/// Deforming bodies are measured patch by patch and added up block by block, so sums are the
-/// same on any machine.
+/// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its
+/// patches. Deforming bodies are measured patch by patch and added up block by block, so sums are
+/// the same on any machine.
 namespace pierce::stages {
 
 /// Sums from which the best-fitting rotation follows.
 struct Moments {
-    Vec3d sum;                          ///< of patch centres, relative to the body's first vertex
-    Vec3d rest_sum;                     ///< of the rest shape's patch centres, relative to the rest centroid
+    Vec3d sum;       ///< of patch centres, relative to the body's first vertex
+    Vec3d rest_sum;  ///< of the rest shape's patch centres, relative to the rest centroid
     Matrix3 correlation{{{}, {}, {}}};  ///< sum of the products of the two
 
     PIERCE_HD void add(const Moments& more) {
@@ -39,8 +39,8 @@ PIERCE_HD inline Moments sum_of(const Sixteen<Moments>& parts) {
                                  [](Moments& sum, const Moments& part) { sum.add(part); });
 }
 
-/// Per block: measures its patches, and adds up the moments of their centres, the patches standing for their vertices. Reads
-/// positions; writes blocks and patches.
+/// Per block: measures its patches, and adds up the moments of their centres, the patches standing
+/// for their vertices. Reads positions; writes blocks and patches.
 struct MeasurePatches {
     View<const BodyView> bodies;
     View<const BlockItem> items;
@@ -59,7 +59,8 @@ struct MeasurePatches {
         of_patches.each([&](std::uint32_t k, Moments& m) {
             m = {};
             if (!active || first + k >= last) return;
-            measure_patch(body.mesh, body.positions, first + k, block, patches[item.body][first + k]);
+            measure_patch(body.mesh, body.positions, first + k, block,
+                          patches[item.body][first + k]);
             const Vec3d center = measured_center(body.mesh, body.positions, block, first, k);
             m.sum = center - to_double(body.positions[0]);
             m.rest_sum = patch_center(body.mesh.blocks, first + k) - body.mesh.centroid;
@@ -73,17 +74,20 @@ struct MeasurePatches {
     }
 };
 
-/// A rotation near the one closest to `a`: its quaternion is the eigenvector of the largest eigenvalue of a symmetric matrix
-/// (Horn 1987), found by squaring that matrix, shifted to have no negative eigenvalue. The identity for a zero matrix.
+/// A rotation near the one closest to `a`: its quaternion is the eigenvector of the largest
+/// eigenvalue of a symmetric matrix (Horn 1987), found by squaring that matrix, shifted to have no
+/// negative eigenvalue. The identity for a zero matrix.
 PIERCE_HD inline Quaternion rough_rotation(const Matrix3& a) {
-    const double xx = a.row[0].x, xy = a.row[1].x, xz = a.row[2].x, yx = a.row[0].y, yy = a.row[1].y, yz = a.row[2].y,
-                 zx = a.row[0].z, zy = a.row[1].z, zz = a.row[2].z;
+    const double xx = a.row[0].x, xy = a.row[1].x, xz = a.row[2].x, yx = a.row[0].y,
+                 yy = a.row[1].y, yz = a.row[2].y, zx = a.row[0].z, zy = a.row[1].z,
+                 zz = a.row[2].z;
     double m[4][4] = {{xx - yy - zz, xy + yx, zx + xz, yz - zy},
                       {xy + yx, yy - xx - zz, yz + zy, zx - xz},
                       {zx + xz, yz + zy, zz - xx - yy, xy - yx},
                       {yz - zy, zx - xz, xy - yx, xx + yy + zz}};
     // No eigenvalue is below minus the sum of the singular values of `a`.
-    const double norm = std::sqrt(3 * (length_squared(a.row[0]) + length_squared(a.row[1]) + length_squared(a.row[2])));
+    const double norm = std::sqrt(
+        3 * (length_squared(a.row[0]) + length_squared(a.row[1]) + length_squared(a.row[2])));
     if (!(norm > 0)) return {};
     for (int i = 0; i < 4; ++i) m[i][i] += norm;
     for (std::uint32_t k = 0; k < constants::frame_fit_squarings; ++k) {
@@ -109,9 +113,9 @@ PIERCE_HD inline Quaternion rough_rotation(const Matrix3& a) {
     return q;
 }
 
-/// The rotation closest to `a` (in the sense of largest trace of R^T a): a rough one, made better by the iteration of
-/// Mueller, Bender, Chentanez and Macklin (MIG 2016). It depends on nothing but `a`, so that contacts do not depend on
-/// earlier steps.
+/// The rotation closest to `a` (in the sense of largest trace of R^T a): a rough one, made better
+/// by the iteration of Mueller, Bender, Chentanez and Macklin (MIG 2016). It depends on nothing but
+/// `a`, so that contacts do not depend on earlier steps.
 PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a) {
     Quaternion q = rough_rotation(a);
     const Matrix3 columns = a.transposed();
@@ -126,9 +130,11 @@ PIERCE_HD inline Quaternion closest_rotation(const Matrix3& a) {
         const double size = std::fabs(trace);
         if (!(size > 0)) break;
         const Vec3d h = torque * (0.5 / size);
-        // One step of rotation by the vector 2h, as the quaternion (h, 1), then back to unit length.
-        const Quaternion r{q.x + h.x * q.w + h.y * q.z - h.z * q.y, q.y + h.y * q.w + h.z * q.x - h.x * q.z,
-                           q.z + h.z * q.w + h.x * q.y - h.y * q.x, q.w - h.x * q.x - h.y * q.y - h.z * q.z};
+        // One step of rotation by the vector 2h, as the quaternion (h, 1), then back to unit
+        // length.
+        const Quaternion r{
+            q.x + h.x * q.w + h.y * q.z - h.z * q.y, q.y + h.y * q.w + h.z * q.x - h.x * q.z,
+            q.z + h.z * q.w + h.x * q.y - h.y * q.x, q.w - h.x * q.x - h.y * q.y - h.z * q.z};
         const double l = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
         q = {r.x / l, r.y / l, r.z / l, r.w / l};
     }
@@ -148,7 +154,8 @@ struct FitFrame {
         Sixteen<Moments> parts;
         parts.each([&](std::uint32_t k, Moments& sum) {
             sum = {};
-            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count) sum.add(moments[b]);
+            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count)
+                sum.add(moments[b]);
         });
         Moments m = sum_of(parts);
         if (!Sixteen<Moments>::is_first()) return;
@@ -156,7 +163,8 @@ struct FitFrame {
         const Vec3d mean = per_patch * m.sum, rest_mean = per_patch * m.rest_sum;
         for (int r = 0; r < 3; ++r) m.correlation.row[r] -= m.sum[r] * rest_mean;
         body.fit.rotation = rotation_matrix(closest_rotation(m.correlation));
-        body.fit.origin = to_double(body.positions[0]) + mean - body.fit.rotation * (body.mesh.centroid + rest_mean);
+        body.fit.origin = to_double(body.positions[0]) + mean -
+                          body.fit.rotation * (body.mesh.centroid + rest_mean);
     }
 };
 
@@ -182,23 +190,26 @@ PIERCE_HD inline double longest_way(const BodyView& body, std::uint32_t p) {
     PIERCE_OVERLAPPED_LOOP
     for (std::uint32_t k = 0; k < patch_length(body.mesh, p); ++k) {
         const std::uint32_t v = body.mesh.patch_vertices[patch_begin(p) + k];
-        squared = max_of(length_squared(to_double(body.positions[v]) - to_double(body.start[v])), squared);
+        squared = max_of(length_squared(to_double(body.positions[v]) - to_double(body.start[v])),
+                         squared);
     }
     return std::sqrt(squared);
 }
 
 /// The bounds of sixteen parts.
 PIERCE_HD inline PartBounds bounds_of(const Sixteen<PartBounds>& parts) {
-    return parts.joined<PartBounds>([](std::uint32_t, const PartBounds& part) { return part; },
-                                    [](PartBounds& all, const PartBounds& part) { all.extend(part); });
+    return parts.joined<PartBounds>(
+        [](std::uint32_t, const PartBounds& part) { return part; },
+        [](PartBounds& all, const PartBounds& part) { all.extend(part); });
 }
 
-/// Per block: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32 relative to the patch's centre:
-/// JoinBounds adds what that may lose.
+/// Per block: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32
+/// relative to the patch's centre: JoinBounds adds what that may lose.
 struct MeasureBounds {
     View<const BodyView> bodies;
     View<const BlockItem> items;
-    View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step; empty: not asked for
+    View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step;
+                                       ///< empty: not asked for
     View<PartBounds> bounds;           ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -208,14 +219,17 @@ struct MeasureBounds {
         Sixteen<PartBounds> parts;
         parts.each([&](std::uint32_t k, PartBounds& part) {
             const std::uint32_t p = item.first_patch() + k;
-            part = body.active && p < item.last_patch(body.mesh) ? of_patch(body, p, seen[item.body]) : PartBounds{};
+            part = body.active && p < item.last_patch(body.mesh)
+                       ? of_patch(body, p, seen[item.body])
+                       : PartBounds{};
         });
         const PartBounds all = bounds_of(parts);
         if (Sixteen<PartBounds>::is_first()) bounds[at] = all;
     }
 
 private:
-    PIERCE_HD static PartBounds of_patch(const BodyView& body, std::uint32_t p, View<SeenPatch> last) {
+    PIERCE_HD static PartBounds of_patch(const BodyView& body, std::uint32_t p,
+                                         View<SeenPatch> last) {
         const Offsets now = body.patches[p], rest = body.mesh.patches[p];
         const Vec3d in_world = patch_center(body.blocks, p);
         const Vec3d center = body.fit.to_local(in_world);
@@ -230,14 +244,16 @@ private:
             away[k] = x * x + y * y + z * z;
         }
         float furthest = 0;
-        for (std::uint32_t k = 0; k < constants::patch_size; ++k) furthest = max_of(away[k], furthest);
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k)
+            furthest = max_of(away[k], furthest);
         PartBounds b;
         const float* fit_axis[3] = {turned.at[0], turned.at[1], turned.at[2]};
         extend(b.fit_box, center, fit_axis);
         const float* world_axis[3] = {now.x, now.y, now.z};
         extend(b.world_box, in_world, world_axis);
         b.deviation = std::sqrt(static_cast<double>(furthest));
-        if (last.size > 0) b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
+        if (last.size > 0)
+            b.shape_motion = std::sqrt(static_cast<double>(see(last[p], center, turned)));
         if (body.start.size > 0) b.travel = longest_way(body, p);
         return b;
     }
@@ -258,7 +274,8 @@ private:
         }
         patch.center = center;
         float longest_way = 0;
-        for (std::uint32_t k = 0; k < constants::patch_size; ++k) longest_way = max_of(way[k], longest_way);
+        for (std::uint32_t k = 0; k < constants::patch_size; ++k)
+            longest_way = max_of(way[k], longest_way);
         return longest_way;
     }
 
@@ -275,7 +292,8 @@ private:
     }
 };
 
-/// Per block, where no ray is cast: its box, and how far it has moved. Its body's frame is that of the world.
+/// Per block, where no ray is cast: its box, and how far it has moved. Its body's frame is that of
+/// the world.
 struct MeasureBoxes {
     View<const BodyView> bodies;
     View<const BlockItem> items;
@@ -292,7 +310,8 @@ struct MeasureBoxes {
             if (!body.active || p >= item.last_patch(body.mesh)) return;
             PIERCE_OVERLAPPED_LOOP
             for (std::uint32_t v = 0; v < patch_length(body.mesh, p); ++v)
-                part.world_box.extend(to_double(body.positions[body.mesh.patch_vertices[patch_begin(p) + v]]));
+                part.world_box.extend(
+                    to_double(body.positions[body.mesh.patch_vertices[patch_begin(p) + v]]));
             part.fit_box = part.world_box;
             if (body.start.size > 0) part.travel = longest_way(body, p);
         });
@@ -301,7 +320,8 @@ struct MeasureBoxes {
     }
 };
 
-/// Per deforming body: joins its blocks' bounds. Writes the body's boxes, deviation and touch tolerance.
+/// Per deforming body: joins its blocks' bounds. Writes the body's boxes, deviation and touch
+/// tolerance.
 struct JoinBounds {
     View<BodyView> bodies;
     View<const BlockRange> ranges;
@@ -315,7 +335,8 @@ struct JoinBounds {
         Sixteen<PartBounds> parts;
         parts.each([&](std::uint32_t k, PartBounds& part) {
             part = {};
-            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count) part.extend(bounds[b]);
+            for (std::uint32_t b = range.first + k; b < range.last; b += parts.count)
+                part.extend(bounds[b]);
         });
         const PartBounds all = bounds_of(parts);
         if (!Sixteen<PartBounds>::is_first()) return;
@@ -340,13 +361,15 @@ struct CompareWithLast {
         BodyView& body = bodies[i];
         seen[i] = {ids[i], body.fit, body.active};
         body.seen = body.active && i < last.size && last[i].active && last[i].id == ids[i];
-        body.still = body.seen && body.motion != Motion::deforming && are_identical(last[i].fit, body.fit);
+        body.still = body.seen && body.motion != Motion::deforming &&
+                     are_identical(last[i].fit, body.fit);
         if (body.seen) body.last_fit = last[i].fit;
     }
 };
 
-/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves until the next full pass.
-/// A body that is seen for the first time may do anything. Reads bodies, their last fits and settings; writes reach.
+/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves
+/// until the next full pass. A body that is seen for the first time may do anything. Reads bodies,
+/// their last fits and settings; writes reach.
 struct MeasureReach {
     View<BodyView> bodies;
     Settings settings;
@@ -363,7 +386,9 @@ struct MeasureReach {
         }
         body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
         if (body.seen)
-            body.reach = min_of(settings.full_every * largest_motion(body.last_fit, body.fit, body.fit_box), body.reach);
+            body.reach = min_of(
+                settings.full_every * largest_motion(body.last_fit, body.fit, body.fit_box),
+                body.reach);
     }
 };
 
@@ -387,7 +412,8 @@ struct PlaceBox {
         body.world_box = {center - reach, center + reach};
         // Where nobody asks, the step began where it ends.
         body.travel = largest_motion(body.start_space, body.space, body.fit_box);
-        if (meets_sheets) body.travel += constants::float_ulp * (body.world_box.max_coordinate() + body.travel);
+        if (meets_sheets)
+            body.travel += constants::float_ulp * (body.world_box.max_coordinate() + body.travel);
     }
 };
 

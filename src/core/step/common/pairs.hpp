@@ -11,8 +11,9 @@
 #include "pierce/ids.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 2, pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted by (a, b). Sort and
-/// sweep along x, then the oriented boxes; on a device all pairs at once, if bodies are few.
+/// Stage 2, pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted
+/// by (a, b). Sort and sweep along x, then the oriented boxes; on a device all pairs at once, if
+/// bodies are few.
 namespace pierce::stages {
 
 /// A key that orders like the number it is made from.
@@ -24,8 +25,8 @@ PIERCE_HD inline std::uint32_t ordered_bits(float value) {
 /// Bits of a sweep key.
 inline constexpr int sweep_key_bits = 32;
 
-/// What the sweep looks at of a body: its box in the world, grown by touch tolerance and reach and rounded outwards. A body
-/// left out of the step has an empty one, and comes last.
+/// What the sweep looks at of a body: its box in the world, grown by touch tolerance and reach and
+/// rounded outwards. A body left out of the step has an empty one, and comes last.
 struct alignas(16) SweepItem {
     Vec3f lower, upper;
     std::uint32_t body = 0;
@@ -35,22 +36,26 @@ struct alignas(16) SweepItem {
 
     PIERCE_HD SweepItem() = default;
     PIERCE_HD SweepItem(const BodyView& b, std::uint32_t index)
-        : body(index), moves(b.motion != Motion::fixed), meets_itself(b.active && b.collision.self != SelfCollision::off) {
+        : body(index),
+          moves(b.motion != Motion::fixed),
+          meets_itself(b.active && b.collision.self != SelfCollision::off) {
         const Box box = b.active ? b.world_box.inflated(b.touch + b.outreach()) : Box{};
         lower = {round_down(box.lower.x), round_down(box.lower.y), round_down(box.lower.z)};
         upper = {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)};
     }
 
-    /// True unless their boxes are apart along y or z, or neither moves. Not a branch each: which of them is apart cannot be
-    /// foreseen.
+    /// True unless their boxes are apart along y or z, or neither moves. Not a branch each: which
+    /// of them is apart cannot be foreseen.
     PIERCE_HD bool may_meet(const SweepItem& other) const {
-        const bool apart =
-            (other.upper.y < lower.y) | (other.lower.y > upper.y) | (other.upper.z < lower.z) | (other.lower.z > upper.z);
+        const bool apart = (other.upper.y < lower.y) | (other.lower.y > upper.y) |
+                           (other.upper.z < lower.z) | (other.lower.z > upper.z);
         return !(apart | !(moves | other.moves));
     }
 };
 
-PIERCE_HD inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
+PIERCE_HD inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
+    return std::uint64_t{a} << 32 | b;
+}
 
 /// Per body: the key to sweep by.
 struct SweepKey {
@@ -62,7 +67,8 @@ struct SweepKey {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         order[i] = i;
-        keys[i] = bodies[i].active ? ordered_bits(SweepItem(bodies[i], i).lower.x) : ~std::uint64_t{0};
+        keys[i] = bodies[i].active ? ordered_bits(SweepItem(bodies[i], i).lower.x)
+                                   : ~std::uint64_t{0};
     }
 };
 
@@ -74,11 +80,13 @@ struct GatherSweep {
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { items[i] = SweepItem(bodies[order[i]], order[i]); }
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        items[i] = SweepItem(bodies[order[i]], order[i]);
+    }
 };
 
-/// Per place in the sweep order, `walks` items: the partners that come later, whom they visit taking turns. Pairs are keys
-/// a << 32 | b.
+/// Per place in the sweep order, `walks` items: the partners that come later, whom they visit
+/// taking turns. Pairs are keys a << 32 | b.
 struct SweepPairs {
     View<const SweepItem> items;
     std::uint32_t walks = 1;
@@ -89,7 +97,8 @@ struct SweepPairs {
         return found;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, std::uint64_t* keys) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+                         std::uint64_t* keys) const {
         if (found == 0) return;
         each(i, [&](std::uint32_t body, std::uint32_t other) {
             keys[place++] = pair_key(min_of(body, other), max_of(body, other));
@@ -122,16 +131,19 @@ struct TestPair {
     View<const std::uint64_t> keys;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        return fits_overlap(bodies[static_cast<std::uint32_t>(keys[i] >> 32)], bodies[static_cast<std::uint32_t>(keys[i])]);
+        return fits_overlap(bodies[static_cast<std::uint32_t>(keys[i] >> 32)],
+                            bodies[static_cast<std::uint32_t>(keys[i])]);
     }
     PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
-    PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place, std::uint64_t* kept) const {
+    PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place,
+                         std::uint64_t* kept) const {
         if (overlap) kept[place] = keys[i];
     }
 };
 
 /// Who a pair is.
-PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<const BodyId> ids, Pair pair) {
+PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<const BodyId> ids,
+                                          Pair pair) {
     const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
     return {.a = ids[pair.a],
             .b = ids[pair.b],
@@ -153,7 +165,8 @@ struct LinkPair {
     View<const PairIdentity> last;
 
     /// Writes the pair of a key, who it is, and which of last step's pairs it was, if any.
-    PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity, std::uint32_t& link) const {
+    PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity,
+                              std::uint32_t& link) const {
         pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
         identity = identity_of(bodies, ids, pair);
         std::uint32_t low = 0, high = last_keys.size;
@@ -161,7 +174,8 @@ struct LinkPair {
             const std::uint32_t middle = low + (high - low) / 2;
             (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
         }
-        link = low < last_keys.size && last_keys[low] == key && last[low].is(identity) ? low : no_pair;
+        link = low < last_keys.size && last_keys[low] == key && last[low].is(identity) ? low
+                                                                                       : no_pair;
     }
 };
 
@@ -173,7 +187,9 @@ struct LinkSorted {
     View<PairIdentity> identities;
     View<std::uint32_t> links;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { link(keys[i], pairs[i], identities[i], links[i]); }
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        link(keys[i], pairs[i], identities[i], links[i]);
+    }
 };
 
 /// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair, and which it was.
@@ -192,14 +208,15 @@ struct FindPairs {
         return first.may_meet(second) && fits_overlap(bodies[a], bodies[b]);
     }
     PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
-    PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys, Pair* pairs,
-                         PairIdentity* identities, std::uint32_t* links) const {
+    PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys,
+                         Pair* pairs, PairIdentity* identities, std::uint32_t* links) const {
         if (!is_pair) return;
         keys[place] = pair_key(i / link.bodies.size, i % link.bodies.size);
         link(keys[place], pairs[place], identities[place], links[place]);
     }
     /// The next step searches in all there is room for.
-    PIERCE_HD void pad(std::uint32_t place, std::uint64_t* keys, Pair*, PairIdentity*, std::uint32_t*) const {
+    PIERCE_HD void pad(std::uint32_t place, std::uint64_t* keys, Pair*, PairIdentity*,
+                       std::uint32_t*) const {
         keys[place] = ~std::uint64_t{0};
     }
 };

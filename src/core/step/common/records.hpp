@@ -8,8 +8,9 @@
 #include "pierce/contact.hpp"
 #include "pierce/pose.hpp"
 
-/// What a step remembers for the next one. Everything is keyed by (pair, side, patch, vertex), is written anew in every step
-/// and read in the next, and dies with its pair, a removed body or another mesh.
+/// What a step remembers for the next one. Everything is keyed by (pair, side, patch, vertex), is
+/// written anew in every step and read in the next, and dies with its pair, a removed body or
+/// another mesh.
 namespace pierce {
 
 /// A body as the last step saw it.
@@ -29,9 +30,10 @@ struct PairIdentity {
     std::uint8_t padding[4] = {};
 
     PIERCE_HD bool is(const PairIdentity& other) const {
-        return a.index == other.a.index && a.generation == other.a.generation && b.index == other.b.index &&
-               b.generation == other.b.generation && mesh_a == other.mesh_a && mesh_b == other.mesh_b &&
-               self_a == other.self_a && self_b == other.self_b && sheet_a == other.sheet_a && sheet_b == other.sheet_b;
+        return a.index == other.a.index && a.generation == other.a.generation &&
+               b.index == other.b.index && b.generation == other.b.generation &&
+               mesh_a == other.mesh_a && mesh_b == other.mesh_b && self_a == other.self_a &&
+               self_b == other.self_b && sheet_a == other.sheet_a && sheet_b == other.sheet_b;
     }
 };
 
@@ -47,7 +49,8 @@ enum class Pass : std::uint8_t {
 struct PairMemory {
     Frame relative;       ///< the fit of the source to that of the target
     double step = 0;      ///< [length] by how much the odometer went on in this step
-    double odometer = 0;  ///< [length] no point of the source has moved further relative to the target since memory began
+    double odometer = 0;  ///< [length] no point of the source has moved further relative to the
+                          ///< target since memory began
     double at_full = 0;   ///< the odometer at the last full pass
     std::uint32_t since_full = 0;  ///< steps
     Pass pass = Pass::full;
@@ -59,9 +62,10 @@ struct PairMemory {
 
 /// A block of patches of one direction of a pair: 72 bytes.
 struct BlockRecord {
-    float expiry[constants::block_size] = {};  ///< per patch: outside the target until the odometer stands there
-    std::uint32_t kept = 0;                    ///< a bit for every patch whose vertices were looked at
-    std::uint32_t first_patch = 0;             ///< where those begin
+    float expiry[constants::block_size] = {};  ///< per patch: outside the target until the odometer
+                                               ///< stands there
+    std::uint32_t kept = 0;         ///< a bit for every patch whose vertices were looked at
+    std::uint32_t first_patch = 0;  ///< where those begin
 };
 
 /// A patch whose vertices were looked at: 12 bytes.
@@ -73,12 +77,15 @@ struct PatchRecord {
 
 /// A vertex that was near the target: 44 bytes.
 struct VertexRecord {
-    std::uint32_t triangle = no_triangle;  ///< its ray's last hit, or the triangle it is predicted to enter through
+    std::uint32_t triangle = no_triangle;  ///< its ray's last hit, or the triangle it is predicted
+                                           ///< to enter through
     std::uint32_t predicted = 0;           ///< 1: still outside
     float expiry = 0;                      ///< no contact until the odometer stands there
     float retry = 0;                       ///< no attempt to prove that before
-    std::uint32_t contact = no_record;     ///< its contact's place in the step's list; if it had none, any
-    // Where the ray met the target when it was last traced: the material point, and the way there in the target's fit frame.
+    std::uint32_t contact = no_record;  ///< its contact's place in the step's list; if it had none,
+                                        ///< any
+    // Where the ray met the target when it was last traced: the material point, and the way there
+    // in the target's fit frame.
     std::uint32_t seen_triangle = no_triangle;
     float seen_weight[2] = {};
     Vec3f seen_offset;
@@ -86,14 +93,15 @@ struct VertexRecord {
 
 static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
 
-/// What is remembered of a contact of a sheet: the same features again are the same contact; and of a vertex that has ended
-/// a step on the wrong side, where it belongs, also when it is over a triangle that shares a corner with this one by now. Of
-/// any other vertex the begin of the next step says it, and better: at a sharp fold, triangles that share a corner have
-/// different sides.
+/// What is remembered of a contact of a sheet: the same features again are the same contact; and of
+/// a vertex that has ended a step on the wrong side, where it belongs, also when it is over a
+/// triangle that shares a corner with this one by now. Of any other vertex the begin of the next
+/// step says it, and better: at a sharp fold, triangles that share a corner have different sides.
 struct SheetRecord {
     std::uint32_t other = 0;  ///< the triangle, or the edge of b
     std::uint32_t age = 0;
-    std::int8_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of the triangle's normal
+    std::int8_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of
+                           ///< the triangle's normal
     Found found = Found::near;
     bool is_self = false;
     bool is_edge = false;
@@ -102,16 +110,19 @@ struct SheetRecord {
 };
 
 /// The key that orders contacts of vertices.
-PIERCE_HD inline std::uint64_t vertex_contact_key(std::uint32_t pair, std::uint32_t side, std::uint32_t vertex) {
+PIERCE_HD inline std::uint64_t vertex_contact_key(std::uint32_t pair, std::uint32_t side,
+                                                  std::uint32_t vertex) {
     return std::uint64_t{pair} << 32 | std::uint64_t{side} << 31 | vertex;
 }
 
 /// True if the contact at a place of the last step's list is the one with that key.
-PIERCE_HD inline bool is_contact(View<const std::uint64_t> last_keys, std::uint32_t place, std::uint64_t key) {
+PIERCE_HD inline bool is_contact(View<const std::uint64_t> last_keys, std::uint32_t place,
+                                 std::uint64_t key) {
     return place < last_keys.size && last_keys[place] == key;
 }
 
-/// Last step's records, found without a search: a block knows which patches it kept, a patch which vertices.
+/// Last step's records, found without a search: a block knows which patches it kept, a patch which
+/// vertices.
 struct RecordsView {
     View<const BlockRecord> blocks;
     View<const PatchRecord> patches;

@@ -9,7 +9,8 @@
 
 namespace pierce {
 
-/// Casts the edges that may reach another body and adds a ray from the middle of each part inside it to the step's rays.
+/// Casts the edges that may reach another body and adds a ray from the middle of each part inside
+/// it to the step's rays.
 template <Executor E, Tracer<E> T>
 class EdgeChords {
 public:
@@ -19,7 +20,8 @@ public:
     explicit EdgeChords(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
     /// Which edges may reach the other body of their pair, by patches, then one by one.
-    void cull(const Scene& scene, View<const stages::DirectedPair> directed, View<const stages::CullItem> blocks) {
+    void cull(const Scene& scene, View<const stages::DirectedPair> directed,
+              View<const stages::CullItem> blocks) {
         masks_.resize(blocks.size);
         counts_.resize(blocks.size);
         executor_.for_each("cull_edge_block", blocks.size,
@@ -29,16 +31,18 @@ public:
                                                  .masks = view_of(masks_),
                                                  .counts = view_of(counts_)});
         patches_.resize(tools_.place("edge_patch_scan", counts_, offsets_));
-        executor_.for_each(
-            "list_edge_patches", blocks.size,
-            stages::ListEdgePatches{
-                .blocks = blocks, .masks = view_of(masks_), .offsets = view_of(offsets_), .patches = view_of(patches_)});
+        executor_.for_each("list_edge_patches", blocks.size,
+                           stages::ListEdgePatches{.blocks = blocks,
+                                                   .masks = view_of(masks_),
+                                                   .offsets = view_of(offsets_),
+                                                   .patches = view_of(patches_)});
         const auto kept = static_cast<std::uint32_t>(patches_.size());
         counts_.resize(kept);
-        executor_.for_each(
-            "count_edge_groups", kept,
-            stages::CountEdgeGroups{
-                .bodies = scene.bodies, .directed = directed, .patches = view_of(patches_), .counts = view_of(counts_)});
+        executor_.for_each("count_edge_groups", kept,
+                           stages::CountEdgeGroups{.bodies = scene.bodies,
+                                                   .directed = directed,
+                                                   .patches = view_of(patches_),
+                                                   .counts = view_of(counts_)});
         groups_.resize(tools_.place("edge_group_scan", counts_, offsets_));
         executor_.for_each("list_edge_groups", kept,
                            stages::ListEdgeGroups{.bodies = scene.bodies,
@@ -63,12 +67,14 @@ public:
                                              .items = view_of(items_)});
         const auto count = static_cast<std::uint32_t>(items_.size());
         spans_.resize(count);
-        executor_.for_each(
-            "cull_edge", count,
-            stages::CullEdge{
-                .bodies = scene.bodies, .directed = directed, .items = view_of(items_), .spans = view_of(spans_)});
+        executor_.for_each("cull_edge", count,
+                           stages::CullEdge{.bodies = scene.bodies,
+                                            .directed = directed,
+                                            .items = view_of(items_),
+                                            .spans = view_of(spans_)});
 
-        const std::uint32_t near = tools_.list("near_edges", count, stages::MayReach{view_of(spans_)}, slots_);
+        const std::uint32_t near = tools_.list("near_edges", count,
+                                               stages::MayReach{view_of(spans_)}, slots_);
         segments_.resize(near);
         rays_.resize(near);
         active_.resize(near);
@@ -86,10 +92,13 @@ public:
     /// The rays along the edges that are left.
     const Buffer<Ray>& segments() const { return rays_; }
 
-    /// Follows every edge from crossing to crossing, and adds the rays of its chords to `batch` and `routes`.
-    void cast(const Scene& scene, View<const stages::DirectedPair> directed, RayBatch<E>& batch, Buffer<Route>& routes) {
+    /// Follows every edge from crossing to crossing, and adds the rays of its chords to `batch` and
+    /// `routes`.
+    void cast(const Scene& scene, View<const stages::DirectedPair> directed, RayBatch<E>& batch,
+              Buffer<Route>& routes) {
         find_chords(scene, directed);
-        const auto begin = static_cast<std::uint32_t>(batch.rays.size()), count = static_cast<std::uint32_t>(found_.size());
+        const auto begin = static_cast<std::uint32_t>(batch.rays.size()),
+                   count = static_cast<std::uint32_t>(found_.size());
         tools_.sort("chord_sort", 64, keys_, unsorted_, sorted_keys_, order_);
         chords_.resize(count);
         batch.resize(begin + count);
@@ -109,19 +118,20 @@ public:
                                                      .routes = view_of(routes)});
     }
 
-    /// Of pairs whose edges touch and that have no contact so far (`contact`, per pair), as aligned bodies may: casts the
-    /// edges again as if one body had moved a little, there and back. Appends the chords where both bodies have an inside,
-    /// and writes their sources.
+    /// Of pairs whose edges touch and that have no contact so far (`contact`, per pair), as aligned
+    /// bodies may: casts the edges again as if one body had moved a little, there and back. Appends
+    /// the chords where both bodies have an inside, and writes their sources.
     void add_touching_chords(const Scene& scene, View<const stages::DirectedPair> directed,
                              View<const std::uint32_t> contact, Buffer<RaySource>& sources) {
         sources.clear();
         for (const double sign : {1.0, -1.0}) {
-            const std::uint32_t again = tools_.list("touching_segments", count_of(segments_),
-                                                    stages::OnlyTouches{.items = view_of(items_),
-                                                                        .segments = view_of(segments_),
-                                                                        .touching = view_of(touching_),
-                                                                        .contact = contact},
-                                                    active_);
+            const std::uint32_t again = tools_.list(
+                "touching_segments", count_of(segments_),
+                stages::OnlyTouches{.items = view_of(items_),
+                                    .segments = view_of(segments_),
+                                    .touching = view_of(touching_),
+                                    .contact = contact},
+                active_);
             if (again == 0) return;
             executor_.for_each("nudge_segments", again,
                                stages::NudgeSegment{.bodies = scene.bodies,
@@ -146,11 +156,12 @@ public:
                                                          .rays = view_of(now_rays_)});
             tools_.update(scene.bodies, now_rays_);
             tools_.trace("trace_touch", scene.bodies, now_rays_, now_hits_);
-            const std::uint32_t kept = tools_.list(
-                "deep_touches", count,
-                stages::LeavesBoth{
-                    .bodies = scene.bodies, .rays = view_of(now_rays_), .hits = view_of(now_hits_), .otherwise = false},
-                places_);
+            const std::uint32_t kept = tools_.list("deep_touches", count,
+                                                   stages::LeavesBoth{.bodies = scene.bodies,
+                                                                      .rays = view_of(now_rays_),
+                                                                      .hits = view_of(now_hits_),
+                                                                      .otherwise = false},
+                                                   places_);
             const auto chords = static_cast<std::uint32_t>(chords_.size()),
                        before = static_cast<std::uint32_t>(sources.size());
             chords_.resize(chords + kept);
@@ -180,18 +191,21 @@ private:
         const auto count = static_cast<std::uint32_t>(found_.size());
         keys_.resize(count);
         unsorted_.resize(count);
-        executor_.for_each("key_chords", count, stages::KeyChord{view_of(found_), view_of(keys_), view_of(unsorted_)});
+        executor_.for_each("key_chords", count,
+                           stages::KeyChord{view_of(found_), view_of(keys_), view_of(unsorted_)});
     }
 
     /// Follows the active segments from crossing to crossing, and appends their chords to `found`.
-    void follow(const Scene& scene, View<const stages::DirectedPair> directed, Buffer<stages::FoundChord>& found) {
+    void follow(const Scene& scene, View<const stages::DirectedPair> directed,
+                Buffer<stages::FoundChord>& found) {
         while (!active_.empty()) {
             const auto count = static_cast<std::uint32_t>(active_.size());
             now_rays_.resize(count);
             now_found_.resize(count);
             counts_.resize(count);
-            executor_.for_each("gather_segments", count,
-                               stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
+            executor_.for_each(
+                "gather_segments", count,
+                stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
             tools_.trace("trace_edges", scene.bodies, now_rays_, now_hits_);
             executor_.for_each("advance_segments", count,
                                stages::AdvanceSegment{.bodies = scene.bodies,
@@ -214,19 +228,21 @@ private:
                                                  .found = view_of(now_found_),
                                                  .begin = begin,
                                                  .chords = view_of(found)});
-            const std::uint32_t left =
-                tools_.list("active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)}, places_);
+            const std::uint32_t left = tools_.list(
+                "active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)},
+                places_);
             next_active_.resize(left);
             executor_.for_each("follow", left,
-                               stages::Gather<std::uint32_t>{view_of(active_), view_of(places_), view_of(next_active_)});
+                               stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
+                                                             view_of(next_active_)});
             std::swap(active_, next_active_);
         }
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_, finished_, unsorted_, order_,
-        touching_;
+    Buffer<std::uint32_t> masks_, counts_, offsets_, slots_, active_, next_active_, places_,
+        finished_, unsorted_, order_, touching_;
     Buffer<std::uint64_t> keys_, sorted_keys_;
     Buffer<stages::CullItem> patches_;
     Buffer<stages::EdgeGroup> groups_;

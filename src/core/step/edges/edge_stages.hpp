@@ -15,9 +15,10 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stages 4 and 5 for edges, with complete coverage: which edges may reach the other body, which parts of them are inside it
-/// (their chords), and a ray from the middle of each. If the surfaces of two closed bodies cross, an edge of one of them
-/// crosses the other: vertices alone may miss that.
+/// Stages 4 and 5 for edges, with complete coverage: which edges may reach the other body, which
+/// parts of them are inside it (their chords), and a ray from the middle of each. If the surfaces
+/// of two closed bodies cross, an edge of one of them crosses the other: vertices alone may miss
+/// that.
 namespace pierce::stages {
 
 /// Per block: a bit for every patch with an edge that may reach the target, and their number.
@@ -30,11 +31,14 @@ struct CullEdgeBlock {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[blocks[i].directed];
         masks[i] = counts[i] = 0;
-        if (d.is_self()) return;  // of a body itself, vertices alone are looked at; a sheet has no clearance either
+        if (d.is_self())
+            return;  // of a body itself, vertices alone are looked at; a sheet has no clearance
+                     // either
         const BodyView& source = bodies[d.source];
         const std::uint32_t b = blocks[i].index, count = block_length(source.mesh, b);
         const PatchBlock& block = source.blocks[b];
-        // An edge starts in its patch's ball and is as long as in the rest shape, but for the deviation of its two ends.
+        // An edge starts in its patch's ball and is as long as in the rest shape, but for the
+        // deviation of its two ends.
         float radius[constants::block_size] = {};
         float longest_edge = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
@@ -43,8 +47,8 @@ struct CullEdgeBlock {
             longest_edge = max_of(edge, longest_edge);
         }
         const double span = static_cast<double>(block.reach) + static_cast<double>(longest_edge);
-        const BallsNearby<> balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius, span,
-                                  2 * source.deviation + constants::touch_tolerance * span);
+        const BallsNearby<> balls(bodies[d.target], d.to_fit, block.center, block.offsets, radius,
+                                  span, 2 * source.deviation + constants::touch_tolerance * span);
         masks[i] = balls.near & first_bits(count);
         counts[i] = bit_count(masks[i]);
     }
@@ -61,7 +65,8 @@ struct ListEdgePatches {
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t slot = offsets[i];
         for (std::uint32_t mask = masks[i]; mask != 0; mask &= mask - 1)
-            patches[slot++] = {blocks[i].directed, blocks[i].index * constants::block_size + lowest_bit(mask)};
+            patches[slot++] = {blocks[i].directed,
+                               blocks[i].index * constants::block_size + lowest_bit(mask)};
     }
 };
 
@@ -83,7 +88,8 @@ struct CountEdgeGroups {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const MeshView& mesh = bodies[directed[patches[i].directed].source].mesh;
-        const std::uint32_t edges = mesh.edge_offsets[patches[i].index + 1] - mesh.edge_offsets[patches[i].index];
+        const std::uint32_t edges = mesh.edge_offsets[patches[i].index + 1] -
+                                    mesh.edge_offsets[patches[i].index];
         counts[i] = (edges + Offsets::count - 1) / Offsets::count;
     }
 };
@@ -107,7 +113,8 @@ struct ListEdgeGroups {
     }
 };
 
-/// Per group: a bit for every edge whose ball, around its middle and as wide as it is long, may reach the target.
+/// Per group: a bit for every edge whose ball, around its middle and as wide as it is long, may
+/// reach the target.
 struct CullEdgeGroup {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -123,14 +130,16 @@ struct CullEdgeGroup {
         Offsets middles, halves;
         for (std::uint32_t k = 0; k < group.count; ++k) {
             const Edge& edge = source.mesh.edges[group.first + k];
-            const Vec3f a = source.positions[edge.vertex[0]] - c, b = source.positions[edge.vertex[1]] - c;
+            const Vec3f a = source.positions[edge.vertex[0]] - c,
+                        b = source.positions[edge.vertex[1]] - c;
             middles.set(k, 0.5f * (a + b));
             halves.set(k, 0.5f * (b - a));
         }
         float radius[Offsets::count], span = 0;
         PIERCE_VECTOR_LOOP
         for (std::uint32_t k = 0; k < Offsets::count; ++k)
-            radius[k] = std::sqrt(halves.x[k] * halves.x[k] + halves.y[k] * halves.y[k] + halves.z[k] * halves.z[k]);
+            radius[k] = std::sqrt(halves.x[k] * halves.x[k] + halves.y[k] * halves.y[k] +
+                                  halves.z[k] * halves.z[k]);
         for (std::uint32_t k = 0; k < group.count; ++k) span = max_of(radius[k], span);
         const double reach = static_cast<double>(longest(middles)) + static_cast<double>(span);
         const BallsNearby<> balls(bodies[d.target], d.to_fit, center, middles, radius, reach,
@@ -168,19 +177,22 @@ struct Span {
     PIERCE_HD bool empty() const { return end < begin; }
 };
 
-/// What is left of the segment from `a` to `b`, given in the target's fit frame, without the parts at both ends that are
-/// certainly outside of the target's solid: marches inward by the distance proved at each place.
+/// What is left of the segment from `a` to `b`, given in the target's fit frame, without the parts
+/// at both ends that are certainly outside of the target's solid: marches inward by the distance
+/// proved at each place.
 PIERCE_HD inline Span part_near(const BodyView& target, Vec3d a, Vec3d b) {
     const double size = length(b - a);
     const Vec3d direction = normalized(b - a);
     const auto free = [&](double at) {
         const Vec3d p = a + at * direction;
-        return max_of(target.fit_box.distance(p), target.mesh.clearance()(p) - target.deviation) - 2 * target.touch;
+        return max_of(target.fit_box.distance(p), target.mesh.clearance()(p) - target.deviation) -
+               2 * target.touch;
     };
     Span span{0, size};
     if (size > 0 && size < constants::march_cells * target.mesh.clearance_at.cell) return span;
     // A step that rounding swallows is the last one.
-    for (double step; (step = free(span.begin)) > constants::march_share * (span.end - span.begin);) {
+    for (double step;
+         (step = free(span.begin)) > constants::march_share * (span.end - span.begin);) {
         const double before = std::exchange(span.begin, span.begin + step);
         if (span.empty() || !(span.begin > before)) return span;
     }
@@ -202,7 +214,8 @@ struct CullEdge {
         const DirectedPair& d = directed[items[i].directed];
         const BodyView& source = bodies[d.source];
         const Edge& edge = source.mesh.edges[items[i].edge];
-        spans[i] = part_near(bodies[d.target], d.to_fit.to_parent(to_double(source.positions[edge.vertex[0]])),
+        spans[i] = part_near(bodies[d.target],
+                             d.to_fit.to_parent(to_double(source.positions[edge.vertex[0]])),
                              d.to_fit.to_parent(to_double(source.positions[edge.vertex[1]])));
     }
 };
@@ -260,8 +273,8 @@ struct FoundChord {
     Chord chord;
 };
 
-/// Per active segment: takes its next crossing into account. Reads rays and hits; writes at most one chord, and whether
-/// there may be more.
+/// Per active segment: takes its next crossing into account. Reads rays and hits; writes at most
+/// one chord, and whether there may be more.
 struct AdvanceSegment {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -289,7 +302,8 @@ struct AdvanceSegment {
             return;
         }
         const Meeting m = meet(ray, surface, hits[k].triangle);
-        if (m.exit && (segment.inside || !segment.crossed)) add(k, segment.enter, min_of(m.t, ray.t_max));
+        if (m.exit && (segment.inside || !segment.crossed))
+            add(k, segment.enter, min_of(m.t, ray.t_max));
         segment.crossed = true;
         segment.inside = !m.exit;
         segment.enter = m.t;
@@ -305,14 +319,16 @@ private:
         const std::uint32_t item = segments[i].item;
         const BodyView& source = bodies[directed[items[item].directed].source];
         const Edge& edge = source.mesh.edges[items[item].edge];
-        const double size =
-            length(to_double(source.positions[edge.vertex[1]]) - to_double(source.positions[edge.vertex[0]]));
+        const double size = length(to_double(source.positions[edge.vertex[1]]) -
+                                   to_double(source.positions[edge.vertex[0]]));
         const double middle = (spans[item].begin + 0.5 * (begin + end)) / size;
         counts[k] = 1;
         found[k] = {i, {items[item].edge, segments[i].chords++, clamp_to(middle, 0.0, 1.0), 0.0}};
     }
 
-    PIERCE_HD void mark_touching(std::uint32_t i) const { atomic_mark(touching[items[segments[i].item].directed / 2]); }
+    PIERCE_HD void mark_touching(std::uint32_t i) const {
+        atomic_mark(touching[items[segments[i].item].directed / 2]);
+    }
 };
 
 /// True for active segments that may have more crossings.
@@ -353,8 +369,9 @@ PIERCE_HD inline double nudge_of(View<const BodyView> bodies, const DirectedPair
     return constants::nudge * max_of(bodies[d.source].touch, bodies[d.target].touch);
 }
 
-/// Per segment to be cast again: its ray, as if one body of the pair had moved a little. Edges that lay in the other's
-/// surface come to lie inside or outside then; of two bodies that overlap, some edge crosses the other.
+/// Per segment to be cast again: its ray, as if one body of the pair had moved a little. Edges that
+/// lay in the other's surface come to lie inside or outside then; of two bodies that overlap, some
+/// edge crosses the other.
 struct NudgeSegment {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -371,25 +388,30 @@ struct NudgeSegment {
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
         // A device can read an array of constants only where the compiler does.
-        constexpr Vec3d along{constants::nudge_direction[0], constants::nudge_direction[1], constants::nudge_direction[2]};
+        constexpr Vec3d along{constants::nudge_direction[0], constants::nudge_direction[1],
+                              constants::nudge_direction[2]};
         const Vec3d move = (item.directed % 2 == 0 ? sign : -sign) * nudge_of(bodies, d) * along;
         const Edge& edge = source.mesh.edges[item.edge];
         Ray& ray = rays[i];
         ray.origin = d.to_space.to_parent(to_double(source.positions[edge.vertex[0]])) +
-                     spans[segments[i].item].begin * ray.direction + bodies[d.target].space.rotation.transposed() * move;
+                     spans[segments[i].item].begin * ray.direction +
+                     bodies[d.target].space.rotation.transposed() * move;
         ray.t_min = 0;
         segments[i].enter = 0;
         segments[i].crossed = segments[i].inside = false;
     }
 };
 
-/// The rays from a chord's middle, between its edge's triangles, that show whether the target and the source have an inside
-/// there. What lies within `skin` [length] does not count, so that bodies which only touch have none in common.
-PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const DirectedPair& d, const Chord& chord, double skin,
-                                        Ray& into_target, Ray& into_source) {
+/// The rays from a chord's middle, between its edge's triangles, that show whether the target and
+/// the source have an inside there. What lies within `skin` [length] does not count, so that bodies
+/// which only touch have none in common.
+PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const DirectedPair& d,
+                                        const Chord& chord, double skin, Ray& into_target,
+                                        Ray& into_source) {
     const BodyView& source = bodies[d.source];
     const Edge& edge = source.mesh.edges[chord.edge];
-    const Vec3d start = point_on(source, edge, chord.middle), direction = inward_direction(source, edge);
+    const Vec3d start = point_on(source, edge, chord.middle),
+                direction = inward_direction(source, edge);
     const bool leads = length_squared(direction) > 0;
     into_target = into_source = {};
     into_target.t_min = into_source.t_min = skin;
@@ -403,7 +425,8 @@ PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const Direc
     into_source.target = d.source;
 }
 
-/// True for chords whose two rays leave both bodies: they overlap there. A ray that is none says `otherwise`.
+/// True for chords whose two rays leave both bodies: they overlap there. A ray that is none says
+/// `otherwise`.
 struct LeavesBoth {
     View<const BodyView> bodies;
     View<const Ray> rays;  ///< two per chord
@@ -449,7 +472,8 @@ struct KeepTouch {
         const FoundChord& f = found[places[i]];
         const std::uint32_t directed = items[segments[f.segment].item].directed;
         chords[begin + i] = f.chord;
-        sources[i] = {directed / 2, begin + i, static_cast<std::uint8_t>(directed % 2), RayStart::chord};
+        sources[i] = {directed / 2, begin + i, static_cast<std::uint8_t>(directed % 2),
+                      RayStart::chord};
     }
 };
 
@@ -467,7 +491,8 @@ struct KeyChord {
     }
 };
 
-/// Per chord, in the order of edges: the ray from its middle, inward. Reads chords and segments; appends to the step's rays.
+/// Per chord, in the order of edges: the ray from its middle, inward. Reads chords and segments;
+/// appends to the step's rays.
 struct GenerateChordRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -494,13 +519,15 @@ struct GenerateChordRays {
         Ray ray;
         ray.origin = d.to_space.to_parent(start);
         ray.direction = normalized(d.to_space.rotation * direction);
-        ray.t_max = source.mesh.closed ? range_in_boxes(source, target, start, direction) : source.range;
+        ray.t_max = source.mesh.closed ? range_in_boxes(source, target, start, direction)
+                                       : source.range;
         if (!(length_squared(direction) > 0)) ray.t_max = -1.0;
         ray.target = d.target;
         const std::uint32_t slot = begin + i;
         chords[i] = f.chord;
         rays[slot] = ray;
-        sources[slot] = {item.directed / 2, i, static_cast<std::uint8_t>(item.directed % 2), RayStart::chord};
+        sources[slot] = {item.directed / 2, i, static_cast<std::uint8_t>(item.directed % 2),
+                         RayStart::chord};
         hits[slot] = {};
         if (routes.size > 0) routes[slot] = ray.t_max >= 0 ? Route::full : Route::skip;
     }

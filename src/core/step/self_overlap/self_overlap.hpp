@@ -22,12 +22,13 @@ public:
 
     /// Clears `batch.keep` of candidates that are not inside another part of their own body.
     void test(const Scene& scene, View<const Pair> pairs, RayBatch<E>& batch) {
-        const std::uint32_t count = tools_.list("self_candidates", count_of(batch.candidates),
-                                                stages::IsSelfCandidate{.bodies = scene.bodies,
-                                                                        .pairs = pairs,
-                                                                        .sources = view_of(batch.sources),
-                                                                        .candidates = view_of(batch.candidates)},
-                                                listed_);
+        const std::uint32_t count = tools_.list(
+            "self_candidates", count_of(batch.candidates),
+            stages::IsSelfCandidate{.bodies = scene.bodies,
+                                    .pairs = pairs,
+                                    .sources = view_of(batch.sources),
+                                    .candidates = view_of(batch.candidates)},
+            listed_);
         outward_.resize(count);
         winding_.resize(count);
         active_.resize(count);
@@ -59,8 +60,9 @@ private:
         const auto count = static_cast<std::uint32_t>(active_.size());
         now_rays_.resize(count);
         goes_on_.resize(count);
-        executor_.for_each("gather_outward", count,
-                           stages::Gather<Ray>{view_of(outward_), view_of(active_), view_of(now_rays_)});
+        executor_.for_each(
+            "gather_outward", count,
+            stages::Gather<Ray>{view_of(outward_), view_of(active_), view_of(now_rays_)});
         tools_.trace("trace_outward", scene.bodies, now_rays_, now_hits_);
         executor_.for_each("advance_outward", count,
                            stages::AdvanceOutward{.bodies = scene.bodies,
@@ -69,10 +71,12 @@ private:
                                                   .outward = view_of(outward_),
                                                   .winding = view_of(winding_),
                                                   .goes_on = view_of(goes_on_)});
-        const std::uint32_t left = tools_.list("outward_list", count, stages::IsUnderWay{view_of(goes_on_)}, places_);
+        const std::uint32_t left = tools_.list("outward_list", count,
+                                               stages::IsUnderWay{view_of(goes_on_)}, places_);
         next_active_.resize(left);
         executor_.for_each("gather_active", left,
-                           stages::Gather<std::uint32_t>{view_of(active_), view_of(places_), view_of(next_active_)});
+                           stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
+                                                         view_of(next_active_)});
         std::swap(active_, next_active_);
     }
 

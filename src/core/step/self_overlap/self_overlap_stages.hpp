@@ -9,12 +9,14 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// After stage 9, for solids that are looked for in themselves: which vertices are inside another part of their own body.
+/// After stage 9, for solids that are looked for in themselves: which vertices are inside another
+/// part of their own body.
 ///
-/// An inward ray from a vertex of a solid always leaves that solid, so R1 says nothing. What does is the winding number just
-/// outside the vertex: the signed crossings of its outward ray, the triangles around it left aside, add up to it. If some of
-/// the solid is there, the inward ray ends where that part ends (Hermann, Faure and Raffin 2008, section 5: outward to
-/// detect, inward to respond). The sum, as the first crossing of three overlapping parts may lead in.
+/// An inward ray from a vertex of a solid always leaves that solid, so R1 says nothing. What does
+/// is the winding number just outside the vertex: the signed crossings of its outward ray, the
+/// triangles around it left aside, add up to it. If some of the solid is there, the inward ray ends
+/// where that part ends (Hermann, Faure and Raffin 2008, section 5: outward to detect, inward to
+/// respond). The sum, as the first crossing of three overlapping parts may lead in.
 namespace pierce::stages {
 
 /// True for candidates whose ray goes into their own body.
@@ -78,7 +80,8 @@ struct IsUnderWay {
     PIERCE_HD bool operator()(std::uint32_t i) const { return goes_on[i] != 0; }
 };
 
-/// Per candidate of a body itself: 1 if its vertex is inside another part, which at rest is not near it.
+/// Per candidate of a body itself: 1 if its vertex is inside another part, which at rest is not
+/// near it.
 struct KeepSelf {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -94,9 +97,11 @@ struct KeepSelf {
         const MeshView& mesh = bodies[rays[r].target].mesh;
         const Triangle& t = mesh.triangles[hits[r].triangle];
         Vec3d at_rest;
-        for (int k = 0; k < 3; ++k) at_rest += meetings[r].barycentric[k] * to_double(mesh.positions[t.vertex[k]]);
+        for (int k = 0; k < 3; ++k)
+            at_rest += meetings[r].barycentric[k] * to_double(mesh.positions[t.vertex[k]]);
         const double away = length(at_rest - to_double(mesh.positions[sources[r].item]));
-        keep[listed[i]] = winding[i] >= 1 && away >= constants::self_distance * mesh.mean_edge_length;
+        keep[listed[i]] = winding[i] >= 1 &&
+                          away >= constants::self_distance * mesh.mean_edge_length;
     }
 };
 

@@ -11,8 +11,8 @@
 
 namespace pierce {
 
-/// Finds pairs that overlap without a contact along an inward ray, and gives them contacts along the direction in which they
-/// separate soonest.
+/// Finds pairs that overlap without a contact along an inward ray, and gives them contacts along
+/// the direction in which they separate soonest.
 template <Executor E, Tracer<E> T>
 class Separation {
 public:
@@ -21,10 +21,11 @@ public:
 
     explicit Separation(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
-    /// Adds the rays of such pairs to `batch` and `routes`; those that start inside become candidates that are contacts.
-    /// What was a candidate so far stays one.
-    void separate(const Scene& scene, View<const Pair> pairs, View<const stages::DirectedPair> directed,
-                  EdgeChords<E, T>& edges, RayBatch<E>& batch, Buffer<Route>& routes) {
+    /// Adds the rays of such pairs to `batch` and `routes`; those that start inside become
+    /// candidates that are contacts. What was a candidate so far stays one.
+    void separate(const Scene& scene, View<const Pair> pairs,
+                  View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
+                  RayBatch<E>& batch, Buffer<Route>& routes) {
         add_stranded(scene, pairs, directed, edges.chords(), batch, routes);
         add_touching(scene, directed, edges, batch, routes);
     }
@@ -35,9 +36,11 @@ public:
     std::uint32_t deep_pairs() const { return deep_count_; }
 
 private:
-    /// Vertices and chords inside whose pair has no contact, and parts of bodies inside, along the way apart.
-    void add_stranded(const Scene& scene, View<const Pair> pairs, View<const stages::DirectedPair> directed,
-                      View<const Chord> chords, RayBatch<E>& batch, Buffer<Route>& routes) {
+    /// Vertices and chords inside whose pair has no contact, and parts of bodies inside, along the
+    /// way apart.
+    void add_stranded(const Scene& scene, View<const Pair> pairs,
+                      View<const stages::DirectedPair> directed, View<const Chord> chords,
+                      RayBatch<E>& batch, Buffer<Route>& routes) {
         const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
         const auto all = static_cast<std::uint32_t>(batch.rays.size());
         const View<const RaySource> sources = view_of(std::as_const(batch.sources));
@@ -50,13 +53,17 @@ private:
                                                 .keep = view_of(batch.keep),
                                                 .reached = view_of(reached_),
                                                 .touching = view_of(touching_)});
-        executor_.for_each("mark_reached", chords.size, stages::MarkReached{from_chords, view_of(reached_)});
+        executor_.for_each("mark_reached", chords.size,
+                           stages::MarkReached{from_chords, view_of(reached_)});
         test_parts(scene, directed);
-        const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords, from_chords);
+        const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords,
+                                                                   from_chords);
         const std::uint32_t vertices = tools_.list(
             "stranded_vertices", candidates,
-            stages::IsStrandedVertex{
-                .pairs = pairs, .sources = sources, .candidates = view_of(batch.candidates), .touching = view_of(touching_)},
+            stages::IsStrandedVertex{.pairs = pairs,
+                                     .sources = sources,
+                                     .candidates = view_of(batch.candidates),
+                                     .touching = view_of(touching_)},
             stranded_vertices_);
         const std::uint32_t stranded = vertices + stranded_chords;
         const auto contained = static_cast<std::uint32_t>(contained_.size());
@@ -68,17 +75,24 @@ private:
         from_.resize(stranded + contained);
         executor_.for_each(
             "gather_vertices", vertices,
-            stages::Gather<std::uint32_t>{view_of(batch.candidates), view_of(stranded_vertices_), view_of(gather_)});
-        executor_.for_each("gather_sources", vertices, stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
-        executor_.for_each("gather_sources", stranded - vertices,
-                           stages::Gather<RaySource>{
-                               from_chords, view_of(stranded_chords_), {from_.data() + vertices, stranded - vertices}});
+            stages::Gather<std::uint32_t>{view_of(batch.candidates), view_of(stranded_vertices_),
+                                          view_of(gather_)});
+        executor_.for_each("gather_sources", vertices,
+                           stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
+        executor_.for_each(
+            "gather_sources", stranded - vertices,
+            stages::Gather<RaySource>{from_chords,
+                                      view_of(stranded_chords_),
+                                      {from_.data() + vertices, stranded - vertices}});
         executor_.for_each(
             "gather_sources", contained,
-            stages::Gather<RaySource>{view_of(part_sources_), view_of(contained_), {from_.data() + stranded, contained}});
+            stages::Gather<RaySource>{
+                view_of(part_sources_), view_of(contained_), {from_.data() + stranded, contained}});
         executor_.assign(deep_, pairs.size, 0u);
-        executor_.for_each("mark_deep", stranded + contained, stages::MarkReached{view_of(from_), view_of(deep_)});
-        deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)}, deep_pairs_);
+        executor_.for_each("mark_deep", stranded + contained,
+                           stages::MarkReached{view_of(from_), view_of(deep_)});
+        deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)},
+                                  deep_pairs_);
         directions_.resize(pairs.size);
         executor_.for_each("find_separation", deep_count_,
                            stages::FindSeparation{.bodies = scene.bodies,
@@ -88,26 +102,32 @@ private:
 
         const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
         const stages::SeparationRays out = room_for(added, scene, directed, chords, batch, routes);
-        executor_.for_each("generate_stranded_rays", stranded, stages::GenerateStrandedRays{out, view_of(from_)});
-        executor_.for_each("generate_contained_rays", contained,
-                           stages::GenerateContainedRays{out, {from_.data() + stranded, contained}, stranded});
+        executor_.for_each("generate_stranded_rays", stranded,
+                           stages::GenerateStrandedRays{out, view_of(from_)});
+        executor_.for_each(
+            "generate_contained_rays", contained,
+            stages::GenerateContainedRays{out, {from_.data() + stranded, contained}, stranded});
         keep_inside(scene, out.begin, batch);
     }
 
     /// Edges that lie in the other body's surface, or only touch it.
-    void add_touching(const Scene& scene, View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
-                      RayBatch<E>& batch, Buffer<Route>& routes) {
+    void add_touching(const Scene& scene, View<const stages::DirectedPair> directed,
+                      EdgeChords<E, T>& edges, RayBatch<E>& batch, Buffer<Route>& routes) {
         edges.add_touching_chords(scene, directed, view_of(touching_), from_);
         const auto touches = static_cast<std::uint32_t>(from_.size());
         if (touches == 0) return;
-        const stages::SeparationRays out = room_for(touches, scene, directed, edges.chords(), batch, routes);
-        executor_.for_each("generate_touching_rays", touches, stages::GenerateTouchingRays{out, view_of(from_)});
+        const stages::SeparationRays out = room_for(touches, scene, directed, edges.chords(), batch,
+                                                    routes);
+        executor_.for_each("generate_touching_rays", touches,
+                           stages::GenerateTouchingRays{out, view_of(from_)});
         keep_inside(scene, out.begin, batch);
     }
 
     /// Room for more rays at the end of a step's.
-    stages::SeparationRays room_for(std::uint32_t count, const Scene& scene, View<const stages::DirectedPair> directed,
-                                    View<const Chord> chords, RayBatch<E>& batch, Buffer<Route>& routes) {
+    stages::SeparationRays room_for(std::uint32_t count, const Scene& scene,
+                                    View<const stages::DirectedPair> directed,
+                                    View<const Chord> chords, RayBatch<E>& batch,
+                                    Buffer<Route>& routes) {
         const auto begin = static_cast<std::uint32_t>(batch.rays.size());
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
@@ -152,10 +172,13 @@ private:
     }
 
     /// Chords of pairs without a contact that are more than rounding.
-    std::uint32_t list_stranded_chords(const Scene& scene, View<const stages::DirectedPair> directed,
-                                       View<const Chord> chords, View<const RaySource> from_chords) {
-        const std::uint32_t count =
-            tools_.list("stranded_chords", chords.size, stages::IsStrandedChord{from_chords, view_of(touching_)}, places_);
+    std::uint32_t list_stranded_chords(const Scene& scene,
+                                       View<const stages::DirectedPair> directed,
+                                       View<const Chord> chords,
+                                       View<const RaySource> from_chords) {
+        const std::uint32_t count = tools_.list(
+            "stranded_chords", chords.size,
+            stages::IsStrandedChord{from_chords, view_of(touching_)}, places_);
         stranded_chords_.clear();
         if (count == 0) return 0;
         part_rays_.resize(2 * std::size_t{count});
@@ -169,21 +192,24 @@ private:
         tools_.update(scene.bodies, part_rays_);
         tools_.trace("trace_stranded_chords", scene.bodies, part_rays_, part_hits_);
         const std::uint32_t deep = tools_.list(
-            "deep_chords", count, stages::LeavesBoth{scene.bodies, view_of(part_rays_), view_of(part_hits_)}, deep_chords_);
+            "deep_chords", count,
+            stages::LeavesBoth{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
+            deep_chords_);
         stranded_chords_.resize(deep);
-        executor_.for_each(
-            "gather_deep_chords", deep,
-            stages::Gather<std::uint32_t>{view_of(places_), view_of(deep_chords_), view_of(stranded_chords_)});
+        executor_.for_each("gather_deep_chords", deep,
+                           stages::Gather<std::uint32_t>{view_of(places_), view_of(deep_chords_),
+                                                         view_of(stranded_chords_)});
         return deep;
     }
 
     /// Which parts of which bodies are inside the other body of a pair with nothing inside so far.
     void test_parts(const Scene& scene, View<const stages::DirectedPair> directed) {
         counts_.resize(directed.size);
-        executor_.for_each(
-            "count_parts", directed.size,
-            stages::CountParts{
-                .bodies = scene.bodies, .directed = directed, .reached = view_of(reached_), .counts = view_of(counts_)});
+        executor_.for_each("count_parts", directed.size,
+                           stages::CountParts{.bodies = scene.bodies,
+                                              .directed = directed,
+                                              .reached = view_of(reached_),
+                                              .counts = view_of(counts_)});
         const std::uint32_t count = tools_.place("part_scan", counts_, offsets_);
         part_rays_.resize(count);
         part_sources_.resize(count);
@@ -194,19 +220,22 @@ private:
                                                     .offsets = view_of(offsets_),
                                                     .rays = view_of(part_rays_),
                                                     .sources = view_of(part_sources_)});
-        inside_tests_ = tools_.list("parts_asked", count, stages::IsTraced{view_of(part_rays_)}, contained_);
+        inside_tests_ = tools_.list("parts_asked", count, stages::IsTraced{view_of(part_rays_)},
+                                    contained_);
         contained_.clear();
         if (inside_tests_ == 0) return;
         tools_.update(scene.bodies, part_rays_);
         tools_.trace("trace_parts", scene.bodies, part_rays_, part_hits_);
-        tools_.list("contained", count, stages::LeavesTarget{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
+        tools_.list("contained", count,
+                    stages::LeavesTarget{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
                     contained_);
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> reached_, touching_, deep_, deep_pairs_, counts_, offsets_, stranded_vertices_, stranded_chords_,
-        gather_, contained_, places_, deep_chords_, separated_;
+    Buffer<std::uint32_t> reached_, touching_, deep_, deep_pairs_, counts_, offsets_,
+        stranded_vertices_, stranded_chords_, gather_, contained_, places_, deep_chords_,
+        separated_;
     Buffer<Ray> part_rays_;
     Buffer<RaySource> part_sources_, from_;
     Buffer<Hit> part_hits_;

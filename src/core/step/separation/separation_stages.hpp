@@ -10,9 +10,9 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// After stage 9, with complete coverage: pairs that overlap but have no contact along an inward ray, because each ray
-/// leaves its own body first, or because one body is all inside the other. The direction in which the two separate soonest
-/// gives them their contacts.
+/// After stage 9, with complete coverage: pairs that overlap but have no contact along an inward
+/// ray, because each ray leaves its own body first, or because one body is all inside the other.
+/// The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {
 
 /// Per candidate: tells its pair that something is inside, and whether it is a contact.
@@ -29,7 +29,8 @@ struct MarkTouching {
     }
 };
 
-/// Per directed pair without a candidate: how many parts of its source there are to look for inside the target.
+/// Per directed pair without a candidate: how many parts of its source there are to look for inside
+/// the target.
 struct CountParts {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -39,13 +40,14 @@ struct CountParts {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const bool asked = !reached[i / 2] && bodies[directed[i].target].is_solid() && !directed[i].is_self();
+        const bool asked = !reached[i / 2] && bodies[directed[i].target].is_solid() &&
+                           !directed[i].is_self();
         counts[i] = asked ? bodies[directed[i].source].mesh.parts.size : 0;
     }
 };
 
-/// Per directed pair: a ray from one vertex of each of its source's parts, long enough to leave the target. Vertices that
-/// are certainly outside get none.
+/// Per directed pair: a ray from one vertex of each of its source's parts, long enough to leave the
+/// target. Vertices that are certainly outside get none.
 struct GeneratePartRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -90,12 +92,13 @@ struct IsStrandedVertex {
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const RaySource& from = sources[candidates[i]];
-        return from.start == RayStart::vertex && !touching[from.pair] && !pairs[from.pair].is_self();
+        return from.start == RayStart::vertex && !touching[from.pair] &&
+               !pairs[from.pair].is_self();
     }
 };
 
-/// True for chords whose pair has no contact. A chord is inside, whether or not its ray got as far as the target's surface;
-/// but one along the surface may be so by rounding alone.
+/// True for chords whose pair has no contact. A chord is inside, whether or not its ray got as far
+/// as the target's surface; but one along the surface may be so by rounding alone.
 struct IsStrandedChord {
     View<const RaySource> sources;
     View<const std::uint32_t> touching;
@@ -115,9 +118,11 @@ struct GenerateStrandedChordRays {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const RaySource& from = sources[stranded[i]];
         const DirectedPair& d = directed[2 * from.pair + from.side];
-        const double least = constants::least_inside * max_of(bodies[d.source].touch, bodies[d.target].touch);
+        const double least = constants::least_inside *
+                             max_of(bodies[d.source].touch, bodies[d.target].touch);
         const Chord& chord = chords[from.item];
-        write_inside_rays(bodies, d, chord, max_of(chord.skin, least), rays[2 * i], rays[2 * i + 1]);
+        write_inside_rays(bodies, d, chord, max_of(chord.skin, least), rays[2 * i],
+                          rays[2 * i + 1]);
     }
 };
 
@@ -128,8 +133,8 @@ struct IsDeep {
     PIERCE_HD bool operator()(std::uint32_t i) const { return deep[i] != 0; }
 };
 
-/// Per deep pair: the direction along which its first body leaves its second one soonest, of the axes of their boxes: the
-/// least way from the lowest point of the one to the highest of the other.
+/// Per deep pair: the direction along which its first body leaves its second one soonest, of the
+/// axes of their boxes: the least way from the lowest point of the one to the highest of the other.
 struct FindSeparation {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -173,9 +178,13 @@ struct SeparationRays {
     View<Hit> hits;
     View<Route> routes;  ///< empty if steps do not remember
 
-    PIERCE_HD Vec3d direction(const RaySource& from) const { return (from.side == 0 ? 1.0 : -1.0) * directions[from.pair]; }
+    PIERCE_HD Vec3d direction(const RaySource& from) const {
+        return (from.side == 0 ? 1.0 : -1.0) * directions[from.pair];
+    }
 
-    PIERCE_HD void write(std::uint32_t i, const RaySource& from) const { write(i, from, direction(from)); }
+    PIERCE_HD void write(std::uint32_t i, const RaySource& from) const {
+        write(i, from, direction(from));
+    }
 
     PIERCE_HD void write(std::uint32_t i, RaySource from, Vec3d direction) const {
         const DirectedPair& d = directed[2 * from.pair + from.side];
@@ -207,8 +216,8 @@ struct GenerateStrandedRays {
     PIERCE_HD void operator()(std::uint32_t i) const { out.write(i, from[i]); }
 };
 
-/// Per chord of an edge that only touches: a ray between the edge's triangles. Both bodies have an inside there, but their
-/// way apart may lead out of the target at once.
+/// Per chord of an edge that only touches: a ray between the edge's triangles. Both bodies have an
+/// inside there, but their way apart may lead out of the target at once.
 struct GenerateTouchingRays {
     SeparationRays out;
     View<const RaySource> from;
@@ -220,7 +229,8 @@ struct GenerateTouchingRays {
     }
 };
 
-/// Per part found inside: a ray from its vertex and, once per body, from those vertices that are furthest from the way out.
+/// Per part found inside: a ray from its vertex and, once per body, from those vertices that are
+/// furthest from the way out.
 struct GenerateContainedRays {
     static constexpr std::uint32_t per_part = 1 + constants::separation_vertices;
 
@@ -269,8 +279,8 @@ private:
     }
 };
 
-/// Per new ray that starts inside: makes it a contact, whatever its own body is like there, and tells its pair if it has any
-/// depth: the way apart may lead out of the target at once.
+/// Per new ray that starts inside: makes it a contact, whatever its own body is like there, and
+/// tells its pair if it has any depth: the way apart may lead out of the target at once.
 struct KeepSeparated {
     View<const std::uint32_t> inside;
     View<const RaySource> sources;

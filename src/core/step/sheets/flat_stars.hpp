@@ -17,15 +17,17 @@ struct alignas(16) FlatCorners {
     PIERCE_HD bool shares_one(const FlatCorners& other) const {
         bool shares = false;
         for (std::uint32_t v : vertex)
-            shares |= v != no_vertex && (v == other.vertex[0] || v == other.vertex[1] || v == other.vertex[2]);
+            shares |= v != no_vertex &&
+                      (v == other.vertex[0] || v == other.vertex[1] || v == other.vertex[2]);
         return shares;
     }
 };
 
-/// Per vertex of a sheet: 1 if the triangles around it are proved not to meet during the step, except where they hang
-/// together: they go around the vertex once, and seen along one direction each of them keeps facing it. Then their
-/// shadows are sectors that share no more than their sides, at any time: a sector has less than half a turn while its
-/// triangle faces that way, and the number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
+/// Per vertex of a sheet: 1 if the triangles around it are proved not to meet during the step,
+/// except where they hang together: they go around the vertex once, and seen along one direction
+/// each of them keeps facing it. Then their shadows are sectors that share no more than their
+/// sides, at any time: a sector has less than half a turn while its triangle faces that way, and
+/// the number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
 struct FindFlatStars {
     SheetBodies bodies;
     View<std::uint32_t> flat;
@@ -37,8 +39,9 @@ struct FindFlatStars {
     }
 
 private:
-    /// How a triangle at the vertex, given by the ways to its two other corners, faces `n` over the step: the least of the
-    /// Bernstein coefficients of a quadratic, which is not above its least value.
+    /// How a triangle at the vertex, given by the ways to its two other corners, faces `n` over the
+    /// step: the least of the Bernstein coefficients of a quadratic, which is not above its least
+    /// value.
     PIERCE_HD static double facing(const MovingPoint& u, const MovingPoint& w, Vec3d n) {
         const double start = dot(n, cross(u.start, w.start)), end = dot(n, cross(u.end, w.end));
         const double middle = 0.5 * (dot(n, cross(u.start, w.end)) + dot(n, cross(u.end, w.start)));
@@ -46,7 +49,8 @@ private:
     }
 
     PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
-        const std::uint32_t begin = body.mesh.corner_offsets[v], end = body.mesh.corner_offsets[v + 1];
+        const std::uint32_t begin = body.mesh.corner_offsets[v],
+                            end = body.mesh.corner_offsets[v + 1];
         if (begin == end || body.mesh.fans[begin] == no_vertex) return false;
         const MovingPoint at = body.vertex(v);
         const auto way_to = [&](std::uint32_t place) {
@@ -69,7 +73,8 @@ private:
         for (std::uint32_t c = begin; c < end; ++c) {
             const MovingPoint w = way_to(c);
             if (!(facing(u, w, n) > least)) return false;
-            turns += dot(n, cross(u.start, last.start)) >= 0 && dot(n, cross(last.start, w.start)) > 0;
+            turns += dot(n, cross(u.start, last.start)) >= 0 &&
+                     dot(n, cross(last.start, w.start)) > 0;
             u = w;
         }
         return turns == 1;

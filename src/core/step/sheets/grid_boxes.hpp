@@ -9,7 +9,8 @@
 #include "core/geometry/quick_vec3.hpp"
 #include "pierce/constants.hpp"
 
-/// Many boxes against many: sixteen in as little memory as five of float32, compared four at a time.
+/// Many boxes against many: sixteen in as little memory as five of float32, compared four at a
+/// time.
 namespace pierce::stages {
 
 /// A box in float32, not smaller than what it holds; empty by default.
@@ -45,25 +46,29 @@ struct alignas(16) QuickBox {
     }
 };
 
-/// A step is 1/124 of a side of a box. What is inside lies on steps 1 to 125, what is below or above it on 0 and 126. A
-/// coordinate that is not above another one has a step that is not above its step, whatever is rounded: a difference, a
-/// product and a sum in float32 keep that order, each by itself. So boxes that overlap do so in steps.
+/// A step is 1/124 of a side of a box. What is inside lies on steps 1 to 125, what is below or
+/// above it on 0 and 126. A coordinate that is not above another one has a step that is not above
+/// its step, whatever is rounded: a difference, a product and a sum in float32 keep that order,
+/// each by itself. So boxes that overlap do so in steps.
 struct alignas(16) BoxSteps {
     Vec3f origin;
     float padding = 0;
     Vec3f per_length;  ///< of the way to the last step
     float padding_2 = 0;
 
-    static constexpr std::uint32_t last = 126;  ///< and one more are seven bits: the eighth is for borrowing from
+    static constexpr std::uint32_t last = 126;  ///< and one more are seven bits: the eighth is for
+                                                ///< borrowing from
 
     BoxSteps() = default;
     PIERCE_HD explicit BoxSteps(const QuickBox& whole) {
-        constexpr float step = 1 / static_cast<float>(last - 2), share = 1 - 2 / static_cast<float>(last);
+        constexpr float step = 1 / static_cast<float>(last - 2),
+                        share = 1 - 2 / static_cast<float>(last);
         for (int axis = 0; axis < 3; ++axis) {
             // Of something flat, a step is still a difference of coordinates.
             const float lower = whole.lower[axis], upper = whole.upper[axis];
-            const float least = quick_max(constants::grid_thinness * quick_max(std::fabs(lower), std::fabs(upper)),
-                                          std::numeric_limits<float>::min());
+            const float least = quick_max(
+                constants::grid_thinness * quick_max(std::fabs(lower), std::fabs(upper)),
+                std::numeric_limits<float>::min());
             const float side = quick_max(upper - lower, least);
             per_length[axis] = share / side;
             origin[axis] = lower - step * side;
@@ -74,7 +79,8 @@ struct alignas(16) BoxSteps {
     PIERCE_HD std::uint32_t at(float coordinate, int axis, std::uint32_t more) const {
         const float share = (coordinate - origin[axis]) * per_length[axis];
         // The sum has the whole numbers in its lowest bits.
-        const float sum = quick_fma(static_cast<float>(last), quick_clamp(share), whole_numbers + static_cast<float>(more));
+        const float sum = quick_fma(static_cast<float>(last), quick_clamp(share),
+                                    whole_numbers + static_cast<float>(more));
         return std::bit_cast<std::uint32_t>(sum) - std::bit_cast<std::uint32_t>(whole_numbers);
     }
 
@@ -84,8 +90,8 @@ private:
 
 /// Sixteen boxes, in steps of the box around them, a byte a coordinate.
 struct alignas(16) GridBoxes {
-    /// A coordinate of all of them, a byte each: of lower ends the step, of upper ones one more and the top bit. In words:
-    /// bytes one by one a GPU would take apart and put together again.
+    /// A coordinate of all of them, a byte each: of lower ends the step, of upper ones one more and
+    /// the top bit. In words: bytes one by one a GPU would take apart and put together again.
     struct alignas(16) Row {
         std::uint32_t word[constants::group_size / 4];
 
@@ -109,10 +115,13 @@ struct alignas(16) GridBoxes {
     PIERCE_HD std::uint32_t near(const QuickBox& box) const { return near<1>({box}); }
 
     /// Likewise for two boxes, sixteen bits each; read once for both.
-    PIERCE_HD std::uint32_t near(const QuickBox& box, const QuickBox& other) const { return near<2>({box, other}); }
+    PIERCE_HD std::uint32_t near(const QuickBox& box, const QuickBox& other) const {
+        return near<2>({box, other});
+    }
 
 private:
-    static constexpr std::uint32_t top_bit = 0x80, every_byte = 0x01010101, top_bits = top_bit * every_byte;
+    static constexpr std::uint32_t top_bit = 0x80, every_byte = 0x01010101,
+                                   top_bits = top_bit * every_byte;
 
     template <std::uint32_t count>
     PIERCE_HD std::uint32_t near(const QuickBox (&box)[count]) const {
@@ -122,21 +131,27 @@ private:
         for (int axis = 0; axis < 3; ++axis) {
             const Row begin = read_whole(lower[axis]), end = read_whole(upper[axis]);
             for (std::uint32_t b = 0; b < count; ++b) {
-                // Bytes of seven bits: with the top bit before a difference, it stays if and only if that is not negative,
-                // and no byte borrows from the next one.
+                // Bytes of seven bits: with the top bit before a difference, it stays if and only
+                // if that is not negative, and no byte borrows from the next one.
                 const std::uint32_t low = every_byte * grid.at(box[b].lower[axis], axis, 1);
-                const std::uint32_t high = every_byte * grid.at(box[b].upper[axis], axis, 0) | top_bits;
-                for (int w = 0; w < 4; ++w) hits[b].word[w] &= (high - begin.word[w]) & (end.word[w] - low);
+                const std::uint32_t high = every_byte * grid.at(box[b].upper[axis], axis, 0) |
+                                           top_bits;
+                for (int w = 0; w < 4; ++w)
+                    hits[b].word[w] &= (high - begin.word[w]) & (end.word[w] - low);
             }
         }
         std::uint32_t mask = 0;
         for (std::uint32_t b = 0; b < count; ++b)
-            for (int w = 0; w < 4; ++w) mask |= top_bits_together(hits[b].word[w]) << (constants::group_size * b + 4 * w);
+            for (int w = 0; w < 4; ++w)
+                mask |= top_bits_together(hits[b].word[w]) << (constants::group_size * b + 4 * w);
         return mask;
     }
 
-    /// The top bits of four bytes, side by side: the product adds up shifted copies, in which no bit meets another.
-    PIERCE_HD static std::uint32_t top_bits_together(std::uint32_t bits) { return (bits >> 7) * 0x10204080u >> 28; }
+    /// The top bits of four bytes, side by side: the product adds up shifted copies, in which no
+    /// bit meets another.
+    PIERCE_HD static std::uint32_t top_bits_together(std::uint32_t bits) {
+        return (bits >> 7) * 0x10204080u >> 28;
+    }
 };
 static_assert(sizeof(GridBoxes) == 128);
 

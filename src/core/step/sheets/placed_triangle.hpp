@@ -12,7 +12,8 @@ namespace pierce::stages {
 /// A triangle during the step, in world space.
 struct PlacedTriangle {
     Vec3f start[3], end[3];
-    std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no part
+    std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no
+                                           ///< part
     std::uint32_t own = 0;                 ///< TriangleFeatures::own
 
     PIERCE_HD QuickBox box() const {
@@ -29,8 +30,9 @@ struct PlacedTriangle {
     }
 };
 
-/// A placed triangle as most of culling sees it: its corners at the end of the step, and how it has come there as a whole.
-/// Less to read, and hardly less to know: over a step a triangle turns and stretches little.
+/// A placed triangle as most of culling sees it: its corners at the end of the step, and how it has
+/// come there as a whole. Less to read, and hardly less to know: over a step a triangle turns and
+/// stretches little.
 struct alignas(16) DriftingTriangle {
     struct Corner {
         Vec3f end;
@@ -42,13 +44,15 @@ struct alignas(16) DriftingTriangle {
     std::uint32_t own = 0;  ///< TriangleFeatures::own
 
     DriftingTriangle() = default;
-    PIERCE_HD explicit DriftingTriangle(const PlacedTriangle& t) : corner{{t.end[0]}, {t.end[1]}, {t.end[2]}}, own(t.own) {
+    PIERCE_HD explicit DriftingTriangle(const PlacedTriangle& t)
+        : corner{{t.end[0]}, {t.end[1]}, {t.end[2]}}, own(t.own) {
         float furthest = 0, largest = 0;
         Vec3f motion[3];
         for (int k = 0; k < 3; ++k) {
             motion[k] = t.end[k] - t.start[k];
             drift += (1.0f / 3) * motion[k];
-            largest = quick_max(largest_of(t.end[k] - t.end[0]), quick_max(largest_of(t.start[k] - t.end[0]), largest));
+            largest = quick_max(largest_of(t.end[k] - t.end[0]),
+                                quick_max(largest_of(t.start[k] - t.end[0]), largest));
         }
         for (int k = 0; k < 3; ++k) furthest = quick_max(largest_of(motion[k] - drift), furthest);
         corner[0].more = furthest;
@@ -57,9 +61,12 @@ struct alignas(16) DriftingTriangle {
 
     /// No coordinate of a corner's motion is further away from that of the mean.
     PIERCE_HD float stray() const { return corner[0].more; }
-    /// No coordinate of a corner is larger, at the begin or the end, relative to the first one's place at the end.
+    /// No coordinate of a corner is larger, at the begin or the end, relative to the first one's
+    /// place at the end.
     PIERCE_HD float size() const { return corner[1].more; }
-    PIERCE_HD Vec3f end_normal() const { return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+    PIERCE_HD Vec3f end_normal() const {
+        return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end);
+    }
 };
 
 }  // namespace pierce::stages

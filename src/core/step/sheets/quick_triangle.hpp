@@ -8,7 +8,8 @@
 #include "pierce/constants.hpp"
 #include "pierce/host_device.hpp"
 
-/// What float32 says for certain about triangles of sheets during a step. Nearly all pairs of them are settled so.
+/// What float32 says for certain about triangles of sheets during a step. Nearly all pairs of them
+/// are settled so.
 namespace pierce::stages {
 
 /// A point during the step, float32, relative to some place near it.
@@ -35,7 +36,8 @@ struct Reach {
 /// What is known of how two features, or two triangles, get along.
 struct Company {
     bool separate = false;  ///< they do not meet during the step
-    bool distant = false;   ///< at its end they are no contact, unless they have met: too far apart, or not over each other
+    bool distant = false;  ///< at its end they are no contact, unless they have met: too far apart,
+                           ///< or not over each other
 
     PIERCE_HD bool is_settled() const { return separate && distant; }
     PIERCE_HD void learn(const Company& more) {
@@ -44,34 +46,41 @@ struct Company {
     }
 };
 
-/// The size of things, where float32 can tell something of them; infinite elsewhere, and with it all that may be made
-/// up. With coordinates up to s, heights over a triangle, times twice its area, are below 48 s^3, and is_beyond()
-/// squares them.
+/// The size of things, where float32 can tell something of them; infinite elsewhere, and with it
+/// all that may be made up. With coordinates up to s, heights over a triangle, times twice its
+/// area, are below 48 s^3, and is_beyond() squares them.
 PIERCE_HD inline float telling_size(float size) {
-    return size > constants::quick_smallest && size < constants::quick_largest ? size
-                                                                               : std::numeric_limits<float>::infinity();
+    return size > constants::quick_smallest && size < constants::quick_largest
+               ? size
+               : std::numeric_limits<float>::infinity();
 }
 
 /// How much of what is said along `n` float32 may have made up. `size`: no coordinate is larger.
-PIERCE_HD inline float made_up_along(Vec3f n, float size) { return constants::quick_rounding * sum_of_sizes(n) * size; }
+PIERCE_HD inline float made_up_along(Vec3f n, float size) {
+    return constants::quick_rounding * sum_of_sizes(n) * size;
+}
 
-/// True if something `ahead` along `n`, of any length, is further away than `margin`. Roots take long.
+/// True if something `ahead` along `n`, of any length, is further away than `margin`. Roots take
+/// long.
 PIERCE_HD inline bool is_beyond(float margin, float ahead, Vec3f n) {
     return ahead > 0 && ahead * ahead > margin * margin * quick_dot(n, n);
 }
 
-/// What a direction `n`, of any length, says about two convex things that reach so far along it: differences of corners
-/// are linear in time, so that one stays ahead if it is ahead at the start and at the end.
-PIERCE_HD inline Company company_along(Vec3f n, const Reach& of_a, const Reach& of_b, float margin, float size) {
+/// What a direction `n`, of any length, says about two convex things that reach so far along it:
+/// differences of corners are linear in time, so that one stays ahead if it is ahead at the start
+/// and at the end.
+PIERCE_HD inline Company company_along(Vec3f n, const Reach& of_a, const Reach& of_b, float margin,
+                                       float size) {
     const float made_up = made_up_along(n, size);
     const float ahead = of_a.low[1] - of_b.high[1], behind = of_b.low[1] - of_a.high[1];
-    return {quick_max(quick_min(of_a.low[0] - of_b.high[0], ahead), quick_min(of_b.low[0] - of_a.high[0], behind)) > made_up,
+    return {quick_max(quick_min(of_a.low[0] - of_b.high[0], ahead),
+                      quick_min(of_b.low[0] - of_a.high[0], behind)) > made_up,
             is_beyond(margin, quick_max(ahead, behind) - made_up, n)};
 }
 
 template <int mine, int others>
-PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others], float margin,
-                                float size) {
+PIERCE_HD Company company_along(Vec3f n, const QuickPoint (&a)[mine], const QuickPoint (&b)[others],
+                                float margin, float size) {
     return company_along(n, Reach(n, a), Reach(n, b), margin, size);
 }
 
@@ -91,29 +100,34 @@ public:
 
     PIERCE_HD Company along_normal_of_a(float margin) const {
         const Vec3f n = quick_cross(a1_, a2_);
-        return across(n, quick_dot(n, b_[0]), quick_dot(n, b_[1]), quick_dot(n, b_[2]), quick_dot(n, drift_), a_size_,
-                      margin);
+        return across(n, quick_dot(n, b_[0]), quick_dot(n, b_[1]), quick_dot(n, b_[2]),
+                      quick_dot(n, drift_), a_size_, margin);
     }
     PIERCE_HD Company along_normal_of_b(float margin) const {
         const Vec3f n = quick_cross(b_[1] - b_[0], b_[2] - b_[0]);
         const float at = quick_dot(n, b_[0]);
-        return across(n, -at, quick_dot(n, a1_) - at, quick_dot(n, a2_) - at, -quick_dot(n, drift_), b_size_, margin);
+        return across(n, -at, quick_dot(n, a1_) - at, quick_dot(n, a2_) - at, -quick_dot(n, drift_),
+                      b_size_, margin);
     }
 
 private:
-    /// By the heights of one's corners over the plane of the other, whose normal is `n`, and of the way that it has
-    /// come. In the plane are, but for rounding, the other's corners. u: half an ulp. Of a triangle with coordinates up
-    /// to the size s, differences of corners are off by u s, their cross product by 3 u s^2 more, so that the corners
-    /// reach 9 u s^3 + |n| u s along it. Where they are relative to another corner, up to S away, 3 |n| u S. Heights
-    /// lose less than what quick_rounding has to spare.
-    PIERCE_HD Company across(Vec3f n, float p, float q, float r, float way, float size_of_other, float margin) const {
+    /// By the heights of one's corners over the plane of the other, whose normal is `n`, and of the
+    /// way that it has come. In the plane are, but for rounding, the other's corners. u: half an
+    /// ulp. Of a triangle with coordinates up to the size s, differences of corners are off by u s,
+    /// their cross product by 3 u s^2 more, so that the corners reach 9 u s^3 + |n| u s along it.
+    /// Where they are relative to another corner, up to S away, 3 |n| u S. Heights lose less than
+    /// what quick_rounding has to spare.
+    PIERCE_HD Company across(Vec3f n, float p, float q, float r, float way, float size_of_other,
+                             float margin) const {
         const float n_sum = sum_of_sizes(n), off = n_sum * stray_;
         const float made_up = constants::quick_rounding * n_sum * size_ +
-                              constants::quick_normal_rounding * size_of_other * size_of_other * size_of_other;
+                              constants::quick_normal_rounding * size_of_other * size_of_other *
+                                  size_of_other;
         const float ahead = quick_min(p, quick_min(q, r)), behind = -quick_max(p, quick_max(q, r));
         const float ahead_before = ahead - way - off, behind_before = behind + way - off;
-        return {quick_max(quick_min(ahead_before, ahead), quick_min(behind_before, behind)) > made_up,
-                is_beyond(margin, quick_max(ahead, behind) - made_up, n)};
+        return {
+            quick_max(quick_min(ahead_before, ahead), quick_min(behind_before, behind)) > made_up,
+            is_beyond(margin, quick_max(ahead, behind) - made_up, n)};
     }
 
     Vec3f a1_, a2_, b_[3];  ///< at the end of the step, relative to the first corner of a
@@ -132,7 +146,9 @@ struct QuickTriangle {
     PIERCE_HD Vec3f start_normal() const {
         return quick_cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
     }
-    PIERCE_HD Vec3f end_normal() const { return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+    PIERCE_HD Vec3f end_normal() const {
+        return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end);
+    }
     /// No coordinate is larger at the start of the step, or at its end.
     PIERCE_HD float start_size() const {
         float size = 0;
@@ -146,8 +162,11 @@ struct QuickTriangle {
             for (int axis = 0; axis < 3; ++axis) size = quick_max(std::fabs(p.end[axis]), size);
         return size;
     }
-    /// A corner without an index that only the running thread knows: such arrays do not stay in registers.
-    PIERCE_HD QuickPoint pick(std::uint32_t k) const { return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2]; }
+    /// A corner without an index that only the running thread knows: such arrays do not stay in
+    /// registers.
+    PIERCE_HD QuickPoint pick(std::uint32_t k) const {
+        return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2];
+    }
 };
 
 }  // namespace pierce::stages

@@ -12,14 +12,14 @@
 #include "pierce/body.hpp"
 #include "pierce/min_max.hpp"
 
-/// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs (slab.hpp) around triangles, groups of
-/// sixteen triangles and blocks of sixteen groups.
+/// Where the bodies that sheets meet are over the step: vertices, and boxes and slabs (slab.hpp)
+/// around triangles, groups of sixteen triangles and blocks of sixteen groups.
 namespace pierce::stages {
 
 inline constexpr std::uint32_t triangles_per_block = constants::group_size * constants::group_size;
 
-/// A vertex during the step, in world space. float32, as the positions of sheets are; a rigid body's are rounded to that,
-/// once for all who look at them.
+/// A vertex during the step, in world space. float32, as the positions of sheets are; a rigid
+/// body's are rounded to that, once for all who look at them.
 struct alignas(16) MovingVertex {
     Vec3f start;
     float start_padding = 0;
@@ -41,7 +41,9 @@ struct SheetBody {
     PIERCE_HD bool has_triangle_at(std::uint32_t place) const {
         return place - first_place < mesh.triangles.size && view.active;
     }
-    PIERCE_HD std::uint32_t triangle_at(std::uint32_t place) const { return mesh.group_triangles[place - first_place]; }
+    PIERCE_HD std::uint32_t triangle_at(std::uint32_t place) const {
+        return mesh.group_triangles[place - first_place];
+    }
     PIERCE_HD PlacedTriangle placed(std::uint32_t triangle) const {
         PlacedTriangle placed;
         const Triangle t = mesh.triangles[triangle];
@@ -78,9 +80,11 @@ struct SheetBodies {
 struct MovingTriangle {
     MovingPoint corner[3];
 
-    PIERCE_HD MovingTriangle(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c, Vec3d origin)
-        : corner{
-              {a.start - origin, a.end - origin}, {b.start - origin, b.end - origin}, {c.start - origin, c.end - origin}} {}
+    PIERCE_HD MovingTriangle(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
+                             Vec3d origin)
+        : corner{{a.start - origin, a.end - origin},
+                 {b.start - origin, b.end - origin},
+                 {c.start - origin, c.end - origin}} {}
     PIERCE_HD MovingTriangle(const SheetBody& body, std::uint32_t triangle, Vec3d origin) {
         const Triangle& t = body.mesh.triangles[triangle];
         for (int k = 0; k < 3; ++k) {
@@ -92,7 +96,9 @@ struct MovingTriangle {
     PIERCE_HD Vec3d start_normal() const {
         return cross(corner[1].start - corner[0].start, corner[2].start - corner[0].start);
     }
-    PIERCE_HD Vec3d end_normal() const { return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end); }
+    PIERCE_HD Vec3d end_normal() const {
+        return cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end);
+    }
 };
 
 /// One of the things that lists of several owners hold one after the other.
@@ -160,7 +166,8 @@ PIERCE_HD inline void pack(GridBoxes& packed, Sixteen<QuickBox>& parts, const Qu
     parts.each([&](std::uint32_t k, const QuickBox& part) { packed.set(k, steps, part); });
 }
 
-/// Per group: its triangles over the step as culling sees them, their boxes, and the slab and the box around them.
+/// Per group: its triangles over the step as culling sees them, their boxes, and the slab and the
+/// box around them.
 struct PlaceGroups {
     SheetBodies bodies;
     Interleaved<DriftingTriangle> drifting;
@@ -169,11 +176,14 @@ struct PlaceGroups {
     View<Slab> slabs;
     View<QuickBox> boxes;
 
-    static constexpr int threads_at_once = 1024;  // measured: with 512 a step of many sheets takes 0.5 % longer
+    static constexpr int threads_at_once = 1024;  // measured: with 512 a step of many sheets takes
+                                                  // 0.5 % longer
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i), first = group * constants::group_size;
-        const SheetBody body = bodies[owned_item(bodies.block_offsets, group / constants::group_size).owner];
+        const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i),
+                            first = group * constants::group_size;
+        const SheetBody
+            body = bodies[owned_item(bodies.block_offsets, group / constants::group_size).owner];
         Sixteen<PlacedTriangle> triangles;
         Sixteen<QuickBox> own_boxes;
         triangles.each([&](std::uint32_t k, PlacedTriangle& p) {
@@ -194,9 +204,11 @@ struct PlaceGroups {
     }
 
 private:
-    PIERCE_HD static Slab slab_around(const Sixteen<PlacedTriangle>& triangles, const QuickBox& box) {
-        const SlabFrame frame(triangles.joined<Vec3d>([](std::uint32_t, const PlacedTriangle& t) { return t.end_normal(); },
-                                                      [](Vec3d& all, Vec3d part) { all += part; }));
+    PIERCE_HD static Slab slab_around(const Sixteen<PlacedTriangle>& triangles,
+                                      const QuickBox& box) {
+        const SlabFrame frame(triangles.joined<Vec3d>(
+            [](std::uint32_t, const PlacedTriangle& t) { return t.end_normal(); },
+            [](Vec3d& all, Vec3d part) { all += part; }));
         const Vec3d origin = to_double(box.lower);
         const auto extent_of = [&](std::uint32_t, const PlacedTriangle& t) {
             Box extent;
@@ -206,7 +218,9 @@ private:
             }
             return extent;
         };
-        return frame.slab(triangles.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }), origin);
+        return frame.slab(
+            triangles.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }),
+            origin);
     }
 };
 
@@ -219,9 +233,11 @@ struct BoundBlocks {
     View<QuickBox> boxes;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t block = Sixteen<Slab>::group_of(i), first = block * constants::group_size;
+        const std::uint32_t block = Sixteen<Slab>::group_of(i),
+                            first = block * constants::group_size;
         Sixteen<QuickBox> parts;
-        parts.each([&](std::uint32_t k, QuickBox& part) { part = read_whole(group_boxes[first + k]); });
+        parts.each(
+            [&](std::uint32_t k, QuickBox& part) { part = read_whole(group_boxes[first + k]); });
         const QuickBox box = box_around(parts);
         pack(packed[block], parts, box);
         Sixteen<Slab> held;
@@ -234,8 +250,9 @@ struct BoundBlocks {
 
 private:
     PIERCE_HD static Slab slab_around(const Sixteen<Slab>& held, const QuickBox& box) {
-        const SlabFrame frame(held.joined<Vec3d>([](std::uint32_t, const Slab& slab) { return to_double(slab.axis[0]); },
-                                                 [](Vec3d& all, Vec3d part) { all += part; }));
+        const SlabFrame frame(held.joined<Vec3d>(
+            [](std::uint32_t, const Slab& slab) { return to_double(slab.axis[0]); },
+            [](Vec3d& all, Vec3d part) { all += part; }));
         const Vec3d origin = to_double(box.lower);
         const auto extent_of = [&](std::uint32_t, const Slab& slab) {
             if (!slab.holds_something()) return Box{};
@@ -244,12 +261,14 @@ private:
             for (int axis = 0; axis < 3; ++axis) {
                 reach[axis] = static_cast<double>(slab.rounding);
                 for (int j = 0; j < 3; ++j)
-                    reach[axis] +=
-                        static_cast<double>(slab.half[j]) * std::fabs(dot(frame.axis[axis], to_double(slab.axis[j])));
+                    reach[axis] += static_cast<double>(slab.half[j]) *
+                                   std::fabs(dot(frame.axis[axis], to_double(slab.axis[j])));
             }
             return Box{middle - reach, middle + reach};
         };
-        return frame.slab(held.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }), origin);
+        return frame.slab(
+            held.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }),
+            origin);
     }
 };
 
@@ -263,9 +282,11 @@ struct BoundSections {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t section = Sixteen<QuickBox>::group_of(i);
         const OwnedItem item = owned_item(section_offsets, section);
-        const std::uint32_t place = item.index * constants::group_size, offset = block_offsets[item.owner];
+        const std::uint32_t place = item.index * constants::group_size,
+                            offset = block_offsets[item.owner];
         const std::uint32_t begin = offset + place;
-        const std::uint32_t end = offset + min_of(place + constants::group_size, blocks[item.owner]);
+        const std::uint32_t end = offset +
+                                  min_of(place + constants::group_size, blocks[item.owner]);
         Sixteen<QuickBox> parts;
         parts.each([&](std::uint32_t k, QuickBox& part) {
             part = begin + k < end ? read_whole(block_boxes[begin + k]) : QuickBox{};

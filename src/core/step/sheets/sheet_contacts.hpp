@@ -13,11 +13,12 @@
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
 
-/// Sheets, last part: the list of their contacts, in order, what is remembered of each, and what they add up to.
+/// Sheets, last part: the list of their contacts, in order, what is remembered of each, and what
+/// they add up to.
 namespace pierce::stages {
 
-/// Per two features in their order: those with the same key are brought into the order of the other ones, by the first of
-/// them. They are few.
+/// Per two features in their order: those with the same key are brought into the order of the other
+/// ones, by the first of them. They are few.
 struct OrderTies {
     View<const FeaturePair> features;
     View<const std::uint64_t> keys;
@@ -28,13 +29,15 @@ struct OrderTies {
         for (std::uint32_t i = first + 1; i < keys.size && keys[i] == keys[first]; ++i) {
             const std::uint32_t feature = order[i], other = features[feature].other;
             std::uint32_t place = i;
-            for (; place > first && features[order[place - 1]].other > other; --place) order[place] = order[place - 1];
+            for (; place > first && features[order[place - 1]].other > other; --place)
+                order[place] = order[place - 1];
             order[place] = feature;
         }
     }
 };
 
-/// Per two features: for how many steps they have been a contact. Reads the memory of the last step.
+/// Per two features: for how many steps they have been a contact. Reads the memory of the last
+/// step.
 struct FindAge {
     View<const FeaturePair> features;
     SheetMemory memory;
@@ -42,7 +45,9 @@ struct FindAge {
 
     static constexpr int threads_at_once = 1536;  // it waits for memory
 
-    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = memory.age(read_whole(features[i])); }
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        ages[i] = memory.age(read_whole(features[i]));
+    }
 };
 
 /// True for features that are a contact; lists those in their order.
@@ -50,7 +55,9 @@ struct IsContact {
     View<const Judgement> judgements;
     View<const std::uint32_t> order;
 
-    PIERCE_HD bool operator()(std::uint32_t place) const { return judgements[order[place]].verdict == Verdict::contact; }
+    PIERCE_HD bool operator()(std::uint32_t place) const {
+        return judgements[order[place]].verdict == Verdict::contact;
+    }
     PIERCE_HD std::uint32_t listed(std::uint32_t place) const { return order[place]; }
 };
 
@@ -100,7 +107,8 @@ struct FillSheetContact {
         const SheetMeeting m = read_whole(meetings[feature]);
         const Judgement judgement = judgements[feature];
         const SheetPair pair = read_whole(pairs[f.pair]);
-        const bool from_b = f.kind == FeatureKind::vertex_of_b || f.kind == FeatureKind::piercing_edge_of_b;
+        const bool from_b = f.kind == FeatureKind::vertex_of_b ||
+                            f.kind == FeatureKind::piercing_edge_of_b;
         const SheetBody source = bodies[from_b ? pair.second : pair.first],
                         target = bodies[from_b ? pair.first : pair.second];
         keys[i] = feature_key(f.pair, f.kind, f.item, bits);
@@ -114,7 +122,8 @@ struct FillSheetContact {
         c.time = m.time;
         c.age = ages[feature];
         c.distance = m.distance;
-        const bool is_vertex = f.kind == FeatureKind::vertex_of_a || f.kind == FeatureKind::vertex_of_b;
+        const bool is_vertex = f.kind == FeatureKind::vertex_of_a ||
+                               f.kind == FeatureKind::vertex_of_b;
         Vec3d p, corner[3];
         if (is_vertex) {
             c.vertex = f.item;
@@ -126,7 +135,8 @@ struct FillSheetContact {
             c.vertex = edge.vertex[0];
             c.edge_end = edge.vertex[1];
             c.along = m.along;
-            p = (1 - m.along) * source.vertex(edge.vertex[0]).end + m.along * source.vertex(edge.vertex[1]).end;
+            p = (1 - m.along) * source.vertex(edge.vertex[0]).end +
+                m.along * source.vertex(edge.vertex[1]).end;
         }
         if (f.kind == FeatureKind::edges) {
             const Edge& edge = target.mesh.edges[f.other];
@@ -135,13 +145,15 @@ struct FillSheetContact {
             // A triangle may name a vertex twice: each end of the edge is one of its corners.
             const Triangle& t = target.mesh.triangles[c.triangle];
             const int first = corner_of(t, edge.vertex[0]), second = corner_of(t, edge.vertex[1]);
-            for (int k = 0; k < 3; ++k) c.barycentric[k] = k == first ? 1 - m.weight[0] : k == second ? m.weight[0] : 0.0;
+            for (int k = 0; k < 3; ++k)
+                c.barycentric[k] = k == first ? 1 - m.weight[0] : k == second ? m.weight[0] : 0.0;
         } else {
             c.triangle = f.other;
             for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight_of(k);
         }
         if (!is_vertex)
-            for (int k = 0; k < 3; ++k) corner[k] = target.vertex(target.mesh.triangles[c.triangle].vertex[k]).end;
+            for (int k = 0; k < 3; ++k)
+                corner[k] = target.vertex(target.mesh.triangles[c.triangle].vertex[k]).end;
         Vec3d q;
         for (int k = 0; k < 3; ++k) q += c.barycentric[k] * corner[k];
         c.point_a = from_b ? q : p;
@@ -159,7 +171,8 @@ struct FillSheetContact {
         record.distance = m.distance;
         records[i] = record;
         if (is_vertex && m.distance < 0)
-            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(min_of(-m.distance, target.view.range))));
+            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(
+                                            round_up(min_of(-m.distance, target.view.range))));
     }
 };
 

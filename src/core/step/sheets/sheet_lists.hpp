@@ -21,7 +21,8 @@ struct SheetRecords {
     std::uint32_t bits = 0;         ///< of the numbers of features in `keys`
     Buffer<std::uint64_t> keys;     ///< per contact, in the order of the contacts
     Buffer<SheetRecord> records;    ///< per contact
-    Buffer<std::uint32_t> deepest;  ///< per pair, how far vertices are on the wrong side, as the bits of a float32
+    Buffer<std::uint32_t> deepest;  ///< per pair, how far vertices are on the wrong side, as the
+                                    ///< bits of a float32
 
     void forget() {
         keys.clear();
@@ -45,8 +46,8 @@ struct SheetRecords {
 /// Where the sections, blocks and vertices of wanted bodies are among those of all; per body.
 template <Executor E>
 struct SheetPlaces {
-    typename E::template Buffer<std::uint32_t> wanted, section_counts, block_counts, vertex_counts, section_offsets,
-        block_offsets, vertex_offsets;
+    typename E::template Buffer<std::uint32_t> wanted, section_counts, block_counts, vertex_counts,
+        section_offsets, block_offsets, vertex_offsets;
 };
 
 /// Where vertices and triangles are over the step, and bounds of groups, blocks and sections.
@@ -86,7 +87,8 @@ struct SheetFeatureLists {
     using Buffer = typename E::template Buffer<Item>;
 
     Buffer<stages::MeetingTriangles> triangles;
-    Buffer<std::uint32_t> open;  ///< of the triangles, those whose features are found by exact tests
+    Buffer<std::uint32_t> open;  ///< of the triangles, those whose features are found by exact
+                                 ///< tests
     Buffer<stages::FeaturePair> features;
     Buffer<std::uint64_t> keys;
     Buffer<std::uint32_t> order;

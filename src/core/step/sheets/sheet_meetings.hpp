@@ -14,21 +14,25 @@
 
 /// Sheets, third part: which of the features found are contacts, and on which side.
 ///
-/// A sheet has no inside: what counts is where a vertex comes from. Its side of a triangle is the one it is remembered to be
-/// on; or the one from which it meets the triangle; or the one it was on when the step began. The motion is the one
-/// relative to the triangle: layers that move together do not meet. A contact pushes to that side, also when the vertex is
-/// through. A solid keeps its side for good: out.
+/// A sheet has no inside: what counts is where a vertex comes from. Its side of a triangle is the
+/// one it is remembered to be on; or the one from which it meets the triangle; or the one it was on
+/// when the step began. The motion is the one relative to the triangle: layers that move together
+/// do not meet. A contact pushes to that side, also when the vertex is through. A solid keeps its
+/// side for good: out.
 namespace pierce::stages {
 
 /// How two features stand at the end of the step.
 struct alignas(16) SheetMeeting {
-    double weight[2] = {};  ///< of the triangle's first two corners; of edges: the place along the second one comes first
+    double weight[2] = {};  ///< of the triangle's first two corners; of edges: the place along the
+                            ///< second one comes first
     double along = 0;       ///< of an edge, or the first of two: the place along it
-    Vec3d out;              ///< unit, world: where the first feature belongs, as seen from the second
-    double distance = 0;    ///< [length] along it
+    Vec3d out;            ///< unit, world: where the first feature belongs, as seen from the second
+    double distance = 0;  ///< [length] along it
     double time = 1;
 
-    PIERCE_HD double weight_of(int corner) const { return corner < 2 ? weight[corner] : 1 - weight[0] - weight[1]; }
+    PIERCE_HD double weight_of(int corner) const {
+        return corner < 2 ? weight[corner] : 1 - weight[0] - weight[1];
+    }
 };
 static_assert(sizeof(SheetMeeting) == 64);
 
@@ -43,9 +47,10 @@ struct Judgement {
 };
 static_assert(sizeof(Judgement) == sizeof(std::uint32_t));
 
-/// Per two features: whether they are a contact, and how. Reads the memory of the last step. First of all features, without
-/// searching for the time of a meeting: nearly all are settled by a direction that separates them, and the others listed as
-/// undecided; then, searching, of those. The search needs so much of a GPU's registers that few threads could run with it.
+/// Per two features: whether they are a contact, and how. Reads the memory of the last step. First
+/// of all features, without searching for the time of a meeting: nearly all are settled by a
+/// direction that separates them, and the others listed as undecided; then, searching, of those.
+/// The search needs so much of a GPU's registers that few threads could run with it.
 template <bool searching>
 struct MeetFeatures {
     SheetBodies bodies;
@@ -57,14 +62,16 @@ struct MeetFeatures {
     View<SheetMeeting> meetings;
     View<Judgement> judgements;
 
-    static constexpr int threads_at_once = searching ? 256 : 512;  // measured: with 384 a quarter slower
+    static constexpr int threads_at_once = searching ? 256 : 512;  // measured: with 384 a quarter
+                                                                   // slower
 
     PIERCE_HD void operator()(std::uint32_t item) const { judge(undecided[item]); }
 
     /// Without searching: true if they are undecided.
     PIERCE_HD bool find(std::uint32_t i) const { return judge(i).verdict == Verdict::undecided; }
     PIERCE_HD static std::uint32_t count(bool is_undecided) { return is_undecided; }
-    PIERCE_HD void write(std::uint32_t i, bool is_undecided, std::uint32_t place, std::uint32_t* list) const {
+    PIERCE_HD void write(std::uint32_t i, bool is_undecided, std::uint32_t place,
+                         std::uint32_t* list) const {
         if (is_undecided) list[place] = i;
     }
 
@@ -72,7 +79,8 @@ private:
     PIERCE_HD Judgement judge(std::uint32_t i) const {
         const FeaturePair f = read_whole(features[i]);
         const SheetPair pair = read_whole(sheet_pairs[f.pair]);
-        // Whatever they are, their vertices are read side by side; places of one body or the other are not looked up again.
+        // Whatever they are, their vertices are read side by side; places of one body or the other
+        // are not looked up again.
         MovingPoint p[4];
         for (int k = 0; k < 4; ++k) p[k] = bodies.vertex(f.vertex[k]);
         SheetMeeting m;
@@ -92,15 +100,20 @@ private:
         return judgement;
     }
 
-    /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to the triangle's first
-    /// corner.
-    PIERCE_HD SheetBody holder(const FeaturePair& f) const { return bodies[pairs[f.pair].source(side_of(f.kind))]; }
-    PIERCE_HD SheetBody target(const FeaturePair& f) const { return bodies[pairs[f.pair].target(side_of(f.kind))]; }
+    /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to
+    /// the triangle's first corner.
+    PIERCE_HD SheetBody holder(const FeaturePair& f) const {
+        return bodies[pairs[f.pair].source(side_of(f.kind))];
+    }
+    PIERCE_HD SheetBody target(const FeaturePair& f) const {
+        return bodies[pairs[f.pair].target(side_of(f.kind))];
+    }
     PIERCE_HD static std::uint32_t side_of(FeatureKind kind) {
         return kind == FeatureKind::vertex_of_b || kind == FeatureKind::piercing_edge_of_b;
     }
 
-    /// The first of some directions that is one, as a unit vector; if there is none, any, and nobody knows which way out is.
+    /// The first of some directions that is one, as a unit vector; if there is none, any, and
+    /// nobody knows which way out is.
     PIERCE_HD static Vec3d way_out(Judgement& judgement, std::initializer_list<Vec3d> directions) {
         for (const Vec3d& d : directions)
             if (const Vec3d unit = normalized(d); length_squared(unit) > 0) return unit;
@@ -108,32 +121,39 @@ private:
         return {1, 0, 0};
     }
 
-    PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) { return {p.start - origin, p.end - origin}; }
+    PIERCE_HD static MovingPoint relative(const MovingPoint& p, Vec3d origin) {
+        return {p.start - origin, p.end - origin};
+    }
 
-    PIERCE_HD Judgement vertex_and_triangle(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
-                                            SheetMeeting& m) const {
+    PIERCE_HD Judgement vertex_and_triangle(const FeaturePair& f, const SheetPair& pair,
+                                            const MovingPoint (&point)[4], SheetMeeting& m) const {
         const Vec3d origin = point[1].end;
         const MovingTriangle face(point[1], point[2], point[3], origin);
         const MovingPoint p = relative(point[0], origin);
         const Vec3d normal = normalized(face.end_normal());
         const double height = dot(normal, p.end - face.corner[0].end);
-        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end, p.end, m.weight);
+        const bool above = weights_over(face.corner[0].end, face.corner[1].end, face.corner[2].end,
+                                        p.end, m.weight);
 
         const bool close = above && std::fabs(height) < pair.margin;
-        const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) != (height < 0);
+        const bool changes = (dot(face.start_normal(), p.start - face.corner[0].start) < 0) !=
+                             (height < 0);
         Impact impact;
         bool met = false;
         if constexpr (searching)
             met = vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact);
         else if ((close && changes) ||
-                 (!f.separate && !vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2])))
+                 (!f.separate &&
+                  !vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2])))
             return {Verdict::undecided};
         if (!met && !close) return {};
         // Looking into the memory takes longer than all the rest: only where it matters.
-        const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles) : 0;
+        const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles)
+                                                         : 0;
         std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
-        // What is inside a solid is pushed out along a ray. But what leaves it here and ends behind the triangle all the
-        // same has come in again, and may have slipped around the triangle's border before.
+        // What is inside a solid is pushed out along a ray. But what leaves it here and ends behind
+        // the triangle all the same has come in again, and may have slipped around the triangle's
+        // border before.
         if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) {
             if (!met || remembered != 0 || !(height < 0)) return {};
             its_side = 1;
@@ -141,7 +161,8 @@ private:
 
         const double gap = its_side * height;
         const bool through = above && remembered != 0 && gap < 0 && -gap < pair.margin;
-        const bool near = above && std::fabs(height) < pair.thickness && gap < proximity_of_vertex(f, pair);
+        const bool near = above && std::fabs(height) < pair.thickness &&
+                          gap < proximity_of_vertex(f, pair);
         if (!met && !near && !through) return {};
         Judgement judgement{Verdict::contact,
                             met       ? Found::crossing
@@ -161,8 +182,8 @@ private:
             }
             // A triangle that has lost its area has no side any more.
             if (length_squared(m.out) == 0)
-                m.out =
-                    way_out(judgement, {static_cast<double>(its_side) * face.start_normal(), p.start - start, p.end - at});
+                m.out = way_out(judgement, {static_cast<double>(its_side) * face.start_normal(),
+                                            p.start - start, p.end - at});
             m.distance = dot(m.out, p.end - at);
         }
         if (met) m.time = impact.time;
@@ -180,8 +201,9 @@ private:
     }
 
     /// The side of the triangle that the vertex belongs to.
-    PIERCE_HD std::int32_t side(const FeaturePair& f, const MovingTriangle& face, const MovingPoint& p, double height,
-                                std::int32_t remembered, bool met, const Impact& impact) const {
+    PIERCE_HD std::int32_t side(const FeaturePair& f, const MovingTriangle& face,
+                                const MovingPoint& p, double height, std::int32_t remembered,
+                                bool met, const Impact& impact) const {
         if (remembered != 0) return remembered;
         const Vec3d n = face.start_normal(), from_corner = p.start - face.corner[0].start;
         const double before = dot(n, from_corner);
@@ -196,16 +218,19 @@ private:
             }
             Vec3d c[3];
             for (int k = 0; k < 3; ++k)
-                c[k] = face.corner[k].start + impact.time * (face.corner[k].end - face.corner[k].start);
-            // What rests on the triangle, or moves with it, comes from neither side: what rounding says of that is no
-            // answer.
+                c[k] = face.corner[k].start +
+                       impact.time * (face.corner[k].end - face.corner[k].start);
+            // What rests on the triangle, or moves with it, comes from neither side: what rounding
+            // says of that is no answer.
             const Vec3d then = cross(c[1] - c[0], c[2] - c[0]);
             const double approach = dot(then, motion);
-            if (std::fabs(approach) > constants::motion_rounding * length(then) * way) return approach < 0 ? 1 : -1;
+            if (std::fabs(approach) > constants::motion_rounding * length(then) * way)
+                return approach < 0 ? 1 : -1;
             return before < -constants::motion_rounding * length(n) * length(from_corner) ? -1 : 1;
         }
         if ((before < 0) == (height < 0)) return height < 0 ? -1 : 1;
-        // It has changed sides without meeting this triangle: through a neighbour, or around the border.
+        // It has changed sides without meeting this triangle: through a neighbour, or around the
+        // border.
         bool through = false;
         if constexpr (searching) through = meets_neighbor(f, p);
         return (through ? before : height) < 0 ? -1 : 1;
@@ -216,20 +241,26 @@ private:
         const Vec3d origin = of_face.vertex(of_face.mesh.triangles[f.other].vertex[0]).end;
         for (std::uint32_t neighbor : of_face.mesh.neighbors[f.other].across) {
             if (neighbor == no_triangle) continue;
-            if (sheet_pairs[f.pair].is_self() && has_vertex(of_face.mesh.triangles[neighbor], f.item)) continue;
+            if (sheet_pairs[f.pair].is_self() &&
+                has_vertex(of_face.mesh.triangles[neighbor], f.item))
+                continue;
             const MovingTriangle face(of_face, neighbor, origin);
             Impact impact;
-            if (vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact)) return true;
+            if (vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact))
+                return true;
         }
         return false;
     }
 
-    /// How close counts as near: the thickness; of a body to itself, no more than half of how close the two are at rest.
+    /// How close counts as near: the thickness; of a body to itself, no more than half of how close
+    /// the two are at rest.
     PIERCE_HD double proximity_of_vertex(const FeaturePair& f, const SheetPair& pair) const {
         if (!pair.is_self()) return pair.thickness;
         Vec3d rest[4];
         at_rest(f, pair, rest);
-        return min_of(pair.thickness, 0.5 * length(rest[0] - closest_on_triangle(rest[0], rest[1], rest[2], rest[3])));
+        return min_of(
+            pair.thickness,
+            0.5 * length(rest[0] - closest_on_triangle(rest[0], rest[1], rest[2], rest[3])));
     }
     PIERCE_HD double proximity_of_edges(const FeaturePair& f, const SheetPair& pair) const {
         if (!pair.is_self()) return pair.thickness;
@@ -243,11 +274,11 @@ private:
         for (int k = 0; k < 4; ++k) rest[k] = to_double(positions[f.vertex[k] - offset]);
     }
 
-    PIERCE_HD Judgement two_edges(const FeaturePair& f, const SheetPair& pair, const MovingPoint (&point)[4],
-                                  SheetMeeting& m) const {
+    PIERCE_HD Judgement two_edges(const FeaturePair& f, const SheetPair& pair,
+                                  const MovingPoint (&point)[4], SheetMeeting& m) const {
         const Vec3d origin = point[0].end;
-        const MovingPoint p = relative(point[0], origin), q = relative(point[1], origin), r = relative(point[2], origin),
-                          s = relative(point[3], origin);
+        const MovingPoint p = relative(point[0], origin), q = relative(point[1], origin),
+                          r = relative(point[2], origin), s = relative(point[3], origin);
         const SegmentPlaces at = closest_points_of_segments(p.end, q.end, r.end, s.end);
         const bool between = at.first > 0 && at.first < 1 && at.second > 0 && at.second < 1;
         Vec3d way = p.end + at.first * (q.end - p.end) - r.end - at.second * (s.end - r.end);
@@ -260,13 +291,16 @@ private:
         else if (!f.separate && !edges_surely_miss(p, q, r, s))
             return {Verdict::undecided};
         if (!met) {
-            if (!between || !(m.distance > 0) || !(m.distance < proximity_of_edges(f, pair))) return {};
+            if (!between || !(m.distance > 0) || !(m.distance < proximity_of_edges(f, pair)))
+                return {};
             m.out = normalized(way);
             set_places(m, at.first, at.second);
             return {Verdict::contact, Found::near};
         }
         // The side from which they meet; it stays theirs while they turn.
-        const auto when = [&](const MovingPoint& x) { return x.start + impact.time * (x.end - x.start); };
+        const auto when = [&](const MovingPoint& x) {
+            return x.start + impact.time * (x.end - x.start);
+        };
         const Vec3d u = when(q) - when(p), v = when(s) - when(r);
         const Vec3d motion = (1 - impact.u) * (p.end - p.start) + impact.u * (q.end - q.start) -
                              (1 - impact.v) * (r.end - r.start) - impact.v * (s.end - s.start);
@@ -278,7 +312,8 @@ private:
             m.out = normalized(turned ? -end : end);
         else
             m.out = way_out(judgement, {-motion, way});
-        const double first_place = between ? at.first : impact.u, second_place = between ? at.second : impact.v;
+        const double first_place = between ? at.first : impact.u,
+                     second_place = between ? at.second : impact.v;
         way = p.end + first_place * (q.end - p.end) - r.end - second_place * (s.end - r.end);
         m.distance = dot(m.out, way);
         set_places(m, first_place, second_place);
@@ -291,22 +326,28 @@ private:
         m.weight[0] = second;
     }
 
-    /// An edge that has been through a triangle since before the step began: a contact only if nobody knows which way it
-    /// came. Moving it along the gradient of the contour's length makes the two part (Volino and Magnenat-Thalmann 2006).
-    PIERCE_HD Judgement piercing(const FeaturePair& f, const SheetPair& pair, SheetMeeting& m) const {
+    /// An edge that has been through a triangle since before the step began: a contact only if
+    /// nobody knows which way it came. Moving it along the gradient of the contour's length makes
+    /// the two part (Volino and Magnenat-Thalmann 2006).
+    PIERCE_HD Judgement piercing(const FeaturePair& f, const SheetPair& pair,
+                                 SheetMeeting& m) const {
         if (pair.is_solid[0] || pair.is_solid[1]) return {};
         const SheetBody of_edge = holder(f), of_face = target(f);
         const View<const Triangle> triangles = of_face.mesh.triangles;
-        const FeatureKind vertices =
-            side_of(f.kind) == 0 || pair.is_self() ? FeatureKind::vertex_of_a : FeatureKind::vertex_of_b;
+        const FeatureKind vertices = side_of(f.kind) == 0 || pair.is_self()
+                                         ? FeatureKind::vertex_of_a
+                                         : FeatureKind::vertex_of_b;
         const Edge& e = of_edge.mesh.edges[f.item];
         for (std::uint32_t v : e.vertex)
-            if (pair.was_through && memory.knows(f.pair, vertices, v, f.other, triangles)) return {};
+            if (pair.was_through && memory.knows(f.pair, vertices, v, f.other, triangles))
+                return {};
         const Triangle& t = triangles[f.other];
         const Vec3d a = of_face.vertex(t.vertex[0]).end, b = of_face.vertex(t.vertex[1]).end - a,
                     c = of_face.vertex(t.vertex[2]).end - a;
-        const Vec3d p = of_edge.vertex(e.vertex[0]).end - a, q = of_edge.vertex(e.vertex[1]).end - a;
-        // Of the two, `pierces` has seen different signs: with the normal as it is, not made a unit, they are the same here.
+        const Vec3d p = of_edge.vertex(e.vertex[0]).end - a,
+                    q = of_edge.vertex(e.vertex[1]).end - a;
+        // Of the two, `pierces` has seen different signs: with the normal as it is, not made a
+        // unit, they are the same here.
         const Vec3d across = cross(b, c), normal = normalized(across);
         const double from = dot(across, p), to = dot(across, q);
         m.along = from / (from - to);
@@ -329,7 +370,8 @@ private:
             gradient += contour - (2 * dot(along, contour) / dot(along, normal)) * normal;
         }
         const double size = length(gradient);
-        const bool unknown = !(size > constants::vanishing_normal) || !(size < 1 / constants::vanishing_normal);
+        const bool unknown = !(size > constants::vanishing_normal) ||
+                             !(size < 1 / constants::vanishing_normal);
         m.out = unknown ? normal : normalized(gradient);
         return {Verdict::contact, Found::tangled, 0, unknown};
     }

@@ -21,7 +21,9 @@ struct SheetMemory {
         std::int32_t side = 0;
         each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
             const bool same = record.other == f.other;
-            if (record.side == 0 || (!same && !share_corner(triangles[record.other], triangles[f.other]))) return false;
+            if (record.side == 0 ||
+                (!same && !share_corner(triangles[record.other], triangles[f.other])))
+                return false;
             if (same || side == 0) side = record.side;
             return same;
         });
@@ -39,25 +41,28 @@ struct SheetMemory {
     }
 
     /// True if it is remembered of a vertex which side of a triangle it belongs to.
-    PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex, std::uint32_t triangle,
-                         View<const Triangle> triangles) const {
+    PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex,
+                         std::uint32_t triangle, View<const Triangle> triangles) const {
         return side({pair, vertex, triangle, kind}, triangles) != 0;
     }
 
 private:
     PIERCE_HD static bool share_corner(const Triangle& a, const Triangle& b) {
-        return has_vertex(a, b.vertex[0]) || has_vertex(a, b.vertex[1]) || has_vertex(a, b.vertex[2]);
+        return has_vertex(a, b.vertex[0]) || has_vertex(a, b.vertex[1]) ||
+               has_vertex(a, b.vertex[2]);
     }
 
     /// Calls see(record) for the feature's records until that is true.
     template <class See>
-    PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item, const See& see) const {
+    PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item,
+                        const See& see) const {
         if (keys.size == 0 || links[pair] == no_pair) return;
         const std::uint64_t key = feature_key(links[pair], kind, item, bits);
         // By quarters: of three keys that are read at once, a GPU waits for one.
         std::uint32_t low = 0, high = keys.size;
         while (low < high) {
-            const std::uint32_t quarter = (high - low) / 4, at[3] = {low + quarter, low + 2 * quarter, low + 3 * quarter};
+            const std::uint32_t quarter = (high - low) / 4,
+                                at[3] = {low + quarter, low + 2 * quarter, low + 3 * quarter};
             const bool before[3] = {keys[at[0]] < key, keys[at[1]] < key, keys[at[2]] < key};
             if (!before[2]) high = !before[0] ? at[0] : !before[1] ? at[1] : at[2];
             if (before[0]) low = before[2] ? at[2] + 1 : before[1] ? at[1] + 1 : at[0] + 1;

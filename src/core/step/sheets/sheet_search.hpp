@@ -14,10 +14,11 @@
 #include "core/step/sheets/quick_triangle.hpp"
 #include "pierce/min_max.hpp"
 
-/// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet during the step or come
-/// closer than the thickness. Boxes around triangles, groups of them and blocks of groups, over the whole step, are compared
-/// sixteen at a time, from the largest to the smallest, section by section (sixteen blocks); no tree, as all of them change
-/// in every step. Nothing that meets is left out.
+/// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet
+/// during the step or come closer than the thickness. Boxes around triangles, groups of them and
+/// blocks of groups, over the whole step, are compared sixteen at a time, from the largest to the
+/// smallest, section by section (sixteen blocks); no tree, as all of them change in every step.
+/// Nothing that meets is left out.
 namespace pierce::stages {
 
 /// How a pair with a sheet is searched.
@@ -28,7 +29,8 @@ struct alignas(16) SheetPair {
     bool was_through = false;             ///< vertices ended the last step on the wrong side
     std::uint8_t padding[4] = {};
     double thickness = 0;  ///< [length]
-    double margin = 0;     ///< [length] vertices this close to triangles matter; more than the thickness if some are through
+    double margin = 0;     ///< [length] vertices this close to triangles matter; more than the
+                           ///< thickness if some are through
     float quick_thickness = 0, quick_margin = 0;  ///< not less
     std::uint32_t more_padding[2] = {};
     BodyId ids[2];
@@ -36,15 +38,18 @@ struct alignas(16) SheetPair {
     PIERCE_HD bool is_self() const { return first == second; }
 };
 
-/// Per pair: how it is searched, and which of last step's pairs it was, as far as sheets remember. Reads how deep vertices
-/// were on the wrong side in the last step. Marks the bodies of pairs with a sheet.
+/// Per pair: how it is searched, and which of last step's pairs it was, as far as sheets remember.
+/// Reads how deep vertices were on the wrong side in the last step. Marks the bodies of pairs with
+/// a sheet.
 struct PlanSheetPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
     View<const Pair> pairs;
     View<const std::uint32_t> links;
-    View<const std::uint32_t> forgets;       ///< Scene::forgets_sides: read here, as a captured step is repeated with either
-    View<const std::uint32_t> last_deepest;  ///< per pair of the last step, as the bits of a float32
+    View<const std::uint32_t> forgets;  ///< Scene::forgets_sides: read here, as a captured step is
+                                        ///< repeated with either
+    View<const std::uint32_t> last_deepest;  ///< per pair of the last step, as the bits of a
+                                             ///< float32
     View<SheetPair> sheet_pairs;
     View<std::uint32_t> sheet_links;
     View<std::uint32_t> wanted;  ///< per body
@@ -76,7 +81,8 @@ struct PlanSheetPair {
     }
 };
 
-/// Per body, if it is wanted: how many sections and blocks of triangles it has, and how many vertices.
+/// Per body, if it is wanted: how many sections and blocks of triangles it has, and how many
+/// vertices.
 struct CountSheetItems {
     View<const BodyView> bodies;
     View<const std::uint32_t> wanted;
@@ -86,7 +92,9 @@ struct CountSheetItems {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const MeshView& mesh = bodies[i].mesh;
-        blocks[i] = wanted[i] ? (mesh.triangles.size + triangles_per_block - 1) / triangles_per_block : 0;
+        blocks[i] = wanted[i]
+                        ? (mesh.triangles.size + triangles_per_block - 1) / triangles_per_block
+                        : 0;
         sections[i] = (blocks[i] + constants::group_size - 1) / constants::group_size;
         vertices[i] = wanted[i] ? mesh.positions.size : 0;
     }
@@ -103,14 +111,19 @@ struct FindRows {
     View<const SheetPair> pairs;
     View<const std::uint32_t> section_offsets, sections;  ///< per body
 
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return pairs[i].searches ? sections[pairs[i].first] : 0; }
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        return pairs[i].searches ? sections[pairs[i].first] : 0;
+    }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, SectionRow* rows) const {
-        for (std::uint32_t k = 0; k < found; ++k) rows[place + k] = {i, section_offsets[pairs[i].first] + k};
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+                         SectionRow* rows) const {
+        for (std::uint32_t k = 0; k < found; ++k)
+            rows[place + k] = {i, section_offsets[pairs[i].first] + k};
     }
 };
 
-/// Two things of a pair's bodies that may be close: sections, blocks or groups, by their places among all.
+/// Two things of a pair's bodies that may be close: sections, blocks or groups, by their places
+/// among all.
 struct alignas(16) ClosePair {
     std::uint32_t pair = 0;
     std::uint32_t first = 0, second = 0;
@@ -128,7 +141,8 @@ struct FindSections {
         return section_offsets[pair.second] + sections[pair.second] - begin(i);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, ClosePair* close) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+                         ClosePair* close) const {
         for (std::uint32_t k = 0; k < found; ++k)
             write_whole(close[place + k], {rows[i].pair, rows[i].section, begin(i) + k});
     }
@@ -140,7 +154,8 @@ private:
     }
 };
 
-/// Per sixteenth of a section or block that is close to another: the sixteenths of the other one that are near.
+/// Per sixteenth of a section or block that is close to another: the sixteenths of the other one
+/// that are near.
 struct FindParts {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< sections, or blocks
@@ -149,7 +164,8 @@ struct FindParts {
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
 
-    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes 0.5 % longer
+    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes
+                                                  // 0.5 % longer
 
     /// A bit for each.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -157,25 +173,30 @@ struct FindParts {
         const std::uint32_t k = i % constants::group_size;
         std::uint32_t mask = 0;
         if (parts.has(c.first, k))
-            mask = packed[c.second].near(read_whole(boxes[parts.begin(c.first) + k]).inflated(pairs[c.pair].quick_margin));
+            mask = packed[c.second].near(
+                read_whole(boxes[parts.begin(c.first) + k]).inflated(pairs[c.pair].quick_margin));
         // In one itself each two once, and each with itself.
         if (c.first == c.second) mask &= ~std::uint32_t{0} << k;
         return ask_bits(mask, i, *this);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, ClosePair* found) const {
-        write_bits<asked_bits>(mask, i, place, [&](std::uint32_t part, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
-            const ClosePair c = read_whole(close[part / constants::group_size]);
-            write_whole(found[at],
-                        {c.pair, parts.begin(c.first) + part % constants::group_size, parts.begin(c.second) + bit});
-        });
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
+                         ClosePair* found) const {
+        write_bits<asked_bits>(
+            mask, i, place,
+            [&](std::uint32_t part, std::uint32_t, std::uint32_t bit, std::uint32_t at) {
+                const ClosePair c = read_whole(close[part / constants::group_size]);
+                write_whole(found[at], {c.pair, parts.begin(c.first) + part % constants::group_size,
+                                        parts.begin(c.second) + bit});
+            });
     }
 
     /// Of a part and one of the other's: 1 if they may be near.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
         const Slab mine = read_whole(slabs[parts.begin(c.first) + i % constants::group_size]);
-        return !mine.is_apart(read_whole(slabs[parts.begin(c.second) + bit]), pairs[c.pair].quick_margin);
+        return !mine.is_apart(read_whole(slabs[parts.begin(c.second) + bit]),
+                              pairs[c.pair].quick_margin);
     }
 };
 
@@ -187,8 +208,8 @@ struct alignas(16) NearTriangles {
     std::uint32_t mask = 0;    ///< a bit for each of the group's
 };
 
-/// Per two triangles of a near group, eight places apart: the triangles of the other group whose boxes are near each, if
-/// there are any.
+/// Per two triangles of a near group, eight places apart: the triangles of the other group whose
+/// boxes are near each, if there are any.
 struct FindTriangles {
     View<const SheetPair> pairs;
     View<const ClosePair> close;   ///< groups
@@ -196,85 +217,105 @@ struct FindTriangles {
     View<const GridBoxes> packed;  ///< of triangles, per group
 
     static constexpr std::uint32_t per_group = constants::group_size / 2;  ///< items
-    static constexpr int threads_at_once = 1280;  // measured: with 768 or 1024 a step takes 0.5 % longer
+    static constexpr int threads_at_once = 1280;  // measured: with 768 or 1024 a step takes 0.5 %
+                                                  // longer
 
     /// Sixteen bits for the first triangle, and sixteen for the second.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / per_group]);
         const std::uint32_t k = i % per_group, first = c.first * constants::group_size + k;
         const float margin = pairs[c.pair].quick_margin;
-        const std::uint32_t mask = packed[c.second].near(read_whole(boxes[first]).inflated(margin),
-                                                         read_whole(boxes[first + per_group]).inflated(margin));
+        const std::uint32_t mask = packed[c.second].near(
+            read_whole(boxes[first]).inflated(margin),
+            read_whole(boxes[first + per_group]).inflated(margin));
         // In a group itself each two once.
-        return c.first == c.second ? mask & (later_than(k) | later_than(k + per_group) << constants::group_size) : mask;
+        return c.first == c.second
+                   ? mask & (later_than(k) | later_than(k + per_group) << constants::group_size)
+                   : mask;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) {
         return std::uint32_t{(mask & of_one) != 0} + (mask > of_one);
     }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place, NearTriangles* near) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
+                         NearTriangles* near) const {
         if (mask == 0) return;
         const ClosePair c = read_whole(close[i / per_group]);
         const std::uint32_t first = c.first * constants::group_size + i % per_group,
                             others = c.second * constants::group_size;
         const std::uint32_t of_first = mask & of_one, of_second = mask >> constants::group_size;
         if (of_first != 0) write_whole(near[place++], {c.pair, first, others, of_first});
-        if (of_second != 0) write_whole(near[place], {c.pair, first + per_group, others, of_second});
+        if (of_second != 0)
+            write_whole(near[place], {c.pair, first + per_group, others, of_second});
     }
 
 private:
     static constexpr std::uint32_t of_one = (1u << constants::group_size) - 1;
 
-    PIERCE_HD static std::uint32_t later_than(std::uint32_t k) { return of_one & ~std::uint32_t{1} << k; }
+    PIERCE_HD static std::uint32_t later_than(std::uint32_t k) {
+        return of_one & ~std::uint32_t{1} << k;
+    }
 };
 
 /// Two triangles whose features are to be tested.
 struct alignas(16) TrianglePair {
     std::uint32_t pair = 0;
-    std::uint32_t first = 0, second = 0;  ///< places of triangles of the pair's first and second body
+    std::uint32_t first = 0, second = 0;  ///< places of triangles of the pair's first and second
+                                          ///< body
     std::uint32_t separate = 0;           ///< 1: it is known that they do not meet
 };
 
-/// Of a triangle and another one of its body that is near: 1 if they hang together where nothing folds.
+/// Of a triangle and another one of its body that is near: 1 if they hang together where nothing
+/// folds.
 struct HangTogether {
     View<const NearTriangles> near;
     View<const FlatCorners> flat_corners;
 
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const NearTriangles n = read_whole(near[i]);
-        return read_whole(flat_corners[n.first]).shares_one(read_whole(flat_corners[n.others + bit]));
+        return read_whole(flat_corners[n.first])
+            .shares_one(read_whole(flat_corners[n.others + bit]));
     }
 };
 
-/// Per triangle with others near: those that do not hang together with it where nothing folds, and that no normal of the two
-/// keeps apart.
+/// Per triangle with others near: those that do not hang together with it where nothing folds, and
+/// that no normal of the two keeps apart.
 struct CullTriangles {
     View<const SheetPair> pairs;
     View<const NearTriangles> near;
     Interleaved<const DriftingTriangle> drifting;
     View<const FlatCorners> flat_corners;
 
-    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes 0.8 % longer
-    static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do not meet
+    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes
+                                                  // 0.8 % longer
+    static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do
+                                                                 ///< not meet
     static_assert(asked_bits == constants::group_size);
 
-    /// A bit for each, and in the upper half one more if they do not meet. Those that hang together go first: in a GPU's
-    /// warp they would wait for the others.
+    /// A bit for each, and in the upper half one more if they do not meet. Those that hang together
+    /// go first: in a GPU's warp they would wait for the others.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const NearTriangles n = read_whole(near[i]);
         const bool in_itself = pairs[n.pair].is_self();
-        const std::uint32_t together = ask_bits(in_itself ? n.mask : 0, i, HangTogether{near, flat_corners});
+        const std::uint32_t together = ask_bits(in_itself ? n.mask : 0, i,
+                                                HangTogether{near, flat_corners});
         return ask_bits(n.mask & ~together, i, *this);
     }
-    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return bit_count(found & ((1u << separate_shift) - 1)); }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, TrianglePair* triangles) const {
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) {
+        return bit_count(found & ((1u << separate_shift) - 1));
+    }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+                         TrianglePair* triangles) const {
         write_bits<asked_bits>(
-            found, i, place, [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
+            found, i, place,
+            [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
                 const NearTriangles n = read_whole(near[item]);
-                write_whole(triangles[at], {n.pair, n.first, n.others + bit, mask >> (separate_shift + bit) & 1});
+                write_whole(triangles[at],
+                            {n.pair, n.first, n.others + bit, mask >> (separate_shift + bit) & 1});
             });
     }
 
-    /// Of a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if they do not meet.
+    /// Of a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if
+    /// they do not meet.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const NearTriangles n = read_whole(near[i]);
         const float margin = pairs[n.pair].quick_margin;

@@ -15,7 +15,8 @@
 
 namespace pierce {
 
-/// Finds the contacts of sheets with themselves and others over the motion of a step, and remembers their sides.
+/// Finds the contacts of sheets with themselves and others over the motion of a step, and remembers
+/// their sides.
 template <Executor E, Tracer<E> T>
 class Sheets {
 public:
@@ -27,7 +28,8 @@ public:
 
     /// Places all bodies over the step, while other work runs; find() then skips that.
     void bound_all(const Scene& scene) {
-        // The first step of a plan is one whose counts the host knows, so that they hold for the others.
+        // The first step of a plan is one whose counts the host knows, so that they hold for the
+        // others.
         if (planned_ != scene.plan->revision) {
             executor_.assign(places_.wanted, scene.bodies.size, 1u);
             place(scene);
@@ -37,7 +39,8 @@ public:
         is_bound_ = true;
     }
 
-    /// All contacts of sheets, sorted by pair, kind and feature. `links`: which of last step's pairs each pair was.
+    /// All contacts of sheets, sorted by pair, kind and feature. `links`: which of last step's
+    /// pairs each pair was.
     void find(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         now_.bits = scene.plan->feature_bits;
         search(scene, pairs, links);
@@ -57,8 +60,9 @@ public:
     const Buffer<Contact>& contacts() const { return contacts_; }
     /// What its contacts add up to.
     void add_up(typename E::template Sum<stages::ContactSums>& sums) {
-        executor_.reduce("count_sheet_contacts", count_of(contacts_),
-                         stages::CountSheetContact{view_of(now_.keys), view_of(now_.records), now_.bits}, sums);
+        executor_.reduce(
+            "count_sheet_contacts", count_of(contacts_),
+            stages::CountSheetContact{view_of(now_.keys), view_of(now_.records), now_.bits}, sums);
     }
     std::uint32_t triangle_pairs() const { return executor_.number(count_of(search_.triangles)); }
     std::uint32_t feature_pairs() const { return executor_.number(count_of(features_.features)); }
@@ -88,10 +92,10 @@ private:
             place(scene);
             bound(scene);
         }
-        executor_.emit(
-            "find_rows", pair_count,
-            stages::FindRows{view_of(search_.pairs), view_of(places_.section_offsets), view_of(places_.section_counts)},
-            search_.section_rows);
+        executor_.emit("find_rows", pair_count,
+                       stages::FindRows{view_of(search_.pairs), view_of(places_.section_offsets),
+                                        view_of(places_.section_counts)},
+                       search_.section_rows);
         executor_.emit("find_sections", count_of(search_.section_rows),
                        stages::FindSections{.pairs = view_of(search_.pairs),
                                             .rows = view_of(search_.section_rows),
@@ -105,7 +109,8 @@ private:
         executor_.emit("find_blocks", constants::group_size * count_of(search_.sections),
                        stages::FindParts{.pairs = view_of(search_.pairs),
                                          .close = view_of(search_.sections),
-                                         .parts = {view_of(bounds_.section_begins), view_of(bounds_.section_ends)},
+                                         .parts = {view_of(bounds_.section_begins),
+                                                   view_of(bounds_.section_ends)},
                                          .boxes = view_of(bounds_.block_boxes),
                                          .packed = view_of(bounds_.in_sections),
                                          .slabs = view_of(bounds_.block_slabs)},
@@ -118,7 +123,8 @@ private:
                                          .packed = view_of(bounds_.in_blocks),
                                          .slabs = view_of(bounds_.group_slabs)},
                        search_.groups);
-        executor_.emit("find_triangles", stages::FindTriangles::per_group * count_of(search_.groups),
+        executor_.emit("find_triangles",
+                       stages::FindTriangles::per_group * count_of(search_.groups),
                        stages::FindTriangles{.pairs = view_of(search_.pairs),
                                              .close = view_of(search_.groups),
                                              .boxes = view_of(bounds_.triangle_boxes),
@@ -145,17 +151,23 @@ private:
                                                    .sections = view_of(places_.section_counts),
                                                    .blocks = view_of(places_.block_counts),
                                                    .vertices = view_of(places_.vertex_counts)});
-        bounds_.vertices.resize(tools_.place("vertex_scan", places_.vertex_counts, places_.vertex_offsets));
-        bounds_.section_begins.resize(tools_.place("sheet_section_scan", places_.section_counts, places_.section_offsets));
-        bounds_.block_boxes.resize(tools_.place("sheet_block_scan", places_.block_counts, places_.block_offsets));
+        bounds_.vertices.resize(
+            tools_.place("vertex_scan", places_.vertex_counts, places_.vertex_offsets));
+        bounds_.section_begins.resize(
+            tools_.place("sheet_section_scan", places_.section_counts, places_.section_offsets));
+        bounds_.block_boxes.resize(
+            tools_.place("sheet_block_scan", places_.block_counts, places_.block_offsets));
     }
 
     /// Where they are over the step: vertices, triangles, and bounds of those.
     void bound(const Scene& scene) {
         executor_.for_each("move_vertices", count_of(bounds_.vertices),
-                           stages::MoveVertices{scene.bodies, view_of(places_.vertex_offsets), view_of(bounds_.vertices)});
-        const Count sections = count_of(bounds_.section_begins), blocks = count_of(bounds_.block_boxes);
-        const Count groups = constants::group_size * blocks, triangles = constants::group_size * groups;
+                           stages::MoveVertices{scene.bodies, view_of(places_.vertex_offsets),
+                                                view_of(bounds_.vertices)});
+        const Count sections = count_of(bounds_.section_begins),
+                    blocks = count_of(bounds_.block_boxes);
+        const Count groups = constants::group_size * blocks,
+                    triangles = constants::group_size * groups;
         bounds_.triangles.resize(triangles);
         bounds_.triangle_boxes.resize(triangles);
         bounds_.in_groups.resize(groups);
@@ -178,14 +190,15 @@ private:
                                                .boxes = view_of(bounds_.block_boxes)});
         bounds_.in_sections.resize(sections);
         bounds_.section_ends.resize(sections);
-        executor_.for_each("bound_sections", executor_.in_sixteens(sections),
-                           stages::BoundSections{.section_offsets = view_of(places_.section_offsets),
-                                                 .block_offsets = view_of(places_.block_offsets),
-                                                 .blocks = view_of(places_.block_counts),
-                                                 .block_boxes = view_of(bounds_.block_boxes),
-                                                 .packed = view_of(bounds_.in_sections),
-                                                 .begins = view_of(bounds_.section_begins),
-                                                 .ends = view_of(bounds_.section_ends)});
+        executor_.for_each(
+            "bound_sections", executor_.in_sixteens(sections),
+            stages::BoundSections{.section_offsets = view_of(places_.section_offsets),
+                                  .block_offsets = view_of(places_.block_offsets),
+                                  .blocks = view_of(places_.block_counts),
+                                  .block_boxes = view_of(bounds_.block_boxes),
+                                  .packed = view_of(bounds_.in_sections),
+                                  .begins = view_of(bounds_.section_begins),
+                                  .ends = view_of(bounds_.section_ends)});
     }
 
     /// Corners of triangles around which nothing folds.
@@ -195,18 +208,20 @@ private:
         bounds_.flat_corners.resize(count_of(bounds_.triangles));
         executor_.for_each("find_flat_stars", count_of(bounds_.vertices),
                            stages::FindFlatStars{bodies, view_of(bounds_.flat)});
-        executor_.for_each("place_flat_corners", count_of(bounds_.triangles),
-                           stages::PlaceFlatCorners{bodies, view_of(bounds_.flat), view_of(bounds_.flat_corners)});
+        executor_.for_each(
+            "place_flat_corners", count_of(bounds_.triangles),
+            stages::PlaceFlatCorners{bodies, view_of(bounds_.flat), view_of(bounds_.flat_corners)});
     }
 
     /// Their features, and which of those are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs) {
-        executor_.emit("find_features", count_of(search_.triangles),
-                       stages::FindFeatures{view_of(search_.pairs), interleaved(view_of(bounds_.triangles)),
-                                            view_of(search_.triangles)},
-                       features_.triangles);
-        executor_.emit("open_list", count_of(features_.triangles), stages::IsOpen{view_of(features_.triangles)},
-                       features_.open);
+        executor_.emit(
+            "find_features", count_of(search_.triangles),
+            stages::FindFeatures{view_of(search_.pairs), interleaved(view_of(bounds_.triangles)),
+                                 view_of(search_.triangles)},
+            features_.triangles);
+        executor_.emit("open_list", count_of(features_.triangles),
+                       stages::IsOpen{view_of(features_.triangles)}, features_.open);
         executor_.for_each("find_open_features", count_of(features_.open),
                            stages::FindOpenFeatures{.bodies = bodies_of(scene),
                                                     .pairs = view_of(search_.pairs),
@@ -225,9 +240,10 @@ private:
         executor_.beside([&] { judge(scene, pairs, memory); });
         order_features(pairs);
         executor_.join();
-        const Count kept =
-            tools_.list("sheet_contact_list", count_of(features_.features),
-                        stages::IsContact{view_of(features_.judgements), view_of(features_.order)}, features_.kept);
+        const Count kept = tools_.list(
+            "sheet_contact_list", count_of(features_.features),
+            stages::IsContact{view_of(features_.judgements), view_of(features_.order)},
+            features_.kept);
         now_.keys.resize(kept);
         now_.records.resize(kept);
         contacts_.resize(kept);
@@ -246,17 +262,19 @@ private:
                                                     .contacts = view_of(contacts_)});
     }
 
-    /// The order of features, as that of the contacts among them, and room for what is remembered of those.
+    /// The order of features, as that of the contacts among them, and room for what is remembered
+    /// of those.
     void order_features(const Buffer<Pair>& pairs) {
         const Count count = count_of(features_.features);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
-        tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(now_.bits), sort_.keys, sort_.values, features_.keys,
-                    features_.order);
-        executor_.for_each(
-            "order_ties", count,
-            stages::OrderTies{view_of(features_.features), view_of(features_.keys), view_of(features_.order)});
+        tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(now_.bits), sort_.keys,
+                    sort_.values, features_.keys, features_.order);
+        executor_.for_each("order_ties", count,
+                           stages::OrderTies{view_of(features_.features), view_of(features_.keys),
+                                             view_of(features_.order)});
         // What is past the last contact's stays: the next step searches in all of it.
-        executor_.assign(now_.keys, static_cast<std::uint32_t>(features_.features.size()), ~std::uint64_t{0});
+        executor_.assign(now_.keys, static_cast<std::uint32_t>(features_.features.size()),
+                         ~std::uint64_t{0});
         now_.deepest.resize(count_of(pairs));
         executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(now_.deepest)});
     }
@@ -286,7 +304,9 @@ private:
                                                       .meetings = view_of(features_.meetings),
                                                       .judgements = view_of(features_.judgements)});
         features_.ages.resize(count);
-        executor_.for_each("find_age", count, stages::FindAge{view_of(features_.features), memory, view_of(features_.ages)});
+        executor_.for_each(
+            "find_age", count,
+            stages::FindAge{view_of(features_.features), memory, view_of(features_.ages)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {

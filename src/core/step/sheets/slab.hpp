@@ -10,21 +10,23 @@
 /// Bounds tighter than boxes for what is flat and aslant.
 namespace pierce::stages {
 
-/// A group or a block of triangles over the step, between two planes along its mean normal and within a rectangle
-/// across it: float32, not smaller than what it holds. Layers that lie on each other aslant have boxes that overlap those of
-/// many others; slabs do not.
+/// A group or a block of triangles over the step, between two planes along its mean normal and
+/// within a rectangle across it: float32, not smaller than what it holds. Layers that lie on each
+/// other aslant have boxes that overlap those of many others; slabs do not.
 struct alignas(16) Slab {
     Vec3f center;
     Vec3f axis[3];  ///< the normal, and two at right angles to it; unit
     float half[3] = {};
     float rounding = 0;  ///< [length] by how much sums of the above may be wrong
 
-    /// False for one that stands for nothing. Where it is one of several, those after it do so, too.
+    /// False for one that stands for nothing. Where it is one of several, those after it do so,
+    /// too.
     PIERCE_HD bool holds_something() const { return quick_dot(axis[0], axis[0]) > 0; }
 
     /// True if nothing of the two comes closer than `margin`. False says nothing.
     PIERCE_HD bool is_apart(const Slab& other, float margin) const {
-        return is_beside(other, margin) || is_above_or_below(other, margin) || other.is_above_or_below(*this, margin);
+        return is_beside(other, margin) || is_above_or_below(other, margin) ||
+               other.is_above_or_below(*this, margin);
     }
 
     /// True if along this slab's normal the other one is further away than `margin`.
@@ -38,9 +40,11 @@ struct alignas(16) Slab {
     /// True if along the line between the centres the other one is further away than `margin`.
     PIERCE_HD bool is_beside(const Slab& other, float margin) const {
         const Vec3f d = other.center - center;
-        float reach = (margin + rounding + other.rounding) * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
+        float reach = (margin + rounding + other.rounding) *
+                      (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
         for (int k = 0; k < 3; ++k)
-            reach += half[k] * std::fabs(quick_dot(d, axis[k])) + other.half[k] * std::fabs(quick_dot(d, other.axis[k]));
+            reach += half[k] * std::fabs(quick_dot(d, axis[k])) +
+                     other.half[k] * std::fabs(quick_dot(d, other.axis[k]));
         return quick_dot(d, d) > reach;
     }
 };
@@ -62,22 +66,25 @@ struct SlabFrame {
         axis[2] = cross(n, axis[1]);
     }
 
-    PIERCE_HD Vec3d along(Vec3d p) const { return {dot(axis[0], p), dot(axis[1], p), dot(axis[2], p)}; }
+    PIERCE_HD Vec3d along(Vec3d p) const {
+        return {dot(axis[0], p), dot(axis[1], p), dot(axis[2], p)};
+    }
 
     /// The slab of what lies within `extent` along the axes, relative to `origin`.
     PIERCE_HD Slab slab(const Box& extent, Vec3d origin) const {
         const Vec3d middle = extent.center(), half = extent.half_size();
         Slab slab;
-        slab.center = to_float(origin + middle.x * axis[0] + middle.y * axis[1] + middle.z * axis[2]);
+        slab.center = to_float(origin + middle.x * axis[0] + middle.y * axis[1] +
+                               middle.z * axis[2]);
         double largest = length(half);
         for (int k = 0; k < 3; ++k) {
             slab.axis[k] = to_float(axis[k]);
             slab.half[k] = round_up(half[k]);
             largest = max_of(std::fabs(static_cast<double>(slab.center[k])), largest);
         }
-        // u: half a float32 ulp. Two centres are at most 3.5 times the largest coordinate apart; their difference is off by
-        // 4 u of it, the axis by 1 u, the dot product by 3 u more: 28 u in all, and as much again for the sum of the
-        // reaches.
+        // u: half a float32 ulp. Two centres are at most 3.5 times the largest coordinate apart;
+        // their difference is off by 4 u of it, the axis by 1 u, the dot product by 3 u more: 28 u
+        // in all, and as much again for the sum of the reaches.
         slab.rounding = round_up(4 * constants::slab_margin * largest);
         return slab;
     }

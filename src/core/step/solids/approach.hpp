@@ -7,13 +7,15 @@
 /// How near predictions expect the vertices of a body to come to another one.
 namespace pierce::stages {
 
-/// How far points of a source move relative to a target until the next full pass, if they go on as their fits did in the
-/// last step. A change of shape is left out: its bound is that of the fastest vertex, and would have all others looked at.
+/// How far points of a source move relative to a target until the next full pass, if they go on as
+/// their fits did in the last step. A change of shape is left out: its bound is that of the fastest
+/// vertex, and would have all others looked at.
 struct Approach {
-    Matrix3 turn;  ///< a point x of the source's space goes by turn * x + shift, in the target's fit
+    Matrix3 turn;  ///< a point x of the source's space goes by turn * x + shift, in the target's
+                   ///< fit
     Vec3d shift;
-    double spin = 0;     ///< how much further a point goes per length that it is away from another one
-    double most = 0;     ///< [length] nobody looks further than this; zero: nothing is predicted
+    double spin = 0;  ///< how much further a point goes per length that it is away from another one
+    double most = 0;  ///< [length] nobody looks further than this; zero: nothing is predicted
     bool known = false;  ///< else any point may go that far
 
     /// How far outside the target a ball around `center`, in the source's space, is of interest.
@@ -22,8 +24,10 @@ struct Approach {
     }
 };
 
-/// The approach over some steps of bodies that were seen in the last one; `now`: the source's fit to the target's.
-PIERCE_HD inline Approach approach_of(const BodyView& source, const BodyView& target, const Frame& now, double steps) {
+/// The approach over some steps of bodies that were seen in the last one; `now`: the source's fit
+/// to the target's.
+PIERCE_HD inline Approach approach_of(const BodyView& source, const BodyView& target,
+                                      const Frame& now, double steps) {
     const Frame before = relative_frame(source.last_fit, target.last_fit);
     Approach a;
     double squared = 0;

@@ -8,10 +8,13 @@
 #include "core/step/solids/ray_gen.hpp"
 #include "core/trace/meeting.hpp"
 
-/// Stage 9, classify: which hits are contacts. Rules of Hermann, Faure and Raffin (2008), in the form
-///   R1  the ray leaves the target at its first crossing, so the vertex was inside;
-///   R2  the ray's first crossing of its own body, the triangles around the vertex left aside, leaves that body;
-///   R3  the target is left first, or at the same place.
+/// Stage 9, classify: which hits are contacts. The rules are those of Hermann, Faure and Raffin
+/// (2008):
+/// * R1: the ray leaves the target at its first crossing, so the vertex was inside.
+/// * R2: the ray's first crossing of its own body leaves that body. The triangles around the vertex
+///   are left aside.
+/// * R3: the ray leaves the target first, or both bodies at the same place.
+///
 /// Together: the segment from vertex to hit lies in both bodies and ends on the target's surface.
 namespace pierce::stages {
 
@@ -22,13 +25,15 @@ struct LeavesTarget {
     View<const Hit> hits;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
-        return hits[i].triangle != no_triangle && leads_out(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
+        return hits[i].triangle != no_triangle &&
+               leads_out(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
     }
 };
 
-/// Per ray of a sheet along a velocity: what it hits counts if the vertex gets there, or comes from there, by its motion
-/// relative to the place it hits; the ray is turned along that. As published, the vertex' own motion decides. A triangle
-/// that the vertex slides in is met by the ray ahead and by the one behind: once is enough.
+/// Per ray of a sheet along a velocity: what it hits counts if the vertex gets there, or comes from
+/// there, by its motion relative to the place it hits; the ray is turned along that. As published,
+/// the vertex' own motion decides. A triangle that the vertex slides in is met by the ray ahead and
+/// by the one behind: once is enough.
 struct RelateToLayer {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -43,7 +48,8 @@ struct RelateToLayer {
         Ray& ray = rays[i];
         const bool against = sources[i].side == 1;
         if (against && lies_in(ray, body.surface(), hits[i].triangle)) hits[i] = {};
-        if (body.collision.self == SelfCollision::published || hits[i].triangle == no_triangle) return;
+        if (body.collision.self == SelfCollision::published || hits[i].triangle == no_triangle)
+            return;
         const Meeting m = meet(ray, body.surface(), hits[i].triangle);
         const Triangle& t = body.mesh.triangles[hits[i].triangle];
         Vec3d way = ray.origin - to_double(body.start[sources[i].item]);
@@ -55,14 +61,17 @@ struct RelateToLayer {
         const bool moves = length_squared(way) > 0;
         ray.direction = normalized(against ? -way : way);
         ray.t_max = length(way);
-        const Crossing crossing =
-            moves ? cross_triangle({ray.origin, ray.direction}, corner[0], corner[1], corner[2]) : Crossing{};
-        if (crossing.kind != Crossing::transversal || crossing.t < 0 || crossing.t > ray.t_max) hits[i] = {};
+        const Crossing crossing = moves ? cross_triangle({ray.origin, ray.direction}, corner[0],
+                                                         corner[1], corner[2])
+                                        : Crossing{};
+        if (crossing.kind != Crossing::transversal || crossing.t < 0 || crossing.t > ray.t_max)
+            hits[i] = {};
     }
 };
 
-/// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates, and writes how they
-/// leave the target. Walks have met their triangle already; a contact that is kept was inside and is.
+/// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates,
+/// and writes how they leave the target. Walks have met their triangle already; a contact that is
+/// kept was inside and is.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -79,20 +88,23 @@ struct TestInside {
         return meetings[i].exit || bodies[rays[i].target].collision.sheet;
     }
     PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
-    PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place, std::uint32_t* candidates) const {
+    PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place,
+                         std::uint32_t* candidates) const {
         if (inside) candidates[place] = i;
     }
 };
 
-/// True if a ray from `vertex` meets no triangle of its own body within `depth`, those around the vertex left aside: they
-/// are further away than that in the rest shape, and no point has moved by more than the deviation since.
+/// True if a ray from `vertex` meets no triangle of its own body within `depth`, those around the
+/// vertex left aside: they are further away than that in the rest shape, and no point has moved by
+/// more than the deviation since.
 PIERCE_HD inline bool is_free(const BodyView& body, std::uint32_t vertex, double depth) {
     return depth + 2 * (body.deviation + body.touch) < body.mesh.star_clearance[vertex];
 }
 
-/// Per ray: R1, and of a candidate the ray into its own body, unless that body's own_exit table has limited the ray already.
-/// Where the triangles it starts from show that the ray starts inside (R2), it need not look further than the hit (R3), nor
-/// be traced if nothing is that near; elsewhere it looks for its first crossing.
+/// Per ray: R1, and of a candidate the ray into its own body, unless that body's own_exit table has
+/// limited the ray already. Where the triangles it starts from show that the ray starts inside
+/// (R2), it need not look further than the hit (R3), nor be traced if nothing is that near;
+/// elsewhere it looks for its first crossing.
 struct GenerateOwnRays {
     TestInside inside_target;
     View<const Pair> pairs;
@@ -101,7 +113,8 @@ struct GenerateOwnRays {
 
     PIERCE_HD bool find(std::uint32_t i) const { return inside_target.find(i); }
     PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
-    PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place, std::uint32_t* candidates, Ray* own_rays,
+    PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place,
+                         std::uint32_t* candidates, Ray* own_rays,
                          std::uint32_t* starts_inside) const {
         if (!inside) return;
         candidates[place] = i;
@@ -113,15 +126,20 @@ struct GenerateOwnRays {
         const bool is_vertex = source.start == RayStart::vertex;
         Ray ray;
         ray.t_max = -1.0;
-        if (body.is_solid() && into_target.target != body_index && (!is_vertex || body.motion == Motion::deforming)) {
+        if (body.is_solid() && into_target.target != body_index &&
+            (!is_vertex || body.motion == Motion::deforming)) {
             ray.origin = start_of(body, source, chords);
-            ray.direction = relative_frame(target.space, body.space).rotation * into_target.direction;
+            ray.direction = relative_frame(target.space, body.space).rotation *
+                            into_target.direction;
             ray.target = body_index;
-            const Edge edge = is_vertex ? Edge{{source.item, source.item}, {}} : body.mesh.edges[chords[source.item].edge];
+            const Edge edge = is_vertex ? Edge{{source.item, source.item}, {}}
+                                        : body.mesh.edges[chords[source.item].edge];
             ray.excluded[0] = edge.vertex[0];
             ray.excluded[1] = edge.vertex[1];
-            const bool starts = is_vertex ? leads_inside(body.mesh, body.positions, source.item, ray.direction)
-                                          : leads_inside(body.mesh, body.positions, edge, ray.direction);
+            const bool starts = is_vertex
+                                    ? leads_inside(body.mesh, body.positions, source.item,
+                                                   ray.direction)
+                                    : leads_inside(body.mesh, body.positions, edge, ray.direction);
             const double depth = inside_target.meetings[i].t;
             if (!starts)
                 ray.t_max = body.fit_box.extent();
@@ -133,9 +151,9 @@ struct GenerateOwnRays {
     }
 };
 
-/// Per candidate: R2 and R3. Rigid and fixed sources were cut at their own exit by ray_gen; open ones have no inside; a ray
-/// that was not traced holds.
-/// Reads own hits; writes 1 for a contact, 0 otherwise.
+/// Per candidate: R2 and R3. Rigid and fixed sources were cut at their own exit by ray_gen; open
+/// ones have no inside; a ray that was not traced holds. Reads own hits; writes 1 for a contact, 0
+/// otherwise.
 struct TestOwnExit {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -156,7 +174,8 @@ struct TestOwnExit {
             return;
         }
         const std::uint32_t r = candidates[i];
-        const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(), own_hits[i].triangle);
+        const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(),
+                                 own_hits[i].triangle);
         keep[i] = own.exit && meetings[r].t <= own.t + bodies[rays[r].target].touch;
     }
 };

@@ -13,11 +13,13 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/contact.hpp"
 
-/// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries ages over.
+/// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries
+/// ages over.
 namespace pierce::stages {
 
 /// The key that orders contacts; chords of one edge share it.
-PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t pair, View<const Chord> chords) {
+PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t pair,
+                                           View<const Chord> chords) {
     if (from.start == RayStart::vertex) return vertex_contact_key(pair, from.side, from.item);
     return vertex_contact_key(pair, from.side, chords[from.item].edge) | std::uint64_t{1} << 30;
 }
@@ -31,8 +33,8 @@ struct KeyContacts {
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return keep[i]; }
     PIERCE_HD static std::uint32_t count(std::uint32_t kept) { return kept; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t kept, std::uint32_t place, std::uint64_t* keys,
-                         std::uint32_t* order) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t kept, std::uint32_t place,
+                         std::uint64_t* keys, std::uint32_t* order) const {
         if (!kept) return;
         const RaySource s = sources[candidates[i]];
         keys[place] = contact_key(s, s.pair, chords);
@@ -40,8 +42,8 @@ struct KeyContacts {
     }
 };
 
-/// Per contact: puts the chords of an edge in their own order, if it is the first of them. The lists that they come from
-/// have none.
+/// Per contact: puts the chords of an edge in their own order, if it is the first of them. The
+/// lists that they come from have none.
 struct OrderChords {
     View<const RaySource> sources;
     View<const std::uint32_t> candidates;
@@ -59,11 +61,13 @@ struct OrderChords {
     }
 
 private:
-    PIERCE_HD std::uint32_t chord(std::uint32_t k) const { return sources[candidates[order[k]]].item; }
+    PIERCE_HD std::uint32_t chord(std::uint32_t k) const {
+        return sources[candidates[order[k]]].item;
+    }
 };
 
-/// Per contact: everything in it, and what it adds to the sums. Reads rays, hits and last step's contacts and ages; writes
-/// the contact, its age and where its vertex finds it.
+/// Per contact: everything in it, and what it adds to the sums. Reads rays, hits and last step's
+/// contacts and ages; writes the contact, its age and where its vertex finds it.
 struct FillContact {
     View<const BodyView> bodies;
     View<const BodyId> ids;
@@ -71,7 +75,7 @@ struct FillContact {
     View<const Chord> chords;
     View<const RaySource> sources;
     RayResults found_rays;
-    RayResults aimed;                    ///< per candidate, re-projected; empty if that is not asked for
+    RayResults aimed;  ///< per candidate, re-projected; empty if that is not asked for
     View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts
     View<const std::uint32_t> candidates, order;
     View<const std::uint64_t> keys;
@@ -107,7 +111,8 @@ struct FillContact {
         const Meeting& m = results.meetings[place];
         const std::uint32_t triangle = results.hits[place].triangle;
         const Triangle& t = surface.triangles[triangle];
-        const Vec3d corner[3] = {to_double(surface.positions[t.vertex[0]]), to_double(surface.positions[t.vertex[1]]),
+        const Vec3d corner[3] = {to_double(surface.positions[t.vertex[0]]),
+                                 to_double(surface.positions[t.vertex[1]]),
                                  to_double(surface.positions[t.vertex[2]])};
         Vec3d q;
         for (int k = 0; k < 3; ++k) q += m.barycentric[k] * corner[k];
@@ -150,8 +155,10 @@ struct FillContact {
     }
 
 private:
-    /// A sheet's vertex belongs where it has come from: ahead is what it would meet, behind what it has passed.
-    PIERCE_HD static void of_velocity_ray(Contact& c, const RaySource& from, Vec3d p, Vec3d q, Vec3d direction, double t) {
+    /// A sheet's vertex belongs where it has come from: ahead is what it would meet, behind what it
+    /// has passed.
+    PIERCE_HD static void of_velocity_ray(Contact& c, const RaySource& from, Vec3d p, Vec3d q,
+                                          Vec3d direction, double t) {
         const bool passed = from.side == 1;
         c.source = Side::a;
         c.of_sheet = true;

@@ -16,13 +16,18 @@ struct DirectedPair {
     float odometer = 0;  ///< the pair's
     float step = 0;      ///< by how much it went on in this step
     Pass pass = Pass::full;
-    bool still = false;           ///< nothing has moved since the last step, and its records hold: nor has any contact
-    bool along_velocity = false;  ///< rays of a sheet into itself: side 0 along the velocity, side 1 against it
-    std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction begin
+    bool still = false;  ///< nothing has moved since the last step, and its records hold: nor has
+                         ///< any contact
+    bool along_velocity = false;  ///< rays of a sheet into itself: side 0 along the velocity, side
+                                  ///< 1 against it
+    std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction
+                                            ///< begin
 
     PIERCE_HD bool is_self() const { return source == target; }
     /// True if vertices with an unexpired record are left alone in this step.
-    PIERCE_HD bool waits(Temporal temporal) const { return temporal == Temporal::certified || pass == Pass::walk; }
+    PIERCE_HD bool waits(Temporal temporal) const {
+        return temporal == Temporal::certified || pass == Pass::walk;
+    }
 };
 
 }  // namespace pierce::stages

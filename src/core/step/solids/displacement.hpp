@@ -9,11 +9,12 @@
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"
 
-/// Stage 3, displacement: how far the bodies of a pair have moved relative to each other, and what follows from it.
+/// Stage 3, displacement: how far the bodies of a pair have moved relative to each other, and what
+/// follows from it.
 namespace pierce::stages {
 
-/// Per directed pair (pair * 2 + side): adds this step's motion to the odometer and decides the pass. Reads fits and last
-/// step's memory.
+/// Per directed pair (pair * 2 + side): adds this step's motion to the odometer and decides the
+/// pass. Reads fits and last step's memory.
 struct MeasureDisplacement {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -30,12 +31,13 @@ struct MeasureDisplacement {
         m.relative = relative_frame(source.fit, target.fit);
         if (links[i / 2] != no_pair && last.size > 0) {
             const PairMemory& before = last[2 * links[i / 2] + i % 2];
-            const double rounding =
-                constants::double_rounding * (source.world_box.max_coordinate() + target.world_box.max_coordinate());
+            const double rounding = constants::double_rounding *
+                                    (source.world_box.max_coordinate() +
+                                     target.world_box.max_coordinate());
             const bool still = source.still && target.still;
             m.step = still ? 0.0
-                           : largest_motion(before.relative, m.relative, source.fit_box) + source.shape_motion +
-                                 target.shape_motion + rounding;
+                           : largest_motion(before.relative, m.relative, source.fit_box) +
+                                 source.shape_motion + target.shape_motion + rounding;
             m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;
             m.since_full = before.since_full + 1;

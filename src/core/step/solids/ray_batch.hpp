@@ -20,7 +20,8 @@ struct RayResults {
 
 namespace pierce {
 
-/// Rays on their way through a step, side by side: what they are, what they met, and which of them are contacts.
+/// Rays on their way through a step, side by side: what they are, what they met, and which of them
+/// are contacts.
 template <Executor E>
 struct RayBatch {
     template <class Item>

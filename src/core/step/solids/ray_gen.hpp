@@ -15,8 +15,9 @@ namespace pierce::stages {
 
 /// The unit inward direction at a vertex, in the body's space; zero where there is none.
 PIERCE_HD inline Vec3d inward_direction(const BodyView& body, std::uint32_t vertex) {
-    const Vec3d n = body.motion == Motion::deforming ? vertex_normal(body.mesh, body.positions, vertex)
-                                                     : normalized(to_double(body.mesh.normals[vertex]));
+    const Vec3d n = body.motion == Motion::deforming
+                        ? vertex_normal(body.mesh, body.positions, vertex)
+                        : normalized(to_double(body.mesh.normals[vertex]));
     return -n;
 }
 
@@ -27,44 +28,54 @@ PIERCE_HD inline Vec3d inward_direction(const BodyView& body, const Edge& edge) 
 
 /// The point of an edge between its first vertex (0) and its second (1), in the body's space.
 PIERCE_HD inline Vec3d point_on(const BodyView& body, const Edge& edge, double along) {
-    const Vec3d a = to_double(body.positions[edge.vertex[0]]), b = to_double(body.positions[edge.vertex[1]]);
+    const Vec3d a = to_double(body.positions[edge.vertex[0]]),
+                b = to_double(body.positions[edge.vertex[1]]);
     return (1 - along) * a + along * b;
 }
 
 /// Where a ray starts, in its source's space.
-PIERCE_HD inline Vec3d start_of(const BodyView& source, const RaySource& from, View<const Chord> chords) {
+PIERCE_HD inline Vec3d start_of(const BodyView& source, const RaySource& from,
+                                View<const Chord> chords) {
     if (from.start == RayStart::vertex) return to_double(source.positions[from.item]);
     const Chord& chord = chords[from.item];
     return point_on(source, source.mesh.edges[chord.edge], chord.middle);
 }
 
-/// How far a ray that starts in a body can get inside that body's box. Origin and direction in the body's space.
+/// How far a ray that starts in a body can get inside that body's box. Origin and direction in the
+/// body's space.
 PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d direction) {
     const bool deforms = body.motion == Motion::deforming;  // others fit as they are
     const Vec3d o = deforms ? body.fit.to_local(origin) : origin;
     const Vec3d d = deforms ? body.fit.rotation.transposed() * direction : direction;
     double range = body.fit_box.extent();
     for (int i = 0; i < 3; ++i)
-        if (d[i] != 0) range = min_of(((d[i] > 0 ? body.fit_box.upper[i] : body.fit_box.lower[i]) - o[i]) / d[i], range);
+        if (d[i] != 0)
+            range = min_of(
+                ((d[i] > 0 ? body.fit_box.upper[i] : body.fit_box.lower[i]) - o[i]) / d[i], range);
     return max_of(range, 0.0) + body.touch;
 }
 
-/// How far a ray may go before it has left its own body's box or the target's: its own exit is looked for later.
-PIERCE_HD inline double range_in_boxes(const BodyView& source, const BodyView& target, Vec3d origin, Vec3d direction) {
+/// How far a ray may go before it has left its own body's box or the target's: its own exit is
+/// looked for later.
+PIERCE_HD inline double range_in_boxes(const BodyView& source, const BodyView& target, Vec3d origin,
+                                       Vec3d direction) {
     return min_of(target.fit_box.extent(), box_range(source, origin, direction));
 }
 
 /// How far an inward ray from `vertex` may go before it leaves its own body for certain.
-PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target, std::uint32_t vertex, Vec3d direction) {
+PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target,
+                                     std::uint32_t vertex, Vec3d direction) {
     if (source.collision.sheet) return target.fit_box.extent();
     if (!source.mesh.closed) return source.range;
     if (source.motion != Motion::deforming) return source.mesh.own_exit[vertex];
     return range_in_boxes(source, target, to_double(source.positions[vertex]), direction);
 }
 
-/// A ray of a sheet's vertex along the way it has come in this step, or against it, into the sheet itself (the paper,
-/// section 5.2): as long as that way, and longer where the layer that is hit may come towards it.
-PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, bool against, std::uint32_t v) {
+/// A ray of a sheet's vertex along the way it has come in this step, or against it, into the sheet
+/// itself (the paper, section 5.2): as long as that way, and longer where the layer that is hit may
+/// come towards it.
+PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, bool against,
+                                  std::uint32_t v) {
     Ray ray;
     ray.origin = to_double(body.positions[v]);
     const Vec3d way = ray.origin - to_double(body.start[v]);
@@ -76,35 +87,44 @@ PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, b
     return ray;
 }
 
-/// The inward ray of a vertex into the other body of its pair; without a direction, one that hits nothing.
-PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d, std::uint32_t v) {
+/// The inward ray of a vertex into the other body of its pair; without a direction, one that hits
+/// nothing.
+PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d,
+                                std::uint32_t v) {
     const BodyView& source = bodies[d.source];
     const Vec3d direction = inward_direction(source, v);
     Ray ray;
     ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
     ray.direction = d.to_space.rotation * direction;
-    ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction) : -1.0;
+    ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction)
+                                              : -1.0;
     ray.target = d.target;
     if (d.is_self()) {
         ray.excluded[0] = ray.excluded[1] = v;
-        // At rest nothing but the triangles around the vertex comes so close, and nothing has moved so far since.
+        // At rest nothing but the triangles around the vertex comes so close, and nothing has moved
+        // so far since.
         if (source.mesh.star_clearance[v] > 2 * (source.deviation + source.touch)) ray.t_max = -1.0;
     }
     return ray;
 }
 
-/// Moves a record's material point to where it is now and returns how far the vertex has moved relative to it, in the
-/// target's fit frame.
-PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView& target, Vec3d origin) {
+/// Moves a record's material point to where it is now and returns how far the vertex has moved
+/// relative to it, in the target's fit frame.
+PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView& target,
+                                     Vec3d origin) {
     const Triangle& t = target.mesh.triangles[record.seen_triangle];
-    const double u = static_cast<double>(record.seen_weight[0]), v = static_cast<double>(record.seen_weight[1]);
-    const Vec3d now = u * to_double(target.positions[t.vertex[0]]) + v * to_double(target.positions[t.vertex[1]]) +
+    const double u = static_cast<double>(record.seen_weight[0]),
+                 v = static_cast<double>(record.seen_weight[1]);
+    const Vec3d now = u * to_double(target.positions[t.vertex[0]]) +
+                      v * to_double(target.positions[t.vertex[1]]) +
                       (1 - u - v) * to_double(target.positions[t.vertex[2]]);
-    const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{}).transposed();
+    const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{})
+                               .transposed();
     return length(to_fit * (now - origin) - to_double(record.seen_offset));
 }
 
-/// Per vertex left: its ray and, if steps remember, what becomes of it: a walk from its record, or a full ray.
+/// Per vertex left: its ray and, if steps remember, what becomes of it: a walk from its record, or
+/// a full ray.
 struct GenerateRay {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -131,7 +151,8 @@ struct GenerateRay {
         Ray ray = vertex_ray(bodies, d, sources[i].item);
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)
-            ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]), 0);
+            ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]),
+                                           0);
         if (settings.temporal == Temporal::certified) ray.outward = search_range(d, records[i]);
         rays[i] = ray;
     }
@@ -149,12 +170,16 @@ private:
         const BodyView& target = bodies[d.target];
         if (!(ray.t_max >= 0)) return Route::skip;
         if (record.triangle == no_triangle || d.is_self()) return Route::full;
-        // A walk is of use if it can be certified: not where the target has changed its shape too much.
+        // A walk is of use if it can be certified: not where the target has changed its shape too
+        // much.
         if (settings.temporal == Temporal::certified)
-            return 2 * target.deviation < static_cast<double>(target.mesh.rings[record.triangle].gap) ? Route::walk
-                                                                                                      : Route::full;
+            return 2 * target.deviation <
+                           static_cast<double>(target.mesh.rings[record.triangle].gap)
+                       ? Route::walk
+                       : Route::full;
         if (d.pass == Pass::full) return Route::full;
-        const bool deforms = target.motion == Motion::deforming || bodies[d.source].motion == Motion::deforming;
+        const bool deforms = target.motion == Motion::deforming ||
+                             bodies[d.source].motion == Motion::deforming;
         if (!deforms) return Route::walk;
         const double far = settings.walk_threshold * target.mesh.mean_edge_length;
         return displacement(record, target, ray.origin) > far ? Route::full : Route::walk;

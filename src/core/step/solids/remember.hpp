@@ -36,27 +36,31 @@ struct Remember {
         const BodyView& target = bodies[rays[slot].target];
         Ray ray = rays[slot];
         if (hit.predicted) ray.direction = -ray.direction;
-        const Meeting m = hit.predicted ? meet(ray, target.surface(), hit.triangle) : meetings[slot];
+        const Meeting m = hit.predicted ? meet(ray, target.surface(), hit.triangle)
+                                        : meetings[slot];
         if (m.exit == hit.predicted) return;
         record.triangle = record.seen_triangle = hit.triangle;
         record.predicted = hit.predicted;
         if (temporal == Temporal::paper) {
             const Triangle& t = target.mesh.triangles[hit.triangle];
-            const Vec3d corner[3] = {to_double(target.positions[t.vertex[0]]), to_double(target.positions[t.vertex[1]]),
+            const Vec3d corner[3] = {to_double(target.positions[t.vertex[0]]),
+                                     to_double(target.positions[t.vertex[1]]),
                                      to_double(target.positions[t.vertex[2]])};
             const RaySource from = sources[slot];
-            record.expiry = hit.predicted
-                                ? wait_until(directed[2 * from.pair + from.side], height_over(corner, ray.direction, m.t))
-                                : 0.0f;
+            record.expiry = hit.predicted ? wait_until(directed[2 * from.pair + from.side],
+                                                       height_over(corner, ray.direction, m.t))
+                                          : 0.0f;
         }
         for (int k = 0; k < 2; ++k) record.seen_weight[k] = static_cast<float>(m.barycentric[k]);
-        const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation : Matrix3{}).transposed();
+        const Matrix3 to_fit = (target.motion == Motion::deforming ? target.fit.rotation
+                                                                   : Matrix3{})
+                                   .transposed();
         record.seen_offset = to_float(m.t * (to_fit * ray.direction));
     }
 };
 
-/// True for full rays whose vertex is worth a proof that it is outside: the ray met nothing, and the last attempt was long
-/// ago.
+/// True for full rays whose vertex is worth a proof that it is outside: the ray met nothing, and
+/// the last attempt was long ago.
 struct IsUncertain {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -70,13 +74,15 @@ struct IsUncertain {
         const std::uint32_t slot = slots[i];
         const RaySource from = sources[slot];
         const DirectedPair& d = directed[2 * from.pair + from.side];
-        return from.start == RayStart::vertex && (hits[slot].triangle == no_triangle || hits[slot].predicted) &&
-               rays[slot].t_max >= 0 && proofs_pay(d, bodies[d.target]) && !(records[slot].retry > d.odometer);
+        return from.start == RayStart::vertex &&
+               (hits[slot].triangle == no_triangle || hits[slot].predicted) &&
+               rays[slot].t_max >= 0 && proofs_pay(d, bodies[d.target]) &&
+               !(records[slot].retry > d.odometer);
     }
 };
 
-/// Per uncertain vertex: its ray, as long as the target's box. If that, too, meets nothing, no surface lies between the
-/// vertex and the far outside.
+/// Per uncertain vertex: its ray, as long as the target's box. If that, too, meets nothing, no
+/// surface lies between the vertex and the far outside.
 struct ProlongRay {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -93,8 +99,8 @@ struct ProlongRay {
     }
 };
 
-/// Per uncertain vertex: how near its target has to be to matter. Where the prolonged ray has met something there is no
-/// proof and nothing to ask.
+/// Per uncertain vertex: how near its target has to be to matter. Where the prolonged ray has met
+/// something there is no proof and nothing to ask.
 struct LimitToCertificate {
     View<const BodyView> bodies;
     View<const Hit> hits;
@@ -103,12 +109,14 @@ struct LimitToCertificate {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const double limit = constants::certificate_limit * bodies[prolonged[i].target].mesh.mean_edge_length;
+        const double limit = constants::certificate_limit *
+                             bodies[prolonged[i].target].mesh.mean_edge_length;
         prolonged[i].t_max = hits[i].triangle == no_triangle ? limit : -1.0;
     }
 };
 
-/// Per uncertain vertex: until when it needs no ray. Its distance to the surface is how far it may move first.
+/// Per uncertain vertex: until when it needs no ray. Its distance to the surface is how far it may
+/// move first.
 struct Certify {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -125,13 +133,15 @@ struct Certify {
         const DirectedPair& d = directed[2 * from.pair + from.side];
         VertexRecord& record = records[slot];
         const Ray& ray = limited[i];
-        const double distance =
-            closest[i] == no_triangle ? ray.t_max : distance_to(ray.origin, target.surface(), closest[i]);
+        const double distance = closest[i] == no_triangle
+                                    ? ray.t_max
+                                    : distance_to(ray.origin, target.surface(), closest[i]);
         const double free = max_of(distance - 2 * target.touch, 0.0);
         record.expiry = d.odometer + static_cast<float>(free);
         // A proof costs as much as a few rays: one that would hold for less is not worth it.
-        record.retry =
-            d.odometer + max_of(static_cast<float>(free), static_cast<float>(constants::certificate_steps) * d.step);
+        record.retry = d.odometer +
+                       max_of(static_cast<float>(free),
+                              static_cast<float>(constants::certificate_steps) * d.step);
     }
 };
 

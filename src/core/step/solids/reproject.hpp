@@ -7,14 +7,15 @@
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
 
-/// After stage 9, if asked for: contacts move to the closest point of the target's surface. An inward ray leaves the target
-/// where it happens to point, which is never nearer than that. Nothing of the surface is nearer than its closest point, so
-/// the way there is inside the target (R1). It need not run through its own body: of bodies that touch in a few vertices it
-/// often does not, and the contact has passed R2 and R3 along its inward ray.
+/// After stage 9, if asked for: contacts move to the closest point of the target's surface. An
+/// inward ray leaves the target where it happens to point, which is never nearer than that. Nothing
+/// of the surface is nearer than its closest point, so the way there is inside the target (R1). It
+/// need not run through its own body: of bodies that touch in a few vertices it often does not, and
+/// the contact has passed R2 and R3 along its inward ray.
 namespace pierce::stages {
 
-/// Per candidate: where to look for a closer point, if it is a contact that may move, and no further than the contact is
-/// deep.
+/// Per candidate: where to look for a closer point, if it is a contact that may move, and no
+/// further than the contact is deep.
 struct LimitToDepth {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -23,12 +24,14 @@ struct LimitToDepth {
     View<const std::uint32_t> candidates, keep;
     View<Ray> limited;
     View<const Pair> pairs;
-    bool all = true;  ///< else only sheets': their normals say nothing about the way out of another body
+    bool all = true;  ///< else only sheets': their normals say nothing about the way out of another
+                      ///< body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[i];
         const Pair pair = pairs[sources[r].pair];
-        const bool may_move = keep[i] && !sources[r].separates && !pair.is_self() && bodies[rays[r].target].is_solid() &&
+        const bool may_move = keep[i] && !sources[r].separates && !pair.is_self() &&
+                              bodies[rays[r].target].is_solid() &&
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
         limited[i] = rays[r];
         limited[i].outward = 0;
@@ -36,7 +39,8 @@ struct LimitToDepth {
     }
 };
 
-/// Per limited ray: moves its end to the closest point, unless that is no nearer than the contact, or in the surface.
+/// Per limited ray: moves its end to the closest point, unless that is no nearer than the contact,
+/// or in the surface.
 struct MoveToClosest {
     View<const BodyView> bodies;
     View<const std::uint32_t> closest;  ///< triangles of the target, within the limit
@@ -51,9 +55,11 @@ struct MoveToClosest {
         Ray& ray = rays[i];
         const Surface surface = bodies[ray.target].surface();
         const Triangle& t = surface.triangles[closest[i]];
-        const Vec3d a = to_double(surface.positions[t.vertex[0]]), b = to_double(surface.positions[t.vertex[1]]),
+        const Vec3d a = to_double(surface.positions[t.vertex[0]]),
+                    b = to_double(surface.positions[t.vertex[1]]),
                     c = to_double(surface.positions[t.vertex[2]]);
-        const Vec3d point = closest_point(ray.origin, surface, closest[i]), way = point - ray.origin;
+        const Vec3d point = closest_point(ray.origin, surface, closest[i]),
+                    way = point - ray.origin;
         const double depth = length(way);
         if (!(depth > surface.touch) || !(depth < ray.t_max) || is_degenerate(a, b, c)) return;
         ray.direction = normalized(way);

@@ -14,11 +14,12 @@
 #include "pierce/body.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then vertices.
+/// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then
+/// vertices.
 namespace pierce::stages {
 
-/// True if a vertex may be proved to be outside of its target for so many steps to come, at the pace of this one, that
-/// trying pays.
+/// True if a vertex may be proved to be outside of its target for so many steps to come, at the
+/// pace of this one, that trying pays.
 PIERCE_HD inline bool proofs_pay(const DirectedPair& d, const BodyView& target) {
     return target.is_simple() && constants::certificate_limit * target.mesh.mean_edge_length >
                                      constants::certificate_steps * static_cast<double>(d.step);
@@ -30,16 +31,17 @@ struct CullItem {
     std::uint32_t index = 0;
 };
 
-/// True if vertices of a directed pair's source are looked at: its target has an inside, or they look along their
-/// velocities.
-PIERCE_HD inline bool is_asked(const BodyView& source, const BodyView& target, bool self, std::uint32_t side) {
+/// True if vertices of a directed pair's source are looked at: its target has an inside, or they
+/// look along their velocities.
+PIERCE_HD inline bool is_asked(const BodyView& source, const BodyView& target, bool self,
+                               std::uint32_t side) {
     return (self && source.sends_velocity_rays()) ||
            (target.is_solid() && target.mesh.clearance_steps.size > 0 && !(self && side == 1));
 }
 
-/// Per directed pair (pair * 2 + side): the frames, and the blocks of patches there are to test; none if the target has no
-/// inside. Reads pairs, bodies and, if steps remember, the pairs' memory; writes directed pairs, blocks and where they
-/// begin.
+/// Per directed pair (pair * 2 + side): the frames, and the blocks of patches there are to test;
+/// none if the target has no inside. Reads pairs, bodies and, if steps remember, the pairs' memory;
+/// writes directed pairs, blocks and where they begin.
 struct DirectPair {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -60,7 +62,8 @@ struct DirectPair {
         const BodyView& target = bodies[d.target];
         const bool known = memory.size > 0 && source.motion != Motion::deforming;
         d.to_fit = known ? memory[i].relative : relative_frame(source.space, target.fit);
-        d.to_space = target.motion == Motion::deforming ? relative_frame(source.space, target.space) : d.to_fit;
+        d.to_space = target.motion == Motion::deforming ? relative_frame(source.space, target.space)
+                                                        : d.to_fit;
         if (!d.is_self()) d.approach.most = source.reach + target.reach;
         if (memory.size > 0) {
             const PairMemory& m = memory[i];
@@ -70,7 +73,8 @@ struct DirectPair {
             if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
             d.still = settings.keeps_contacts() && m.known && source.still && target.still;
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
-            const bool looks = d.approach.most > 0 && d.pass == Pass::full && settings.prediction_distance < 0;
+            const bool looks = d.approach.most > 0 && d.pass == Pass::full &&
+                               settings.prediction_distance < 0;
             if (looks && source.seen && target.seen)
                 d.approach = approach_of(source, target, m.relative, settings.full_every);
         }
@@ -80,37 +84,42 @@ struct DirectPair {
         return is_asked(source, target, d.is_self(), i % 2) ? block_count(source.mesh) : 0;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, CullItem* blocks) const {
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+                         CullItem* blocks) const {
         begins[i] = place;
         if (memory.size > 0) memory[i].first_block = place;
         for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
     }
 };
 
-/// Balls as a target sees them, all sixteen or a share: how far outside of its box they are, and how far outside of its
-/// solid by the clearance of their centres, less its deviation. Their centres are `center` and offsets from it, turned and
-/// placed by `to_fit`; `span` is how far the balls go from `center` at most. They are points if `radius` is null, and larger
-/// by `extra`.
+/// Balls as a target sees them, all sixteen or a share: how far outside of its box they are, and
+/// how far outside of its solid by the clearance of their centres, less its deviation. Their
+/// centres are `center` and offsets from it, turned and placed by `to_fit`; `span` is how far the
+/// balls go from `center` at most. They are points if `radius` is null, and larger by `extra`.
 template <class Share = AllOfSixteen>
 struct BallsNearby {
     float beyond_squared[Share::count] = {};
     float clearance[Share::count];
     float size[Share::count];
     float jump = 0;          ///< by how much the clearance found may drop without the ball moving
-    std::uint32_t near = 0;  ///< a bit for every ball, of the share, that may reach the solid or touch it
+    std::uint32_t near = 0;  ///< a bit for every ball, of the share, that may reach the solid or
+                             ///< touch it
 
-    PIERCE_HD BallsNearby(const BodyView& target, const Frame& to_fit, Vec3d center, const Offsets& offsets,
-                          const float* radius, double span, double extra) {
+    PIERCE_HD BallsNearby(const BodyView& target, const Frame& to_fit, Vec3d center,
+                          const Offsets& offsets, const float* radius, double span, double extra) {
         const ClearanceGridView grid = target.mesh.clearance();
         const Vec3d corner = grid.box.lower;
         const Vec3d in_grid = to_fit.to_parent(center) - corner;
         const Vec3f c = to_float(in_grid);
         const TurnedOffsets<Share> turned(offsets, to_fit.rotation);
-        // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of their size each at most.
-        const double rounding =
-            4 * constants::float_ulp * (std::fabs(in_grid.x) + std::fabs(in_grid.y) + std::fabs(in_grid.z) + span);
+        // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of
+        // their size each at most.
+        const double rounding = 4 * constants::float_ulp *
+                                (std::fabs(in_grid.x) + std::fabs(in_grid.y) +
+                                 std::fabs(in_grid.z) + span);
         const auto margin = static_cast<float>(2 * target.touch + rounding + extra);
-        const Vec3f low = to_float(target.fit_box.lower - corner), high = to_float(target.fit_box.upper - corner);
+        const Vec3f low = to_float(target.fit_box.lower - corner),
+                    high = to_float(target.fit_box.upper - corner);
         const auto per_length = static_cast<float>(grid.per_length);
         std::int32_t cell[3][Share::count];
         for (int r = 0; r < 3; ++r) {
@@ -123,34 +132,43 @@ struct BallsNearby {
                 beyond_squared[k] += gap * gap;
             }
         }
-        // From one cell to the next the bound may lose both their diagonals. What is true stays true; but where it matters
-        // that the bound itself still holds, it is found again only if it was larger by that.
-        if (!target.is_simple()) jump = static_cast<float>(2 * constants::cell_diagonal * grid.cell);
+        // From one cell to the next the bound may lose both their diagonals. What is true stays
+        // true; but where it matters that the bound itself still holds, it is found again only if
+        // it was larger by that.
+        if (!target.is_simple())
+            jump = static_cast<float>(2 * constants::cell_diagonal * grid.cell);
         const auto deviation = static_cast<float>(target.deviation);
         const auto step = static_cast<float>(grid.step);
         const std::uint32_t first = Share::first();
-        for (std::uint32_t k = 0; k < Share::count; ++k) size[k] = (radius != nullptr ? radius[first + k] : 0.0f) + margin;
+        for (std::uint32_t k = 0; k < Share::count; ++k)
+            size[k] = (radius != nullptr ? radius[first + k] : 0.0f) + margin;
         for (std::uint32_t k = 0; k < Share::count; ++k) {
             clearance[k] = 0;
-            if (beyond_squared[k] > size[k] * size[k]) continue;  // the box decides: spares fetching the cell
-            clearance[k] = step * static_cast<float>(grid.steps_at(cell[0][k], cell[1][k], cell[2][k])) - deviation;
+            if (beyond_squared[k] > size[k] * size[k])
+                continue;  // the box decides: spares fetching the cell
+            clearance[k] = step * static_cast<float>(
+                                      grid.steps_at(cell[0][k], cell[1][k], cell[2][k])) -
+                           deviation;
             near |= static_cast<std::uint32_t>(!(clearance[k] > size[k])) << (first + k);
         }
     }
 
-    /// How far the k-th ball of the share may move, or the target, and still not be near: from a simple target, because it
-    /// is that far outside; from any other, because it would still be found to be that far.
+    /// How far the k-th ball of the share may move, or the target, and still not be near: from a
+    /// simple target, because it is that far outside; from any other, because it would still be
+    /// found to be that far.
     PIERCE_HD float gap(std::uint32_t k) const {
         return max_of(std::sqrt(beyond_squared[k]), clearance[k] - jump) - size[k];
     }
 };
 
 /// The lowest `count` bits.
-PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) { return count < 32 ? (1u << count) - 1u : ~0u; }
+PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) {
+    return count < 32 ? (1u << count) - 1u : ~0u;
+}
 
-/// Per block: the patches that may hold a vertex inside the target or touching it. With block records: patches that were
-/// proved to be outside until now are not looked at again, and in a walk pass only those that were kept in the last step.
-/// Writes those records.
+/// Per block: the patches that may hold a vertex inside the target or touching it. With block
+/// records: patches that were proved to be outside until now are not looked at again, and in a walk
+/// pass only those that were kept in the last step. Writes those records.
 template <class Share = AllOfSixteen>
 struct CullBlock {
     View<const BodyView> bodies;
@@ -165,34 +183,43 @@ struct CullBlock {
         const std::uint32_t i = Share::group_of(item), first = Share::first();
         const DirectedPair& d = directed[blocks[i].directed];
         const BodyView& source = bodies[d.source];
-        const BlockRecord* before = d.last_blocks == no_record ? nullptr : &last.blocks[d.last_blocks + blocks[i].index];
+        const BlockRecord* before = d.last_blocks == no_record
+                                        ? nullptr
+                                        : &last.blocks[d.last_blocks + blocks[i].index];
         const std::uint32_t all = first_bits(block_length(source.mesh, blocks[i].index));
         std::uint32_t mask = 0;
         if (d.still) {
             mask = before->kept & expired(*before, d.odometer, all);
-            for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = before->expiry[k];
+            for (std::uint32_t k = first; k < first + Share::count; ++k)
+                records[i].expiry[k] = before->expiry[k];
         } else if (d.along_velocity) {
             mask = all;
             if (temporal != Temporal::off)
-                for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = 0;
+                for (std::uint32_t k = first; k < first + Share::count; ++k)
+                    records[i].expiry[k] = 0;
         } else if (temporal == Temporal::paper && d.pass == Pass::walk) {
             mask = before->kept;
         } else if (temporal == Temporal::certified && before != nullptr &&
-                   (expired(*before, d.odometer, all) & ~(bodies[d.target].is_simple() ? before->kept : 0u)) == 0) {
+                   (expired(*before, d.odometer, all) &
+                    ~(bodies[d.target].is_simple() ? before->kept : 0u)) == 0) {
             // Nothing new: what was near is looked at vertex by vertex, the rest is still outside.
             mask = expired(*before, d.odometer, all);
-            for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = before->expiry[k];
+            for (std::uint32_t k = first; k < first + Share::count; ++k)
+                records[i].expiry[k] = before->expiry[k];
         } else {
             const PatchBlock& block = source.blocks[blocks[i].index];
-            const BallsNearby<Share> balls(bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
-                                           static_cast<double>(block.reach),
-                                           d.approach.reach(block.center, static_cast<double>(block.reach)));
+            const BallsNearby<Share> balls(
+                bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
+                static_cast<double>(block.reach),
+                d.approach.reach(block.center, static_cast<double>(block.reach)));
             mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
                 if (before != nullptr) mask &= expired(*before, d.odometer, all);
                 for (std::uint32_t k = 0; k < Share::count; ++k) {
                     const float until = d.odometer + balls.gap(k);
-                    records[i].expiry[first + k] = before != nullptr ? max_of(before->expiry[first + k], until) : until;
+                    records[i].expiry[first + k] = before != nullptr
+                                                       ? max_of(before->expiry[first + k], until)
+                                                       : until;
                 }
             }
         }
@@ -200,16 +227,19 @@ struct CullBlock {
         return Share::mine(mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place, CullItem* patches) const {
+    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place,
+                         CullItem* patches) const {
         const std::uint32_t i = Share::group_of(item);
         if (records.size > 0 && Share::first() == 0) records[i].first_patch = place;
         const CullItem block = blocks[i];
         for (std::uint32_t left = mask; left != 0; left &= left - 1)
-            patches[place++] = {block.directed, block.index * constants::block_size + lowest_bit(left)};
+            patches[place++] = {block.directed,
+                                block.index * constants::block_size + lowest_bit(left)};
     }
 
 private:
-    PIERCE_HD static std::uint32_t expired(const BlockRecord& record, float odometer, std::uint32_t all) {
+    PIERCE_HD static std::uint32_t expired(const BlockRecord& record, float odometer,
+                                           std::uint32_t all) {
         std::uint32_t mask = 0;
         for (std::uint32_t k = 0; k < constants::block_size; ++k)
             mask |= static_cast<std::uint32_t>(!(record.expiry[k] > odometer)) << k;
@@ -217,10 +247,11 @@ private:
     }
 };
 
-/// Per kept patch: the vertices that may be inside the target or touch it. With records: while the others are proved to be
-/// outside, those stay; a patch all whose vertices turn out to be outside need not be looked at until one of them may be
-/// near; in a walk pass the vertices with a triangle are kept. Writes patch records; lists, beside the vertices left, their
-/// records of the last step, and that no ray is asked for while a vertex is proved to be outside, or nothing has moved.
+/// Per kept patch: the vertices that may be inside the target or touch it. With records: while the
+/// others are proved to be outside, those stay; a patch all whose vertices turn out to be outside
+/// need not be looked at until one of them may be near; in a walk pass the vertices with a triangle
+/// are kept. Writes patch records; lists, beside the vertices left, their records of the last step,
+/// and that no ray is asked for while a vertex is proved to be outside, or nothing has moved.
 template <class Share = AllOfSixteen>
 struct CullVertices {
     View<const BodyView> bodies;
@@ -231,7 +262,7 @@ struct CullVertices {
     View<const std::uint32_t> links;          ///< per pair, to last step's
     View<const std::uint64_t> last_keys;      ///< of last step's contacts
     View<const std::uint32_t> block_offsets;  ///< per directed pair
-    View<BlockRecord> block_records;          ///< this and the next are empty if steps do not remember
+    View<BlockRecord> block_records;  ///< this and the next are empty if steps do not remember
     View<PatchRecord> records;
 
     /// A bit for each.
@@ -250,15 +281,15 @@ struct CullVertices {
             std::uint32_t slot = before->first_vertex;
             for (std::uint32_t mask = before->mask; mask != 0; mask &= mask - 1, ++slot)
                 if (last.vertices[slot].triangle != no_triangle) record.mask |= mask & (0 - mask);
-        } else if (temporal == Temporal::certified && before != nullptr && before->expiry > d.odometer &&
-                   bodies[d.target].is_simple()) {
+        } else if (temporal == Temporal::certified && before != nullptr &&
+                   before->expiry > d.odometer && bodies[d.target].is_simple()) {
             record = *before;
         } else {
             const PatchBlock& block = source.blocks[p / constants::block_size];
             const Vec3d center = patch_center(source.blocks, p);
             const auto radius = static_cast<double>(block.radius[p % constants::block_size]);
-            const BallsNearby<Share> balls(bodies[d.target], d.to_fit, center, source.patches[p], nullptr, radius,
-                                           d.approach.reach(center, radius));
+            const BallsNearby<Share> balls(bodies[d.target], d.to_fit, center, source.patches[p],
+                                           nullptr, radius, d.approach.reach(center, radius));
             const std::uint32_t all = first_bits(patch_length(source.mesh, p));
             record.mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
@@ -272,12 +303,14 @@ struct CullVertices {
         return Share::mine(record.mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
-    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place, RaySource* sources) const {
+    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place,
+                         RaySource* sources) const {
         const CullItem patch = patches[Share::group_of(item)];
-        for (std::uint32_t left = mask; left != 0; left &= left - 1) sources[place++] = source_of(patch, lowest_bit(left));
+        for (std::uint32_t left = mask; left != 0; left &= left - 1)
+            sources[place++] = source_of(patch, lowest_bit(left));
     }
-    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place, RaySource* sources, Route* routes,
-                         VertexRecord* vertices) const {
+    PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place,
+                         RaySource* sources, Route* routes, VertexRecord* vertices) const {
         const std::uint32_t i = Share::group_of(item);
         const CullItem patch = patches[i];
         const DirectedPair& d = directed[patch.directed];
@@ -288,11 +321,14 @@ struct CullVertices {
             sources[place] = source_of(patch, k);
             const VertexRecord* record = last.vertex(before, k);
             vertices[place] = record != nullptr ? *record : VertexRecord{};
-            const bool skips = record != nullptr && record->expiry > d.odometer && d.waits(temporal);
+            const bool skips = record != nullptr && record->expiry > d.odometer &&
+                               d.waits(temporal);
             routes[place] = skips ? Route::skip : Route::full;
             if (!d.still) continue;
-            const std::uint64_t key = vertex_contact_key(links[patch.directed / 2], patch.directed % 2, sources[place].item);
-            routes[place] = is_contact(last_keys, vertices[place].contact, key) ? Route::kept : Route::skip;
+            const std::uint64_t key = vertex_contact_key(links[patch.directed / 2],
+                                                         patch.directed % 2, sources[place].item);
+            routes[place] = is_contact(last_keys, vertices[place].contact, key) ? Route::kept
+                                                                                : Route::skip;
         }
     }
 
@@ -302,8 +338,10 @@ private:
     }
 
     PIERCE_HD RaySource source_of(const CullItem& patch, std::uint32_t k) const {
-        const View<const std::uint32_t> vertices = bodies[directed[patch.directed].source].mesh.patch_vertices;
-        return {patch.directed / 2, vertices[patch_begin(patch.index) + k], static_cast<std::uint8_t>(patch.directed % 2)};
+        const View<const std::uint32_t> vertices = bodies[directed[patch.directed].source]
+                                                       .mesh.patch_vertices;
+        return {patch.directed / 2, vertices[patch_begin(patch.index) + k],
+                static_cast<std::uint8_t>(patch.directed % 2)};
     }
 
     PIERCE_HD static float least_gap(const BallsNearby<Share>& balls, std::uint32_t mask) {
@@ -314,6 +352,7 @@ private:
     }
 };
 
-static_assert(constants::patch_size == AllOfSixteen::count && constants::block_size == AllOfSixteen::count);
+static_assert(constants::patch_size == AllOfSixteen::count &&
+              constants::block_size == AllOfSixteen::count);
 
 }  // namespace pierce::stages

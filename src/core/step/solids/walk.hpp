@@ -12,7 +12,8 @@
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 6, walk: answers from last step's triangle; a lost walk becomes a full ray of the same step.
+/// Stage 6, walk: answers from last step's triangle; a lost walk becomes a full ray of the same
+/// step.
 namespace pierce::stages {
 
 /// True for rays of a route.
@@ -25,7 +26,8 @@ struct HasRoute {
 
 /// How far the origin of a ray that crosses a triangle at `t` is from the triangle's plane.
 PIERCE_HD inline double height_over(const Vec3d corner[3], Vec3d direction, double t) {
-    return std::fabs(t * dot(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])), direction));
+    return std::fabs(
+        t * dot(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])), direction));
 }
 
 /// Until when a vertex at a height over a triangle's plane is left alone, at a small risk.
@@ -33,9 +35,9 @@ PIERCE_HD inline float wait_until(const DirectedPair& d, double height) {
     return d.odometer + static_cast<float>(constants::prediction_wait * height);
 }
 
-/// Per walk: goes on from the record. In certified mode the result counts only if it is proved to be what a full ray would
-/// find; in the paper's, any exit ahead does, and one behind stays a prediction. Reads rays and routes; writes hits, routes
-/// and records.
+/// Per walk: goes on from the record. In certified mode the result counts only if it is proved to
+/// be what a full ray would find; in the paper's, any exit ahead does, and one behind stays a
+/// prediction. Reads rays and routes; writes hits, routes and records.
 struct Walk {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -63,27 +65,34 @@ struct Walk {
         Vec3d corner[3];
         Crossing crossing = cross(target, line, at, corner);
         if (crossing.kind == Crossing::none) {
-            const WalkEnd end = walk(target.mesh, target.positions, line, at, constants::walk_steps);
+            const WalkEnd end = walk(target.mesh, target.positions, line, at,
+                                     constants::walk_steps);
             counts[i].steps = end.steps;
             if (end.kind != WalkEnd::found) return;
             at = end.triangle;
             crossing = cross(target, line, at, corner);
         }
         if (temporal == Temporal::certified) {
-            const Vec3d in_fit =
-                target.motion == Motion::deforming ? target.fit.rotation.transposed() * ray.direction : ray.direction;
-            if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation, target.touch)) return;
-            // Behind a simple target's only surface nearby lies its outside: no contact. Just beyond the ray's end, a tracer
-            // decides.
+            const Vec3d in_fit = target.motion == Motion::deforming
+                                     ? target.fit.rotation.transposed() * ray.direction
+                                     : ray.direction;
+            if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation,
+                                  target.touch))
+                return;
+            // Behind a simple target's only surface nearby lies its outside: no contact. Just
+            // beyond the ray's end, a tracer decides.
             const bool behind = crossing.t < -target.touch;
             if (behind && !target.is_simple()) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
             if (!behind && crossing.t <= ray.t_max) hits[slot].triangle = at;
             if (behind) {
-                const double free =
-                    distance_in_front(target.mesh.rings[at], crossing, height_over(corner, ray.direction, crossing.t));
+                const double free = distance_in_front(
+                    target.mesh.rings[at], crossing,
+                    height_over(corner, ray.direction, crossing.t));
                 const DirectedPair& d = directed[2 * sources[slot].pair + sources[slot].side];
-                record.expiry = d.odometer + static_cast<float>(max_of(free - 2 * (target.touch + target.deviation), 0.0));
+                record.expiry = d.odometer +
+                                static_cast<float>(
+                                    max_of(free - 2 * (target.touch + target.deviation), 0.0));
             }
         } else {
             if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
@@ -100,7 +109,8 @@ struct Walk {
             }
             if (record.predicted) found[slot] = Found::prediction;
             record.predicted = !ahead;
-            record.expiry = ahead ? 0 : wait_until(d, height_over(corner, ray.direction, crossing.t));
+            record.expiry = ahead ? 0
+                                  : wait_until(d, height_over(corner, ray.direction, crossing.t));
             if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = at;
         }
         counts[i].lost = false;
@@ -110,7 +120,8 @@ struct Walk {
     }
 
 private:
-    PIERCE_HD static Crossing cross(const BodyView& body, const ShearedRay& line, std::uint32_t triangle, Vec3d corner[3]) {
+    PIERCE_HD static Crossing cross(const BodyView& body, const ShearedRay& line,
+                                    std::uint32_t triangle, Vec3d corner[3]) {
         const Triangle& t = body.mesh.triangles[triangle];
         for (int k = 0; k < 3; ++k) corner[k] = to_double(body.positions[t.vertex[k]]);
         return cross_triangle(line, corner[0], corner[1], corner[2]);

@@ -23,7 +23,8 @@ struct Trace {
     View<Hit> hits;
 
     static constexpr bool is_uneven = true;
-    static constexpr int threads_at_once = 512;  // measured: 384 and 768 are a tenth and a quarter slower
+    static constexpr int threads_at_once = 512;  // measured: 384 and 768 are a tenth and a quarter
+                                                 // slower
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Ray ray = rays[i];
@@ -38,8 +39,8 @@ struct Trace {
     }
 };
 
-/// Per ray with too many candidates: its hit, through the tree. A launch of its own: the few such rays would cost all others
-/// registers.
+/// Per ray with too many candidates: its hit, through the tree. A launch of its own: the few such
+/// rays would cost all others registers.
 struct TraceTree {
     View<const BodyView> bodies;
     Forest forest;
@@ -78,9 +79,10 @@ struct Closest {
 
 }  // namespace bvh
 
-/// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming body, all built in one set
-/// of launches. Deforming bodies' trees are refitted when their positions have changed and somebody asks; all are rebuilt
-/// when bodies come or go and when RefitPolicy finds one that has decayed.
+/// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming
+/// body, all built in one set of launches. Deforming bodies' trees are refitted when their
+/// positions have changed and somebody asks; all are rebuilt when bodies come or go and when
+/// RefitPolicy finds one that has decayed.
 template <Executor E>
 class BvhTracer {
 public:
@@ -106,11 +108,14 @@ public:
             arrange(executor, bodies);
         }
         if (stale_) return build(executor, bodies);
-        executor.for_each("judge_trees", tree_count(),
-                          bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
+        executor.for_each(
+            "judge_trees", tree_count(),
+            bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
         executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
-        executor.for_each("mark_fitted", tree_count(),
-                          bvh::MarkFitted{.bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
+        executor.for_each(
+            "mark_fitted", tree_count(),
+            bvh::MarkFitted{
+                .bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
     }
 
     /// All trees anew.
@@ -123,28 +128,32 @@ public:
         stale_ = false;
     }
 
-    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
-                      View<Hit> hits) {
+    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count,
+                      View<const Ray> rays, View<Hit> hits) {
         candidates_.resize(count);
-        executor.in_turn(
-            name, count,
-            bvh::FindCandidates{.bodies = bodies,
-                                .forest = forest(),
-                                .rays = rays,
-                                .candidates = view_of(candidates_),
-                                .work = view_of(work_)},
-            bvh::Trace{.bodies = bodies, .rays = rays, .candidates = view_of(std::as_const(candidates_)), .hits = hits},
-            bvh::TraceTree{.bodies = bodies,
-                           .forest = forest(),
-                           .rays = rays,
-                           .candidates = view_of(std::as_const(candidates_)),
-                           .hits = hits});
+        executor.in_turn(name, count,
+                         bvh::FindCandidates{.bodies = bodies,
+                                             .forest = forest(),
+                                             .rays = rays,
+                                             .candidates = view_of(candidates_),
+                                             .work = view_of(work_)},
+                         bvh::Trace{.bodies = bodies,
+                                    .rays = rays,
+                                    .candidates = view_of(std::as_const(candidates_)),
+                                    .hits = hits},
+                         bvh::TraceTree{.bodies = bodies,
+                                        .forest = forest(),
+                                        .rays = rays,
+                                        .candidates = view_of(std::as_const(candidates_)),
+                                        .hits = hits});
     }
 
-    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count, View<const Ray> rays,
-                           View<std::uint32_t> triangles) {
-        executor.for_each(name, count,
-                          bvh::Closest{.bodies = bodies, .forest = forest(), .rays = rays, .triangles = triangles});
+    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count,
+                           View<const Ray> rays, View<std::uint32_t> triangles) {
+        executor.for_each(
+            name, count,
+            bvh::Closest{
+                .bodies = bodies, .forest = forest(), .rays = rays, .triangles = triangles});
     }
 
     /// True if the next update builds trees.

@@ -19,8 +19,9 @@ struct alignas(16) Candidates {
     std::uint32_t triangle[capacity];
 };
 
-/// Per ray: the triangles that it may cross; and what that cost its tree, if it moves. In float32 alone: what the exact
-/// test remembers of a ray would leave a GPU few threads to wait for memory with.
+/// Per ray: the triangles that it may cross; and what that cost its tree, if it moves. In float32
+/// alone: what the exact test remembers of a ray would leave a GPU few threads to wait for memory
+/// with.
 struct FindCandidates {
     View<const BodyView> bodies;
     Forest forest;
@@ -46,11 +47,12 @@ struct FindCandidates {
     }
 
 private:
-    // Leaves gathered before they are tested. A vertex on its own surface meets the boxes of half a dozen.
+    // Leaves gathered before they are tested. A vertex on its own surface meets the boxes of half a
+    // dozen.
     static constexpr std::uint32_t leaf_room = 16;
 
-    PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray, std::uint32_t* triangles,
-                                 RayWork& done) const {
+    PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray,
+                                 std::uint32_t* triangles, RayWork& done) const {
         const Surface surface = body.surface();
         const BoxRay box_ray(ray, positions_box(body), body.touch);
         const CrossingSearch search(ray, surface);
@@ -64,8 +66,8 @@ private:
         bool more = !item.is_leaf();
         if (!more) leaves[found++] = item.code;
         while (true) {
-            // All threads of a warp gather leaves, then all test theirs. On the way they do the same, whatever they meet:
-            // at every branch some would wait for the others.
+            // All threads of a warp gather leaves, then all test theirs. On the way they do the
+            // same, whatever they meet: at every branch some would wait for the others.
             while (more && found + 2 <= leaf_room) {
                 const Node node = read_whole(forest.nodes[item.index()]);
                 ++done.nodes;
@@ -76,7 +78,8 @@ private:
                 found += meets_first && first.is_leaf();
                 leaves[found] = second.code;
                 found += meets_second && second.is_leaf();
-                const bool opens_first = meets_first && !first.is_leaf(), opens_second = meets_second && !second.is_leaf();
+                const bool opens_first = meets_first && !first.is_leaf(),
+                           opens_second = meets_second && !second.is_leaf();
                 if (opened == constants::traversal_stack) return Candidates::too_many;
                 open[opened] = second.code;
                 opened += opens_first && opens_second;
@@ -87,10 +90,11 @@ private:
             for (std::uint32_t k = 0; k < found; ++k) {
                 const Leaf leaf = read_whole(body.mesh.leaves[Item{leaves[k]}.index()]);
                 done.tests += leaf.size();
-                const std::uint32_t crossed =
-                    sieve.may_cross(surface.positions[leaf.corner[0]], surface.positions[leaf.corner[1]],
-                                    surface.positions[leaf.corner[2]], surface.positions[leaf.corner[3]]) &
-                    ~excluded_of(leaf, ray.excluded);
+                const std::uint32_t crossed = sieve.may_cross(surface.positions[leaf.corner[0]],
+                                                              surface.positions[leaf.corner[1]],
+                                                              surface.positions[leaf.corner[2]],
+                                                              surface.positions[leaf.corner[3]]) &
+                                              ~excluded_of(leaf, ray.excluded);
                 if (crossed == 0) continue;
                 if (count + 2 > Candidates::capacity) return Candidates::too_many;
                 triangles[count] = leaf.triangle[0];

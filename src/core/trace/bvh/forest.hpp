@@ -29,11 +29,15 @@ struct BoxF {
     Vec3f lower, upper;
 
     /// The box of no points.
-    PIERCE_HD static BoxF none() { return {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
+    PIERCE_HD static BoxF none() {
+        return {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    }
 
     PIERCE_HD void extend(const BoxF& b) {
-        lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y), min_of(b.lower.z, lower.z)};
-        upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y), max_of(b.upper.z, upper.z)};
+        lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y),
+                 min_of(b.lower.z, lower.z)};
+        upper = {max_of(b.upper.x, upper.x), max_of(b.upper.y, upper.y),
+                 max_of(b.upper.z, upper.z)};
     }
     /// Half the surface area.
     PIERCE_HD float half_area() const {
@@ -57,21 +61,25 @@ struct Place {
     PIERCE_HD std::uint32_t side() const { return code & 1; }
 };
 
-/// A node holds its children's boxes, so that a ray reads one node to choose between two. One cache line's half.
+/// A node holds its children's boxes, so that a ray reads one node to choose between two. One cache
+/// line's half.
 struct alignas(16) Node {
     BoxF box[2];
     Item child[2];
     Place parent;
     std::uint32_t unused = 0;
 
-    /// A child without an index that only the running thread knows: on a GPU, the node would move to memory for that.
+    /// A child without an index that only the running thread knows: on a GPU, the node would move
+    /// to memory for that.
     PIERCE_HD Item side(std::uint32_t which) const { return which == 0 ? child[0] : child[1]; }
 };
 static_assert(sizeof(Node) == 64);
 
-/// One tree of the forest: over the leaves of a deforming body, or of a mesh that all its rigid bodies share.
+/// One tree of the forest: over the leaves of a deforming body, or of a mesh that all its rigid
+/// bodies share.
 struct Tree {
-    std::uint32_t first = 0;  ///< its leaves and nodes are [first, first + count) of the forest's; it has a node less
+    std::uint32_t first = 0;  ///< its leaves and nodes are [first, first + count) of the forest's;
+                              ///< it has a node less
     std::uint32_t count = 0;  ///< leaves
     std::uint32_t body = 0;   ///< whose surface it holds, or one of those
     bool moves = false;       ///< the body deforms
@@ -79,7 +87,8 @@ struct Tree {
     std::uint64_t fitted = 0;  ///< version of the positions its boxes fit
 };
 
-/// All trees of a scene side by side, so that each step of building and refitting is one launch for all of them.
+/// All trees of a scene side by side, so that each step of building and refitting is one launch for
+/// all of them.
 struct Forest {
     View<Tree> trees;
     View<const std::uint32_t> tree_of_body;  ///< no_tree: none
@@ -91,11 +100,13 @@ struct Forest {
 
 /// Notes where an item of a tree hangs.
 PIERCE_HD inline void set_place(const Forest& forest, const Tree& tree, Item item, Place place) {
-    (item.is_leaf() ? forest.leaf_places[tree.first + item.index()] : forest.nodes[item.index()].parent) = place;
+    (item.is_leaf() ? forest.leaf_places[tree.first + item.index()]
+                    : forest.nodes[item.index()].parent) = place;
 }
 
 /// Hangs an item on a side of a node.
-PIERCE_HD inline void set_child(const Forest& forest, const Tree& tree, Place place, Item item, const BoxF& box) {
+PIERCE_HD inline void set_child(const Forest& forest, const Tree& tree, Place place, Item item,
+                                const BoxF& box) {
     Node& node = forest.nodes[place.node()];
     node.child[place.side()] = item;
     node.box[place.side()] = box;
@@ -109,15 +120,18 @@ PIERCE_HD inline void set_root(const Forest& forest, Tree& tree, Item item) {
 }
 
 PIERCE_HD inline BoxF box_around(Vec3f a, Vec3f b, Vec3f c) {
-    return {{min_of(a.x, min_of(b.x, c.x)), min_of(a.y, min_of(b.y, c.y)), min_of(a.z, min_of(b.z, c.z))},
-            {max_of(a.x, max_of(b.x, c.x)), max_of(a.y, max_of(b.y, c.y)), max_of(a.z, max_of(b.z, c.z))}};
+    return {{min_of(a.x, min_of(b.x, c.x)), min_of(a.y, min_of(b.y, c.y)),
+             min_of(a.z, min_of(b.z, c.z))},
+            {max_of(a.x, max_of(b.x, c.x)), max_of(a.y, max_of(b.y, c.y)),
+             max_of(a.z, max_of(b.z, c.z))}};
 }
 
 /// The box of a leaf where its body is.
 PIERCE_HD inline BoxF leaf_box(const BodyView& body, std::uint32_t leaf) {
     const Leaf at = read_whole(body.mesh.leaves[leaf]);
     const Vec3f last = body.positions[at.corner[3]];
-    return join(box_around(body.positions[at.corner[0]], body.positions[at.corner[1]], body.positions[at.corner[2]]),
+    return join(box_around(body.positions[at.corner[0]], body.positions[at.corner[1]],
+                           body.positions[at.corner[2]]),
                 {last, last});
 }
 

@@ -20,7 +20,8 @@ class ForestBuilder {
 public:
     explicit ForestBuilder(TreeBuilder how) : how_(how) {}
 
-    /// Fills nodes, leaf_places and the trees' roots. `forest.visits` is scratch; all zero afterwards.
+    /// Fills nodes, leaf_places and the trees' roots. `forest.visits` is scratch; all zero
+    /// afterwards.
     void build(E& executor, View<const BodyView> bodies, const Forest& forest) {
         const std::uint32_t leaves = forest.tree_of_leaf.size;
         const std::uint32_t bits = tree_bits(forest.trees.size);
@@ -29,9 +30,10 @@ public:
         sorted_keys_.resize(leaves);
         sorted_leaves_.resize(leaves);
         executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
-        executor.for_each("leaf_keys", leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
-        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
-                      view_of(sorted_leaves_));
+        executor.for_each("leaf_keys", leaves,
+                          LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
+        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_),
+                      view_of(sorted_keys_), view_of(sorted_leaves_));
         const auto sorted = view_of(std::as_const(sorted_leaves_));
         const Lbvh lbvh{bodies, forest, view_of(std::as_const(sorted_keys_)), sorted, bits};
         switch (how_) {

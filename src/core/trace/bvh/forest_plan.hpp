@@ -9,7 +9,8 @@
 
 namespace pierce::bvh {
 
-/// Decides which trees a scene needs: one per mesh that fixed or rigid bodies have, one per deforming body.
+/// Decides which trees a scene needs: one per mesh that fixed or rigid bodies have, one per
+/// deforming body.
 class ForestPlan {
 public:
     /// Looks at the bodies' meshes and kinds only. True if anything has changed.

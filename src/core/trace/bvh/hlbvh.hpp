@@ -7,8 +7,9 @@
 #include "core/trace/bvh/lbvh.hpp"
 #include "pierce/min_max.hpp"
 
-/// The hierarchical LBVH (Pantaleoni and Luebke, HPG 2010): leaves in the same cell of a coarse grid become an LBVH, and the
-/// top of the tree, over the cells, is split by the surface area heuristic.
+/// The hierarchical LBVH (Pantaleoni and Luebke, HPG 2010): leaves in the same cell of a coarse
+/// grid become an LBVH, and the top of the tree, over the cells, is split by the surface area
+/// heuristic.
 namespace pierce::bvh {
 
 /// True for places in sorted order where a cell begins.
@@ -18,7 +19,8 @@ struct BeginsCell {
     PIERCE_HD bool operator()(std::uint32_t i) const { return lbvh.begins(i); }
 };
 
-/// Per place in sorted order: its share of building the cells' trees. A finished one is noted at its first place.
+/// Per place in sorted order: its share of building the cells' trees. A finished one is noted at
+/// its first place.
 struct BuildCells {
     Lbvh lbvh;
     View<Subtree> cells;
@@ -44,8 +46,8 @@ struct GatherCells {
     }
 };
 
-/// Per tree: splits its cells from the root down, each range where the surface area heuristic is least of all borders
-/// between equal bins (Wald 2007).
+/// Per tree: splits its cells from the root down, each range where the surface area heuristic is
+/// least of all borders between equal bins (Wald 2007).
 struct BuildTop {
     Forest forest;
     View<Subtree> cells;               ///< reordered, each tree's among themselves
@@ -54,7 +56,8 @@ struct BuildTop {
 
     PIERCE_HD void operator()(std::uint32_t t) const {
         Tree& tree = forest.trees[t];
-        // The smaller half comes next and the larger waits, so that as many halves wait at most as a size can be halved.
+        // The smaller half comes next and the larger waits, so that as many halves wait at most as
+        // a size can be halved.
         Range waiting[constants::cell_bits];
         std::uint32_t waits = 0;
         Range now{first_cell[t], t + 1 < forest.trees.size ? first_cell[t + 1] : begins.size, {}};
@@ -70,7 +73,8 @@ struct BuildTop {
             // As in an LBVH: the node that splits before a place is the one before it.
             const std::uint32_t node = begins[middle] - 1;
             hang(tree, now.place, Item::node(node), box);
-            const Range left{now.begin, middle, Place::at(node, 0)}, right{middle, now.end, Place::at(node, 1)};
+            const Range left{now.begin, middle, Place::at(node, 0)},
+                right{middle, now.end, Place::at(node, 1)};
             const bool left_first = left.size() < right.size();
             waiting[waits++] = left_first ? right : left;
             now = left_first ? left : right;
@@ -112,8 +116,8 @@ private:
         return box;
     }
 
-    /// Reorders the range's cells for the best split, and returns where that is. Where no bins tell them apart: in the
-    /// middle.
+    /// Reorders the range's cells for the best split, and returns where that is. Where no bins tell
+    /// them apart: in the middle.
     PIERCE_HD std::uint32_t split(Range range) const {
         BoxF centers = BoxF::none();  // twice the centres
         for (std::uint32_t c = range.begin; c < range.end; ++c) {
@@ -146,7 +150,8 @@ private:
         return left;
     }
 
-    /// The first bin right of the best border between bins, or 0 if none costs less than `least`, which it updates.
+    /// The first bin right of the best border between bins, or 0 if none costs less than `least`,
+    /// which it updates.
     PIERCE_HD std::uint32_t best_border(Range range, const Binning& binning, float& least) const {
         BoxF box[bins];
         std::uint32_t leaves[bins] = {};
@@ -191,16 +196,17 @@ public:
         cells_.resize(leaves);
         begins_.resize(leaves);
         executor.for_each("build_cells", leaves, BuildCells{lbvh, view_of(cells_)});
-        const std::uint32_t count =
-            executor.number(executor.select("select_cells", leaves, BeginsCell{lbvh}, view_of(begins_)));
+        const std::uint32_t count = executor.number(
+            executor.select("select_cells", leaves, BeginsCell{lbvh}, view_of(begins_)));
         gathered_.resize(count);
         first_cell_.resize(forest.trees.size);
         const View<const std::uint32_t> begins{begins_.data(), count};
+        executor.for_each("gather_cells", count,
+                          GatherCells{lbvh, view_of(std::as_const(cells_)), begins,
+                                      view_of(gathered_), view_of(first_cell_)});
         executor.for_each(
-            "gather_cells", count,
-            GatherCells{lbvh, view_of(std::as_const(cells_)), begins, view_of(gathered_), view_of(first_cell_)});
-        executor.for_each("build_top", forest.trees.size,
-                          BuildTop{forest, view_of(gathered_), begins, view_of(std::as_const(first_cell_))});
+            "build_top", forest.trees.size,
+            BuildTop{forest, view_of(gathered_), begins, view_of(std::as_const(first_cell_))});
     }
 
 private:

@@ -7,9 +7,9 @@
 #include "core/trace/bvh/morton.hpp"
 #include "pierce/min_max.hpp"
 
-/// The linear BVH (Lauterbach et al. 2009): leaves sorted along a Morton curve, split where their codes differ first. Built
-/// bottom-up, hierarchy and boxes at once (Apetrei, CGVC 2014). All trees of a forest in one sort and one launch: the tree
-/// is the upper part of the key.
+/// The linear BVH (Lauterbach et al. 2009): leaves sorted along a Morton curve, split where their
+/// codes differ first. Built bottom-up, hierarchy and boxes at once (Apetrei, CGVC 2014). All trees
+/// of a forest in one sort and one launch: the tree is the upper part of the key.
 namespace pierce::bvh {
 
 /// Per place: writes a value.
@@ -49,7 +49,8 @@ struct LeafKeys {
         const BodyView& body = bodies[forest.trees[t].body];
         const BoxF box = leaf_box(body, i - forest.trees[t].first);
         const Vec3d center = 0.5 * (to_double(box.lower) + to_double(box.upper));
-        keys[i] = std::uint64_t{t} << (64 - bits) | morton_code(center, cube_around(positions_box(body))) >> (bits - 1);
+        keys[i] = std::uint64_t{t} << (64 - bits) |
+                  morton_code(center, cube_around(positions_box(body))) >> (bits - 1);
         leaves[i] = i;
     }
 };
@@ -71,8 +72,8 @@ struct Lbvh {
     View<const std::uint32_t> leaves;  ///< in that order
     std::uint32_t group_bits = 1;
 
-    /// Climbs from the leaf at place i as long as it comes second to every node, and writes child and box there. The subtree
-    /// below it, and whether that is its whole group.
+    /// Climbs from the leaf at place i as long as it comes second to every node, and writes child
+    /// and box there. The subtree below it, and whether that is its whole group.
     PIERCE_HD bool climb(std::uint32_t i, Subtree& below) const {
         const Tree& tree = tree_at(i);
         const std::uint32_t leaf = leaves[i] - tree.first;
@@ -80,12 +81,14 @@ struct Lbvh {
         while (true) {
             const bool at_begin = begins(below.first), at_end = begins(below.last + 1);
             if (at_begin && at_end) return true;
-            // The node that splits between places k and k + 1 is node k; it is the child's that differs less from beyond.
+            // The node that splits between places k and k + 1 is node k; it is the child's that
+            // differs less from beyond.
             const bool is_left = at_begin || (!at_end && splits_later(below.first - 1, below.last));
             const std::uint32_t at = is_left ? below.last : below.first - 1;
             const std::uint32_t side = is_left ? 0 : 1;
             set_child(forest, tree, Place::at(at, side), below.item, below.box);
-            const std::uint32_t other = atomic_exchange(forest.visits[at], is_left ? below.first : below.last);
+            const std::uint32_t other = atomic_exchange(forest.visits[at],
+                                                        is_left ? below.first : below.last);
             if (other == no_node) return false;
             (is_left ? below.last : below.first) = other;
             below.item = Item::node(at);
@@ -95,15 +98,19 @@ struct Lbvh {
         }
     }
 
-    PIERCE_HD Tree& tree_at(std::uint32_t place) const { return forest.trees[forest.tree_of_leaf[leaves[place]]]; }
+    PIERCE_HD Tree& tree_at(std::uint32_t place) const {
+        return forest.trees[forest.tree_of_leaf[leaves[place]]];
+    }
 
     /// True if a group begins at this place, or none is left.
     PIERCE_HD bool begins(std::uint32_t place) const {
-        return place == 0 || place == keys.size || (keys[place - 1] ^ keys[place]) >> (64 - group_bits) != 0;
+        return place == 0 || place == keys.size ||
+               (keys[place - 1] ^ keys[place]) >> (64 - group_bits) != 0;
     }
 
 private:
-    /// True if the keys at a and a + 1 differ in a higher bit than those at b and b + 1. Equal keys differ by their places.
+    /// True if the keys at a and a + 1 differ in a higher bit than those at b and b + 1. Equal keys
+    /// differ by their places.
     PIERCE_HD bool splits_later(std::uint32_t a, std::uint32_t b) const {
         const std::uint64_t at_a = keys[a] ^ keys[a + 1], at_b = keys[b] ^ keys[b + 1];
         if (at_a != at_b) return at_b < at_a;

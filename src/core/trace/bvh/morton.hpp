@@ -18,7 +18,8 @@ PIERCE_HD constexpr std::uint64_t spread_bits(std::uint64_t v) {
     return v;
 }
 
-/// Position of `p` on a Morton curve through `box`, 21 bits an axis (63 in all); an axis of no extent counts as zero.
+/// Position of `p` on a Morton curve through `box`, 21 bits an axis (63 in all); an axis of no
+/// extent counts as zero.
 PIERCE_HD inline std::uint64_t morton_code(Vec3d p, const Box& box) {
     constexpr double cells = 2097151;  // 2^21 - 1
     std::uint64_t code = 0;

@@ -8,8 +8,8 @@
 #include "core/trace/bvh/lbvh.hpp"
 #include "pierce/min_max.hpp"
 
-/// Parallel locally-ordered clustering (Meister and Bittner, TVCG 2018): clusters in the order of a Morton curve; those that
-/// are each other's nearest join, until each tree is one.
+/// Parallel locally-ordered clustering (Meister and Bittner, TVCG 2018): clusters in the order of a
+/// Morton curve; those that are each other's nearest join, until each tree is one.
 namespace pierce::bvh {
 
 /// A subtree that looks for another one to join.
@@ -17,8 +17,8 @@ struct Cluster {
     Item item;
     BoxF box;
     std::uint32_t tree = 0;
-    std::uint32_t slot =
-        0;  ///< the first of its leaves' places: each place but a tree's first pays for a node, the one before
+    std::uint32_t slot = 0;  ///< the first of its leaves' places: each place but a tree's first
+                             ///< pays for a node, the one before
 };
 
 /// Per place in sorted order: a cluster of one leaf.
@@ -36,8 +36,9 @@ struct LeafClusters {
     }
 };
 
-/// Per cluster: the one nearby, of the same tree, with which it has the smallest box. Of several, the one whose place
-/// differs in the lowest bits: so each tree has two that choose each other, and of clusters all alike, every two do.
+/// Per cluster: the one nearby, of the same tree, with which it has the smallest box. Of several,
+/// the one whose place differs in the lowest bits: so each tree has two that choose each other, and
+/// of clusters all alike, every two do.
 struct FindNearest {
     View<const Cluster> clusters;
     std::uint32_t count = 0;
@@ -46,13 +47,15 @@ struct FindNearest {
     PIERCE_HD void operator()(std::uint32_t i) const {
         constexpr std::uint32_t radius = constants::cluster_radius;
         const Cluster cluster = clusters[i];
-        const std::uint32_t begin = i < radius ? 0 : i - radius, end = min_of(count, i + radius + 1);
+        const std::uint32_t begin = i < radius ? 0 : i - radius,
+                            end = min_of(count, i + radius + 1);
         std::uint32_t best = i;
         float least = INFINITY;
         for (std::uint32_t j = begin; j < end; ++j) {
             if (j == i || clusters[j].tree != cluster.tree) continue;
             // Both see the same area even if the boxes hold NaN, and then it is infinite.
-            const BoxF both = j < i ? join(clusters[j].box, cluster.box) : join(cluster.box, clusters[j].box);
+            const BoxF both = j < i ? join(clusters[j].box, cluster.box)
+                                    : join(cluster.box, clusters[j].box);
             const float area = min_of(both.half_area(), INFINITY);
             if (best != i && (area > least || (area == least && (j ^ i) > (best ^ i)))) continue;
             best = j;
@@ -66,7 +69,9 @@ struct FindNearest {
 struct StaysCluster {
     View<const std::uint32_t> nearest;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return nearest[i] >= i || nearest[nearest[i]] != i; }
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return nearest[i] >= i || nearest[nearest[i]] != i;
+    }
 };
 
 /// Per cluster that stays: joins it with the one that chose it too.
@@ -99,29 +104,38 @@ struct RootClusters {
     Forest forest;
     View<const Cluster> clusters;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { set_root(forest, forest.trees[clusters[i].tree], clusters[i].item); }
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        set_root(forest, forest.trees[clusters[i].tree], clusters[i].item);
+    }
 };
 
 /// Builds all trees of a forest from sorted leaves.
 template <Executor E>
 class Ploc {
 public:
-    void build(E& executor, View<const BodyView> bodies, const Forest& forest, View<const std::uint32_t> leaves) {
+    void build(E& executor, View<const BodyView> bodies, const Forest& forest,
+               View<const std::uint32_t> leaves) {
         std::uint32_t count = leaves.size;
         clusters_.resize(count);
         joined_.resize(count);
         nearest_.resize(count);
         places_.resize(count);
-        executor.for_each("leaf_clusters", count, LeafClusters{bodies, forest, leaves, view_of(clusters_)});
+        executor.for_each("leaf_clusters", count,
+                          LeafClusters{bodies, forest, leaves, view_of(clusters_)});
         while (count > forest.trees.size) {
             const auto clusters = view_of(std::as_const(clusters_));
-            const auto nearest = view_of(std::as_const(nearest_)), places = view_of(std::as_const(places_));
-            executor.for_each("find_nearest", count, FindNearest{clusters, count, view_of(nearest_)});
-            count = executor.number(executor.select("select_clusters", count, StaysCluster{nearest}, view_of(places_)));
-            executor.for_each("join_clusters", count, JoinClusters{forest, clusters, nearest, places, view_of(joined_)});
+            const auto nearest = view_of(std::as_const(nearest_)),
+                       places = view_of(std::as_const(places_));
+            executor.for_each("find_nearest", count,
+                              FindNearest{clusters, count, view_of(nearest_)});
+            count = executor.number(
+                executor.select("select_clusters", count, StaysCluster{nearest}, view_of(places_)));
+            executor.for_each("join_clusters", count,
+                              JoinClusters{forest, clusters, nearest, places, view_of(joined_)});
             std::swap(clusters_, joined_);
         }
-        executor.for_each("root_clusters", count, RootClusters{forest, view_of(std::as_const(clusters_))});
+        executor.for_each("root_clusters", count,
+                          RootClusters{forest, view_of(std::as_const(clusters_))});
     }
 
 private:

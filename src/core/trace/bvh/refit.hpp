@@ -9,7 +9,8 @@
 namespace pierce::bvh {
 
 /// True if a tree's boxes no longer fit and somebody asks.
-PIERCE_HD inline bool needs_refit(const Tree& tree, const BodyView& body, View<const std::uint32_t> wanted) {
+PIERCE_HD inline bool needs_refit(const Tree& tree, const BodyView& body,
+                                  View<const std::uint32_t> wanted) {
     return tree.moves && wanted[tree.body] && body.active && tree.fitted != body.positions_version;
 }
 
@@ -26,7 +27,8 @@ struct Refit {
         const BodyView& body = bodies[tree.body];
         if (!needs_refit(tree, body, wanted)) return;
         BoxF box = leaf_box(body, i - tree.first);
-        for (Place place = forest.leaf_places[i]; !place.is_root(); place = forest.nodes[place.node()].parent) {
+        for (Place place = forest.leaf_places[i]; !place.is_root();
+             place = forest.nodes[place.node()].parent) {
             Node& node = forest.nodes[place.node()];
             node.box[place.side()] = box;
             // Two visits a refit: whoever comes first goes home.

@@ -4,8 +4,9 @@
 
 namespace pierce::bvh {
 
-/// What a random ray that meets the tree's box costs it, by the surface area heuristic (MacDonald and Booth 1990): nodes
-/// visited and leaves tested, at constants::node_cost and leaf_cost. On the host. Zero for a tree without extent.
+/// What a random ray that meets the tree's box costs it, by the surface area heuristic (MacDonald
+/// and Booth 1990): nodes visited and leaves tested, at constants::node_cost and leaf_cost. On the
+/// host. Zero for a tree without extent.
 inline double sah_cost(const Forest& forest, const Tree& tree) {
     if (tree.root.is_leaf()) return constants::leaf_cost;
     const Node& root = forest.nodes[tree.root.index()];
@@ -15,7 +16,8 @@ inline double sah_cost(const Forest& forest, const Tree& tree) {
     for (std::uint32_t n = tree.first; n < tree.first + tree.count - 1; ++n)
         for (int side = 0; side < 2; ++side) {
             const Node& node = forest.nodes[n];
-            cost += (node.child[side].is_leaf() ? constants::leaf_cost : constants::node_cost) * node.box[side].half_area();
+            cost += (node.child[side].is_leaf() ? constants::leaf_cost : constants::node_cost) *
+                    node.box[side].half_area();
         }
     return cost / whole;
 }

@@ -12,17 +12,17 @@
 
 namespace pierce::bvh {
 
-/// A ray in float32, for boxes. Boxes are grown by constants::slab_margin of the largest coordinate, which covers all that
-/// rounding does to the slab test, and by `touch`, from which a ray in a triangle's plane touches it: no box is missed that
-/// the exact ray meets.
+/// A ray in float32, for boxes. Boxes are grown by constants::slab_margin of the largest
+/// coordinate, which covers all that rounding does to the slab test, and by `touch`, from which a
+/// ray in a triangle's plane touches it: no box is missed that the exact ray meets.
 class BoxRay {
 public:
     PIERCE_HD BoxRay(const Ray& ray, const Box& around, double touch) {
         double largest = around.max_coordinate();
         for (int k = 0; k < 3; ++k) largest = max_of(std::fabs(ray.origin[k]), largest);
         margin_ = constants::slab_margin * largest + touch;
-        const float smallest =
-            max_of(constants::smallest_slope, constants::slope_per_coordinate * static_cast<float>(largest));
+        const float smallest = max_of(constants::smallest_slope, constants::slope_per_coordinate *
+                                                                     static_cast<float>(largest));
         for (int k = 0; k < 3; ++k) {
             const float d = static_cast<float>(ray.direction[k]);
             inverse_[k] = 1.0f / (std::fabs(d) > smallest ? d : d < 0 ? -smallest : smallest);
@@ -39,7 +39,8 @@ public:
         return begin <= end;
     }
 
-    /// Where the ray enters the box, if it is inside somewhere between `begin` and `end`; else infinity.
+    /// Where the ray enters the box, if it is inside somewhere between `begin` and `end`; else
+    /// infinity.
     PIERCE_HD float enter(const BoxF& box, float begin, float end) const {
         clip(box, begin, end);
         return begin <= end ? begin : INFINITY;
@@ -53,21 +54,24 @@ private:
     }
 
     PIERCE_HD void clip(int k, float lower, float upper, float& near, float& far) const {
-        const float a = quick_fma(lower, inverse_[k], low_[k]), b = quick_fma(upper, inverse_[k], high_[k]);
+        const float a = quick_fma(lower, inverse_[k], low_[k]),
+                    b = quick_fma(upper, inverse_[k], high_[k]);
         near = quick_max(quick_min(a, b), near);
         far = quick_min(quick_max(a, b), far);
     }
 
     double margin_ = 0;
-    float inverse_[3], low_[3], high_[3];  ///< a place x along an axis is at x * inverse + low, or high, of the ray
+    float inverse_[3], low_[3], high_[3];  ///< a place x along an axis is at x * inverse + low, or
+                                           ///< high, of the ray
 };
 
-/// A stack of tree items. A binary tree over Morton codes is no deeper than the code has bits, 64, and the bits of a tie,
-/// 32; but a restructured tree may be. Its memory is the caller's: beside it in one object, a GPU would keep its size in
-/// memory, too.
+/// A stack of tree items. A binary tree over Morton codes is no deeper than the code has bits, 64,
+/// and the bits of a tie, 32; but a restructured tree may be. Its memory is the caller's: beside it
+/// in one object, a GPU would keep its size in memory, too.
 class ItemStack {
 public:
-    using Memory = std::uint32_t[constants::traversal_stack];  // no Items: they would be set to nothing first
+    using Memory = std::uint32_t[constants::traversal_stack];  // no Items: they would be set to
+                                                               // nothing first
 
     PIERCE_HD explicit ItemStack(Memory& memory) : codes_(memory) {}
 
@@ -87,8 +91,8 @@ struct RayWork {
     std::uint32_t tests = 0;  ///< of triangles
 };
 
-/// Which of a leaf's triangles a ray with these `excluded` vertices does not hit, a bit each; of a leaf with one triangle
-/// the second.
+/// Which of a leaf's triangles a ray with these `excluded` vertices does not hit, a bit each; of a
+/// leaf with one triangle the second.
 PIERCE_HD inline std::uint32_t excluded_of(const Leaf& leaf, const std::uint32_t (&excluded)[2]) {
     const auto has = [&](std::uint32_t k, std::uint32_t v) { return leaf.corner[k] == v; };
     std::uint32_t both = 3;
@@ -113,10 +117,10 @@ PIERCE_HD void show_all(const BodyView& body, Search& search) {
     for (std::uint32_t t = 0; t < body.mesh.triangles.size; ++t) search.test(t);
 }
 
-/// Shows a search all triangles its ray may meet, near ones first. A tree that is deeper than the stack shows all it has
-/// from there.
-PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body, const BoxRay& ray,
-                                CrossingSearch& search) {
+/// Shows a search all triangles its ray may meet, near ones first. A tree that is deeper than the
+/// stack shows all it has from there.
+PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body,
+                                const BoxRay& ray, CrossingSearch& search) {
     const float begin = round_down(search.begin() - ray.margin());
     float end = round_up(search.limit() + ray.margin());
     ItemStack::Memory memory;
@@ -126,7 +130,8 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
         // All threads of a warp look for a leaf, then all test theirs.
         while (!item.is_leaf()) {
             const Node node = read_whole(forest.nodes[item.index()]);
-            const float t0 = ray.enter(node.box[0], begin, end), t1 = ray.enter(node.box[1], begin, end);
+            const float t0 = ray.enter(node.box[0], begin, end),
+                        t1 = ray.enter(node.box[1], begin, end);
             const std::uint32_t first = t1 < t0 ? 1 : 0;
             const float nearer = first ? t1 : t0, other = first ? t0 : t1;
             if (!(nearer < INFINITY)) {
@@ -146,9 +151,10 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
     }
 }
 
-/// Shows a search all triangles that may be closest to its point, near ones first. A tree that is deeper than the stack
-/// shows all it has from there.
-PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body, ClosestSearch& search) {
+/// Shows a search all triangles that may be closest to its point, near ones first. A tree that is
+/// deeper than the stack shows all it has from there.
+PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body,
+                                ClosestSearch& search) {
     ItemStack::Memory memory;
     ItemStack stack(memory);
     Item item = tree.root;
@@ -159,7 +165,8 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
             const Node& node = forest.nodes[item.index()];
             double gap[2];
             for (int side = 0; side < 2; ++side)
-                gap[side] = Box{to_double(node.box[side].lower), to_double(node.box[side].upper)}.distance(search.point());
+                gap[side] = Box{to_double(node.box[side].lower), to_double(node.box[side].upper)}
+                                .distance(search.point());
             const int first = gap[1] < gap[0] ? 1 : 0;
             for (int k = 0; k < 2; ++k) {
                 const int side = k == 0 ? 1 - first : first;

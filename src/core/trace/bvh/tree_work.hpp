@@ -20,8 +20,9 @@ struct ForestWork {
     std::uint32_t decayed = 0;  ///< trees for which a rebuild pays
 };
 
-/// Per tree, before it is refitted again: has its refit decayed? Looking at a node counts like testing a triangle. Without
-/// the nodes it would never show: every leaf is in its own box whatever became of those above.
+/// Per tree, before it is refitted again: has its refit decayed? Looking at a node counts like
+/// testing a triangle. Without the nodes it would never show: every leaf is in its own box whatever
+/// became of those above.
 struct JudgeTree {
     View<TreeWork> work;
     View<const Tree> trees;

@@ -8,9 +8,10 @@
 #include "core/trace/bvh/lbvh.hpp"
 #include "pierce/min_max.hpp"
 
-/// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it has seven parts, is put
-/// together anew in the best of all ways. The parts stay what they are, so what they cost is the same in all ways, and the
-/// best one is that whose nodes have the least area.
+/// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it
+/// has seven parts, is put together anew in the best of all ways. The parts stay what they are, so
+/// what they cost is the same in all ways, and the best one is that whose nodes have the least
+/// area.
 namespace pierce::bvh {
 
 /// The top of a subtree: `inner` nodes and the parts below them.
@@ -41,7 +42,9 @@ public:
         for (Set others = 0; others <= all; others += firsts + 1) {
             const BoxF beyond = box_of(others, shared, parts);
             for (Set set = others; set <= (others | firsts); ++set)
-                least_[set] = is_one(set) ? 0 : join(box_of(set, 0, shared), beyond).half_area() + least_below(set);
+                least_[set] = is_one(set) ? 0
+                                          : join(box_of(set, 0, shared), beyond).half_area() +
+                                                least_below(set);
         }
         if (least_[all] < area_) rebuild(forest);
     }
@@ -57,7 +60,9 @@ private:
     PIERCE_HD std::uint32_t largest_node(std::uint32_t n) const {
         std::uint32_t largest = n;
         for (std::uint32_t k = 0; k < n; ++k)
-            if (!part_[k].is_leaf() && (largest == n || box_[k].half_area() > box_[largest].half_area())) largest = k;
+            if (!part_[k].is_leaf() &&
+                (largest == n || box_[k].half_area() > box_[largest].half_area()))
+                largest = k;
         return largest;
     }
 
@@ -69,11 +74,13 @@ private:
         return box;
     }
 
-    /// Area below the best node over `set`: the least of all ways to halve it. One half has the set's first part.
+    /// Area below the best node over `set`: the least of all ways to halve it. One half has the
+    /// set's first part.
     PIERCE_HD float least_below(Set set) const {
         const Set rest = set & (set - 1);
         float least = INFINITY;
-        for (Set half = rest; half != 0; half = (half - 1) & rest) least = min_of(least_[half] + least_[set ^ half], least);
+        for (Set half = rest; half != 0; half = (half - 1) & rest)
+            least = min_of(least_[half] + least_[set ^ half], least);
         return least;
     }
 
@@ -111,11 +118,11 @@ private:
     BoxF box_[parts];            ///< of the parts
     std::uint32_t node_[inner];  ///< root first
     float area_ = 0;             ///< of the nodes
-    float least_[all + 1];       ///< per set of parts: area of the best tree over it, itself counted
+    float least_[all + 1];  ///< per set of parts: area of the best tree over it, itself counted
 };
 
-/// Per place in `leaves`: climbs from that leaf, counting leaves in `forest.visits`, as long as it comes second to every
-/// node, up to one with enough leaves.
+/// Per place in `leaves`: climbs from that leaf, counting leaves in `forest.visits`, as long as it
+/// comes second to every node, up to one with enough leaves.
 struct FindTreelets {
     Forest forest;
     View<const std::uint32_t> leaves;
@@ -125,7 +132,8 @@ struct FindTreelets {
     PIERCE_HD void operator()(std::uint32_t i) const {
         found[i] = no_node;
         std::uint32_t count = 1;
-        for (Place place = forest.leaf_places[leaves[i]]; !place.is_root(); place = forest.nodes[place.node()].parent) {
+        for (Place place = forest.leaf_places[leaves[i]]; !place.is_root();
+             place = forest.nodes[place.node()].parent) {
             const std::uint32_t others = atomic_add(forest.visits[place.node()], count);
             if (others == 0) return;
             count += others;
@@ -136,13 +144,13 @@ struct FindTreelets {
     }
 };
 
-/// Per node whose subtree is finished: improves the treelet there, and comes to the node above if it is the last of that
-/// one's children to do so.
+/// Per node whose subtree is finished: improves the treelet there, and comes to the node above if
+/// it is the last of that one's children to do so.
 struct ImproveTreelets {
     Forest forest;
     View<const std::uint32_t> nodes, places;  ///< item i is nodes[places[i]]
-    bool climbs = false;                      ///< goes on with the node above; otherwise leaves it to the next launch
-    View<std::uint32_t> next;                 ///< the node above, or no_node
+    bool climbs = false;  ///< goes on with the node above; otherwise leaves it to the next launch
+    View<std::uint32_t> next;  ///< the node above, or no_node
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         std::uint32_t node = nodes[places[i]];
@@ -167,8 +175,9 @@ struct HoldsNode {
     PIERCE_HD bool operator()(std::uint32_t i) const { return nodes[i] != no_node; }
 };
 
-/// Restructures all trees of a forest, from the leaves up. A launch improves every treelet whose subtree is finished, so
-/// that neighbouring threads all have work; when few are left, a last one climbs to the roots.
+/// Restructures all trees of a forest, from the leaves up. A launch improves every treelet whose
+/// subtree is finished, so that neighbouring threads all have work; when few are left, a last one
+/// climbs to the roots.
 template <Executor E>
 class TreeletRestructuring {
 public:
@@ -177,14 +186,17 @@ public:
         for (Buffer* buffer : {&nodes_, &next_, &places_}) buffer->resize(leaves.size);
         for (std::uint32_t round = 0; round < constants::treelet_rounds; ++round) {
             executor.for_each("clear_visits", leaves.size, Fill{forest.visits, 0});
-            executor.for_each("find_treelets", leaves.size,
-                              FindTreelets{forest, leaves, constants::treelet_parts << round, view_of(next_)});
+            executor.for_each(
+                "find_treelets", leaves.size,
+                FindTreelets{forest, leaves, constants::treelet_parts << round, view_of(next_)});
             bool climbs = false;
-            for (std::uint32_t n = keep(executor, leaves.size); n > 0; n = climbs ? 0 : keep(executor, n)) {
+            for (std::uint32_t n = keep(executor, leaves.size); n > 0;
+                 n = climbs ? 0 : keep(executor, n)) {
                 climbs = n <= constants::treelet_crowd;
-                executor.for_each("improve_treelets", n,
-                                  ImproveTreelets{forest, view_of(std::as_const(nodes_)), view_of(std::as_const(places_)),
-                                                  climbs, view_of(next_)});
+                executor.for_each(
+                    "improve_treelets", n,
+                    ImproveTreelets{forest, view_of(std::as_const(nodes_)),
+                                    view_of(std::as_const(places_)), climbs, view_of(next_)});
             }
         }
     }
@@ -195,8 +207,8 @@ private:
     /// The nodes among the first n of next_ come next; how many?
     std::uint32_t keep(E& executor, std::uint32_t n) {
         std::swap(nodes_, next_);
-        return executor.number(
-            executor.select("select_treelets", n, HoldsNode{view_of(std::as_const(nodes_))}, view_of(places_)));
+        return executor.number(executor.select(
+            "select_treelets", n, HoldsNode{view_of(std::as_const(nodes_))}, view_of(places_)));
     }
 
     Buffer nodes_, next_, places_;

@@ -17,7 +17,8 @@ struct CudaOptions {
 /// What keeps CUDA from being used here, for people; empty if nothing does.
 std::string cuda_problem();
 
-/// The GPU backend: every stage on the device, with trees of our own. Throws InputError if there is no device to use.
+/// The GPU backend: every stage on the device, with trees of our own. Throws InputError if there is
+/// no device to use.
 std::unique_ptr<Backend> cuda_backend(CudaOptions options = {});
 
 }  // namespace pierce

@@ -17,8 +17,8 @@ inline Vec3f from_bullet_float(const btVector3& v) { return to_float(from_bullet
 
 inline btTransform to_bullet(const Pose& pose) {
     const Quaternion& q = pose.rotation;
-    btQuaternion rotation(static_cast<btScalar>(q.x), static_cast<btScalar>(q.y), static_cast<btScalar>(q.z),
-                          static_cast<btScalar>(q.w));
+    btQuaternion rotation(static_cast<btScalar>(q.x), static_cast<btScalar>(q.y),
+                          static_cast<btScalar>(q.z), static_cast<btScalar>(q.w));
     rotation.normalize();
     return btTransform(rotation, to_bullet(pose.position));
 }

@@ -9,8 +9,8 @@ namespace pierce::bullet {
 /// How long a soft body has stayed where it is, vibration aside.
 class CalmWatch {
 public:
-    /// After a step of `dt` [s]: a body that has stayed for Bullet's `gDeactivationTime` asks Bullet to let its island
-    /// sleep.
+    /// After a step of `dt` [s]: a body that has stayed for Bullet's `gDeactivationTime` asks
+    /// Bullet to let its island sleep.
     void note(btSoftBody& soft, btScalar dt);
 
 private:

@@ -5,8 +5,9 @@
 
 namespace pierce::bullet {
 
-/// A contact as Bullet's rigid solver wants it: the normal points from B to A, and the two points lie one depth apart
-/// along it, so that equal and opposite impulses at the points conserve angular momentum.
+/// A contact as Bullet's rigid solver wants it: the normal points from B to A, and the two points
+/// lie one depth apart along it, so that equal and opposite impulses at the points conserve angular
+/// momentum.
 struct FramedContact {
     Vec3d point_a, point_b;
     Vec3d normal_on_b;
@@ -15,12 +16,14 @@ struct FramedContact {
     std::uint32_t age = 0;
 };
 
-/// Takes the target's face normal instead of the ray's direction: a flat target then pushes straight out, and not along
-/// the vertex normal of whatever stands on it. The depth becomes that of the vertex below the face's plane, and the
-/// target point its foot there. A contact along a direction of separation keeps that: the face it leaves by says nothing.
+/// Takes the target's face normal instead of the ray's direction: a flat target then pushes
+/// straight out, and not along the vertex normal of whatever stands on it. The depth becomes that
+/// of the vertex below the face's plane, and the target point its foot there. A contact along a
+/// direction of separation keeps that: the face it leaves by says nothing.
 inline FramedContact face_frame(const Contact& contact) {
     if (contact.found == Found::separation)
-        return {contact.point_a, contact.point_b, -contact.normal, contact.distance, contact.feature(), contact.age};
+        return {contact.point_a,  contact.point_b,   -contact.normal,
+                contact.distance, contact.feature(), contact.age};
     const bool from_a = contact.source == Side::a;
     const Vec3d vertex = from_a ? contact.point_a : contact.point_b;
     const Vec3d on_target = from_a ? contact.point_b : contact.point_a;

@@ -20,7 +20,8 @@ struct MovingNodes {
 /// A rigid body at the end of a step, while contacts move it.
 struct MovingBody {
     double inverse_mass = 0;  ///< [1 / mass] 0: nothing moves it
-    Matrix3 inverse_inertia;  ///< [1 / (mass * length^2)] in the world; of no meaning if nothing moves it
+    Matrix3 inverse_inertia;  ///< [1 / (mass * length^2)] in the world; of no meaning if nothing
+                              ///< moves it
     Vec3d center;
     Vec3d shift, turn;  ///< by contacts: of the centre [length], and about it [rad]
     Vec3d impulse;      ///< by contacts, also if nothing moves it [mass * length]
@@ -31,20 +32,22 @@ struct MovingBody {
 
 /// How contacts move vertices.
 struct ProjectionSettings {
-    double friction = 0.3;        ///< Coulomb's [1]
-    double kept_share = 0.8;      ///< [thickness] gap that is kept: less than the thickness, so that contacts stay contacts
-    double recovery_share = 0.1;  ///< [thickness] a gap that was too small opens by so much a step: faster, it would throw
+    double friction = 0.3;    ///< Coulomb's [1]
+    double kept_share = 0.8;  ///< [thickness] gap that is kept: less than the thickness, so that
+                              ///< contacts stay contacts
+    double recovery_share = 0.1;  ///< [thickness] a gap that was too small opens by so much a step:
+                                  ///< faster, it would throw
     double least_share = 0.25;    ///< [thickness] but to this it opens at once
     std::uint32_t sweeps = 16;    ///< over all contacts
 };
 
-/// Moves vertices, and rigid bodies, at the end of a step until the gaps of contacts are kept: non-linear Gauss-Seidel on
-/// positions (Müller et al. 2007), with accumulated corrections, so that no contact pulls, and friction within Coulomb's
-/// cone.
+/// Moves vertices, and rigid bodies, at the end of a step until the gaps of contacts are kept:
+/// non-linear Gauss-Seidel on positions (Müller et al. 2007), with accumulated corrections, so that
+/// no contact pulls, and friction within Coulomb's cone.
 class SheetProjection {
 public:
-    /// One of a contact's two points: of a soft body if `nodes` is given, of a rigid one if `body` is; else it moves as
-    /// told.
+    /// One of a contact's two points: of a soft body if `nodes` is given, of a rigid one if `body`
+    /// is; else it moves as told.
     struct Point {
         MovingNodes* nodes = nullptr;
         MovingBody* body = nullptr;
@@ -56,8 +59,8 @@ public:
     explicit SheetProjection(const ProjectionSettings& settings) : settings_(settings) {}
 
     void clear() { rows_.clear(); }
-    /// A contact that pushes its source along `out`, a unit vector, until it is `thickness` times kept_share from its
-    /// target.
+    /// A contact that pushes its source along `out`, a unit vector, until it is `thickness` times
+    /// kept_share from its target.
     void add(const Point& source, const Point& target, Vec3d out, double thickness);
     /// Moves nodes and bodies; false if there is no contact that could move any.
     bool project();
@@ -68,14 +71,16 @@ private:
         std::uint32_t vertex;
         double weight;  ///< positive: of the source
     };
-    /// The gap along `out` is out . (sum of weight * end + given_end + sign * what the body has been moved by).
+    /// The gap along `out` is out . (sum of weight * end + given_end + sign * what the body has
+    /// been moved by).
     struct Row {
         std::uint32_t first = 0, last = 0;  ///< its terms
-        Vec3d out, given_end, start;        ///< `start`: the source as seen from the target when the step began
+        Vec3d out, given_end, start;  ///< `start`: the source as seen from the target when the step
+                                      ///< began
         MovingBody* body = nullptr;
-        Vec3d arm;                   ///< of the body's point about its centre
-        double sign = 0;             ///< 1: the source is of the body, -1: the target
-        double compliance = 0;       ///< [1 / mass] how far a unit impulse along `out` opens the gap
+        Vec3d arm;              ///< of the body's point about its centre
+        double sign = 0;        ///< 1: the source is of the body, -1: the target
+        double compliance = 0;  ///< [1 / mass] how far a unit impulse along `out` opens the gap
         double slip_compliance = 0;  ///< [1 / mass] the same along the surface, at most
         double gap = 0;              ///< wanted
         double pushed = 0;           ///< so far [mass * length]

@@ -7,25 +7,29 @@ namespace pierce::bullet {
 /// The place on a target that a node in contact holds on to.
 struct Grip {
     int face = 0;     ///< of a soft target
-    btVector3 place;  ///< of a soft target: weights of the face's nodes; of others: a point in their frame
+    btVector3 place;  ///< of a soft target: weights of the face's nodes; of others: a point in
+                      ///< their frame
     btVector3 gap;    ///< of a soft target: from the place to the node
 };
 
-/// A node's contact while a step is solved. What pushes it has been given is summed up: the sum never pulls, and friction
-/// is bounded by it.
+/// A node's contact while a step is solved. What pushes it has been given is summed up: the sum
+/// never pulls, and friction is bounded by it.
 class SoftContactRow {
 public:
-    /// A contact with a rigid body or another fixed object; `grip` of the step before, or null if the contact is new.
+    /// A contact with a rigid body or another fixed object; `grip` of the step before, or null if
+    /// the contact is new.
     SoftContactRow(const btSoftBody& source, const btSoftBody::RContact& contact, const Grip* grip);
     /// A contact with another soft body, whose face it is.
     SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& target, const Grip* grip);
 
-    /// Pushes the node out of the target, then back to the place it holds on to, as far as friction reaches.
+    /// Pushes the node out of the target, then back to the place it holds on to, as far as friction
+    /// reaches.
     void solve();
 
     /// False if the node touches without being pushed.
     bool presses() const { return push_ > 0; }
-    /// After solving: what the node held on to, or the place where it is, if it was new there or slides.
+    /// After solving: what the node held on to, or the place where it is, if it was new there or
+    /// slides.
     Grip grip() const;
 
 private:

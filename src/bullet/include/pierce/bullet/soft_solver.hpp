@@ -6,8 +6,9 @@
 
 namespace pierce::bullet {
 
-/// A solver for Bullet's soft bodies in which piles come to rest: give it to btSoftRigidDynamicsWorld. Bodies are solved
-/// together, friction holds on to places, and islands that are calm sleep. It knows links, anchors and shape matching.
+/// A solver for Bullet's soft bodies in which piles come to rest: give it to
+/// btSoftRigidDynamicsWorld. Bodies are solved together, friction holds on to places, and islands
+/// that are calm sleep. It knows links, anchors and shape matching.
 class SoftSolver : public btDefaultSoftBodySolver {
 public:
     SoftSolver();

@@ -1,4 +1,5 @@
-// Our own trees: that they are trees, that they find what brute force finds, and that they are good ones.
+// Our own trees: that they are trees, that they find what brute force finds, and that they are good
+// ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 #include <numeric>
 #include <thread>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/serial_executor.hpp"
 #include "core/mesh_build/leaves.hpp"
 #include "core/trace/brute_force_tracer.hpp"
@@ -32,7 +33,8 @@ using bvh::Tree;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-constexpr TreeBuilder builders[] = {TreeBuilder::lbvh, TreeBuilder::hlbvh, TreeBuilder::trbvh, TreeBuilder::ploc};
+constexpr TreeBuilder builders[] = {TreeBuilder::lbvh, TreeBuilder::hlbvh, TreeBuilder::trbvh,
+                                    TreeBuilder::ploc};
 
 std::string builder_name(const testing::TestParamInfo<TreeBuilder>& info) {
     switch (info.param) {
@@ -162,7 +164,8 @@ void expect_tree(const Trees& trees, const Tree& tree, const BodyView& body) {
         EXPECT_EQ(trees.nodes[n].parent.code, now.place.code) << "node " << n;
         order.push_back(n);
         for (std::uint32_t side = 0; side < 2; ++side)
-            open.push_back({trees.nodes[n].child[side], Place::at(n, side), trees.nodes[n].box[side]});
+            open.push_back(
+                {trees.nodes[n].child[side], Place::at(n, side), trees.nodes[n].box[side]});
     }
     EXPECT_EQ(std::ranges::count(leaf_seen, 1u), tree.count) << "every leaf exactly once";
     if (!body.active) return;
@@ -171,7 +174,8 @@ void expect_tree(const Trees& trees, const Tree& tree, const BodyView& body) {
         const Node& node = trees.nodes[n];
         for (int side = 0; side < 2; ++side) {
             const Item child = node.child[side];
-            EXPECT_TRUE(same(node.box[side], child.is_leaf() ? bvh::leaf_box(body, child.index()) : box[child.index()]))
+            EXPECT_TRUE(same(node.box[side], child.is_leaf() ? bvh::leaf_box(body, child.index())
+                                                             : box[child.index()]))
                 << "node " << n << ", side " << side;
         }
         box[n] = join(node.box[0], node.box[1]);
@@ -183,7 +187,8 @@ void expect_trees(const Trees& trees, View<const BodyView> bodies) {
         SCOPED_TRACE("tree " + std::to_string(t));
         expect_tree(trees, trees.trees[t], bodies[trees.trees[t].body]);
     }
-    EXPECT_EQ(std::ranges::count(trees.visits, 0u), std::ssize(trees.visits)) << "ready for a refit";
+    EXPECT_EQ(std::ranges::count(trees.visits, 0u), std::ssize(trees.visits))
+        << "ready for a refit";
 }
 
 bool same(const Trees& a, const Trees& b) {
@@ -196,7 +201,8 @@ bool same(const Trees& a, const Trees& b) {
             const Node &m = a.nodes[i], &n = b.nodes[i];
             if (m.parent.code != n.parent.code) return false;
             for (int side = 0; side < 2; ++side)
-                if (m.child[side].code != n.child[side].code || !same(m.box[side], n.box[side])) return false;
+                if (m.child[side].code != n.child[side].code || !same(m.box[side], n.box[side]))
+                    return false;
         }
     }
     return true;
@@ -225,13 +231,14 @@ MeshData coincident(std::size_t count) {
     return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(count, Triangle{{0, 1, 2}})};
 }
 
-/// Triangles around one point, which all their boxes have as their centre, each larger than the last by a factor, and on
-/// the other side.
+/// Triangles around one point, which all their boxes have as their centre, each larger than the
+/// last by a factor, and on the other side.
 MeshData concentric(std::uint32_t count, float factor) {
     MeshData mesh;
     for (std::uint32_t t = 0; t < count; ++t) {
         const float r = (t % 2 == 0 ? 1.0f : -1.0f) * std::pow(factor, static_cast<float>(t));
-        for (Vec3f p : {Vec3f{-r, -r, -r}, Vec3f{r, r, -r}, Vec3f{r, -r, r}}) mesh.positions.push_back(p);
+        for (Vec3f p : {Vec3f{-r, -r, -r}, Vec3f{r, r, -r}, Vec3f{r, -r, r}})
+            mesh.positions.push_back(p);
         mesh.triangles.push_back({{3 * t, 3 * t + 1, 3 * t + 2}});
     }
     return mesh;
@@ -240,17 +247,20 @@ MeshData concentric(std::uint32_t count, float factor) {
 /// Everything that has ever troubled a builder, side by side.
 std::vector<MeshData> many_meshes(test::Random& random) {
     std::vector<MeshData> meshes;
-    for (std::size_t count : {1, 2, 3, 6, 7, 8, 14}) meshes.push_back(part(scenes::sphere(1, 1), count));
+    for (std::size_t count : {1, 2, 3, 6, 7, 8, 14})
+        meshes.push_back(part(scenes::sphere(1, 1), count));
     for (std::size_t count : {2, 100}) meshes.push_back(coincident(count));
     // The best tree is a chain, deeper than the traversal's stack.
     for (float factor : {1.1f, 0.9f, 2.0f}) meshes.push_back(concentric(100, factor));
     for (int i = 0; i < 20; ++i) meshes.push_back(test::random_closed_mesh(random));
-    for (int i = 0; i < 5; ++i) meshes.push_back(soup(random, static_cast<std::uint32_t>(random.integer(1, 500))));
+    for (int i = 0; i < 5; ++i)
+        meshes.push_back(soup(random, static_cast<std::uint32_t>(random.integer(1, 500))));
     meshes.push_back(scenes::torus(1, 0.3, 60, 30));
     meshes.push_back(scenes::sphere(1e18, 2));
     meshes.push_back(scenes::sphere(1e25, 2));  // areas overflow
     meshes.push_back(scenes::sphere(1, 2));
-    for (std::size_t v = 0; v < meshes.back().positions.size(); v += 5) meshes.back().positions[v].y = nan;
+    for (std::size_t v = 0; v < meshes.back().positions.size(); v += 5)
+        meshes.back().positions[v].y = nan;
     meshes.push_back(scenes::sphere(1, 2));
     for (Vec3f& p : meshes.back().positions) p = {nan, nan, nan};
     return meshes;
@@ -281,7 +291,8 @@ std::vector<Hit> hits_of(T& tracer, View<const BodyView> bodies, const std::vect
     std::vector<Hit> hits(rays.size());
     const std::vector<std::uint32_t> wanted(bodies.size, 1);
     tracer.update(executor, bodies, view_of(wanted));
-    tracer.closest_hits(executor, "trace", bodies, static_cast<std::uint32_t>(rays.size()), view_of(rays), view_of(hits));
+    tracer.closest_hits(executor, "trace", bodies, static_cast<std::uint32_t>(rays.size()),
+                        view_of(rays), view_of(hits));
     return hits;
 }
 
@@ -345,7 +356,8 @@ TEST_P(BvhTest, BuildsALargeTree) {
     ThreadsExecutor threads;
     EXPECT_TRUE(same(trees, build(threads, GetParam(), bodies.views())));
     const std::uint32_t all_climb = 4 + 3 * constants::treelet_rounds;
-    EXPECT_TRUE(GetParam() != TreeBuilder::trbvh || executor.stages > all_climb) << "not that large";
+    EXPECT_TRUE(GetParam() != TreeBuilder::trbvh || executor.stages > all_climb)
+        << "not that large";
 }
 
 TEST_P(BvhTest, TakesFewStages) {
@@ -400,7 +412,8 @@ TEST_P(BvhTest, TracesRaysThatMayCrossManyTriangles) {
     for (std::uint32_t sides : {14u, 15u, 16u, 30u, 31u, 32u, 200u}) {
         const Bodies bodies({spindle(sides)});
         std::vector<Ray> rays = random_rays(random_, bodies.views(), 20);
-        // Through an apex, which is all triangles of a cone at once; and from one, to which they do not belong.
+        // Through an apex, which is all triangles of a cone at once; and from one, to which they do
+        // not belong.
         for (double x : {0.0, 1e-9, 0.1}) {
             Ray ray;
             ray.origin = {x, 0, 0.25};
@@ -414,7 +427,8 @@ TEST_P(BvhTest, TracesRaysThatMayCrossManyTriangles) {
         }
         BvhTracer<SerialExecutor> tracer(GetParam());
         BruteForceTracer reference;
-        EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays)) << sides << " sides";
+        EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays))
+            << sides << " sides";
     }
 }
 
@@ -426,7 +440,8 @@ TEST_P(BvhTest, FindsTheClosestTrianglesOfBruteForce) {
         std::vector<std::uint32_t> triangles(rays.size());
         const std::vector<std::uint32_t> wanted(bodies.views().size, 1);
         tracer.update(executor, bodies.views(), view_of(wanted));
-        tracer.closest_triangles(executor, "closest", bodies.views(), static_cast<std::uint32_t>(rays.size()), view_of(rays),
+        tracer.closest_triangles(executor, "closest", bodies.views(),
+                                 static_cast<std::uint32_t>(rays.size()), view_of(rays),
                                  view_of(triangles));
         return triangles;
     };
@@ -445,7 +460,8 @@ TEST_P(BvhTest, IsTheSameFromEveryExecutor) {
     for (int count : {1, 4}) {
         TbbExecutor executor(count);
         for (int repeat = 0; repeat < 5; ++repeat)
-            EXPECT_TRUE(same(serial, build(executor, GetParam(), bodies.views()))) << "oneTBB, " << count << " threads";
+            EXPECT_TRUE(same(serial, build(executor, GetParam(), bodies.views())))
+                << "oneTBB, " << count << " threads";
     }
 #endif
 }
@@ -454,7 +470,8 @@ TEST_P(BvhTest, RefitsToWhatARebuildHasToo) {
     Bodies bodies(many_meshes(random_));
     Trees trees = build(GetParam(), bodies.views());
     for (std::size_t b = 0; b < bodies.views().size; ++b)
-        for (Vec3f& p : bodies.mesh(b).positions) p = to_float(1.5 * to_double(p) + random_.in_box(0.5));
+        for (Vec3f& p : bodies.mesh(b).positions)
+            p = to_float(1.5 * to_double(p) + random_.in_box(0.5));
     bodies.moved();
     SerialExecutor executor;
     const std::vector<std::uint32_t> wanted(bodies.views().size, 1);
@@ -506,7 +523,8 @@ TEST(TreeQualityTest, RestructuredTreesAreAsGoodAsASweeps) {
         std::cout << one.name << ", " << one.mesh.triangles.size() << " triangles:";
         for (double c : cost) std::cout << ' ' << c;
         std::cout << '\n';
-        const double lbvh = cost[0], hlbvh = cost[1], trbvh = cost[2], ploc = cost[3], sweep = cost[4];
+        const double lbvh = cost[0], hlbvh = cost[1], trbvh = cost[2], ploc = cost[3],
+                     sweep = cost[4];
         EXPECT_LT(hlbvh, 0.99 * lbvh);
         EXPECT_LT(ploc, 0.97 * lbvh);
         EXPECT_LT(trbvh, 0.93 * lbvh);
@@ -516,12 +534,13 @@ TEST(TreeQualityTest, RestructuredTreesAreAsGoodAsASweeps) {
 
 TEST(TreeQualityTest, TheBodyOfTheBenchmarksIsWithinATwentiethOfASweep) {
     const std::vector<double> cost = costs(scenes::torus(2, 0.5, 30, 10));
-    std::cout << "torus of 600 triangles: " << cost[0] << ' ' << cost[1] << ' ' << cost[2] << ' ' << cost[3] << ' '
-              << cost[4] << '\n';
+    std::cout << "torus of 600 triangles: " << cost[0] << ' ' << cost[1] << ' ' << cost[2] << ' '
+              << cost[3] << ' ' << cost[4] << '\n';
     EXPECT_LT(cost[2], 1.05 * cost[4]);
 }
 
-/// Small spheres in a row, which then change places at random: the tree holds boxes as long as the row, until it is rebuilt.
+/// Small spheres in a row, which then change places at random: the tree holds boxes as long as the
+/// row, until it is rebuilt.
 TEST(BvhTracerTest, RebuildsADecayedTree) {
     test::Random random(9);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
@@ -530,7 +549,8 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
     MeshData row;
     for (int i = 0; i < count; ++i)
         for (Triangle t : one.triangles) {
-            for (std::uint32_t& v : t.vertex) v += static_cast<std::uint32_t>(i * std::ssize(one.positions));
+            for (std::uint32_t& v : t.vertex)
+                v += static_cast<std::uint32_t>(i * std::ssize(one.positions));
             row.triangles.push_back(t);
         }
     row.positions.resize(count * one.positions.size());
@@ -540,7 +560,8 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
     const auto place = [&] {
         for (std::size_t v = 0; v < row.positions.size(); ++v) {
             const int at = order[v / one.positions.size()];
-            bodies.mesh(0).positions[v] = one.positions[v % one.positions.size()] + Vec3f{static_cast<float>(at), 0, 0};
+            bodies.mesh(0).positions[v] = one.positions[v % one.positions.size()] +
+                                          Vec3f{static_cast<float>(at), 0, 0};
         }
         bodies.moved();
     };
@@ -554,12 +575,14 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
         for (int step = 0; step < 20; ++step) {
             place();
             const std::vector<Ray> rays = random_rays(random, bodies.views(), 1000);
-            EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
+            EXPECT_EQ(hits_of(tracer, bodies.views(), rays),
+                      hits_of(reference, bodies.views(), rays));
             counts = tracer.counts(executor);
             if (step != 5) continue;
             EXPECT_EQ(counts.rebuilds, 0u) << "nothing has decayed yet";
             for (int i = count - 1; i > 0; --i)
-                std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.integer(0, i))]);
+                std::swap(order[static_cast<std::size_t>(i)],
+                          order[static_cast<std::size_t>(random.integer(0, i))]);
         }
         EXPECT_EQ(counts.rebuilds, 1u);
         EXPECT_EQ(counts.builds, 2u);

@@ -1,4 +1,5 @@
-// Pairs of bodies: a sweep, and all pairs at once, find the same ones, and know which they were in the last step.
+// Pairs of bodies: a sweep, and all pairs at once, find the same ones, and know which they were in
+// the last step.
 #include "core/step/common/pairs.hpp"
 
 #include <gtest/gtest.h>
@@ -6,8 +7,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/device/view.hpp"
 #include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/execute/host_executor.hpp"
 #include "core/execute/serial_executor.hpp"
@@ -17,18 +18,21 @@
 namespace pierce {
 namespace {
 
-/// Boxes in any pose: some of bodies that never move, some left out, some of cloth that is looked for in itself.
+/// Boxes in any pose: some of bodies that never move, some left out, some of cloth that is looked
+/// for in itself.
 std::vector<BodyView> random_bodies(test::Random& random, std::uint32_t count) {
     std::vector<BodyView> bodies(count);
     for (BodyView& body : bodies) {
-        const Vec3d half{random.uniform(0.05, 0.6), random.uniform(0.05, 0.6), random.uniform(0.05, 0.6)};
+        const Vec3d half{random.uniform(0.05, 0.6), random.uniform(0.05, 0.6),
+                         random.uniform(0.05, 0.6)};
         body.fit.rotation = rotation_matrix(random.rotation());
         body.fit.origin = random.in_box(2);
         body.fit_box = {-half, half};
         body.world_box = {};
         for (int corner = 0; corner < 8; ++corner)
-            body.world_box.extend(body.fit.to_parent(
-                {corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z}));
+            body.world_box.extend(
+                body.fit.to_parent({corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y,
+                                    corner & 4 ? half.z : -half.z}));
         body.touch = 1e-9;
         body.mesh_key = static_cast<std::uint64_t>(random.integer(1, 3));
         body.motion = static_cast<Motion>(random.integer(0, 2));
@@ -44,9 +48,10 @@ std::vector<std::uint64_t> by_sweep(View<const BodyView> bodies, std::uint32_t w
     std::vector<std::uint32_t> order(bodies.size), sorted(bodies.size);
     std::vector<stages::SweepItem> items(bodies.size);
     executor.for_each("key", bodies.size, stages::SweepKey{bodies, view_of(keys), view_of(order)});
-    executor.sort("sort", bodies.size, stages::sweep_key_bits, view_of(keys), view_of(order), view_of(sorted_keys),
-                  view_of(sorted));
-    executor.for_each("gather", bodies.size, stages::GatherSweep{bodies, view_of(sorted), view_of(items)});
+    executor.sort("sort", bodies.size, stages::sweep_key_bits, view_of(keys), view_of(order),
+                  view_of(sorted_keys), view_of(sorted));
+    executor.for_each("gather", bodies.size,
+                      stages::GatherSweep{bodies, view_of(sorted), view_of(items)});
     HostBuffer<std::uint64_t> boxes, pairs;
     executor.emit("sweep", bodies.size * walks, stages::SweepPairs{view_of(items), walks}, boxes);
     executor.emit("test", count_of(boxes), stages::TestPair{bodies, view_of(boxes)}, pairs);
@@ -65,8 +70,8 @@ Found all_at_once(View<const BodyView> bodies, View<const BodyId> ids, const Fou
     SerialExecutor executor;
     Found found;
     const stages::LinkPair link{bodies, ids, view_of(last.keys), view_of(last.identities)};
-    executor.emit("find", bodies.size * bodies.size, stages::FindPairs{link}, found.keys, found.pairs, found.identities,
-                  found.links);
+    executor.emit("find", bodies.size * bodies.size, stages::FindPairs{link}, found.keys,
+                  found.pairs, found.identities, found.links);
     return found;
 }
 
@@ -75,17 +80,19 @@ TEST(PairsTest, AllAtOnceAreThoseOfTheSweep) {
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     std::size_t pairs = 0, themselves = 0;
     for (int i = 0; i < 60; ++i) {
-        const auto bodies = random_bodies(random, static_cast<std::uint32_t>(random.integer(0, 70)));
+        const auto bodies = random_bodies(random,
+                                          static_cast<std::uint32_t>(random.integer(0, 70)));
         const std::vector<BodyId> ids(bodies.size());
         const Found found = all_at_once(view_of(bodies), view_of(ids), {});
         const std::vector<std::uint64_t> keys(found.keys.begin(), found.keys.end());
         ASSERT_EQ(keys, by_sweep(view_of(bodies), 1)) << "try " << i;
         ASSERT_EQ(keys, by_sweep(view_of(bodies), constants::sweep_walks)) << "try " << i;
         for (const Pair pair : found.pairs)
-            ASSERT_TRUE(pair.is_self() || bodies[pair.a].motion != Motion::fixed || bodies[pair.b].motion != Motion::fixed);
+            ASSERT_TRUE(pair.is_self() || bodies[pair.a].motion != Motion::fixed ||
+                        bodies[pair.b].motion != Motion::fixed);
         pairs += keys.size();
-        themselves += static_cast<std::size_t>(
-            std::count_if(found.pairs.begin(), found.pairs.end(), [](Pair pair) { return pair.is_self(); }));
+        themselves += static_cast<std::size_t>(std::count_if(
+            found.pairs.begin(), found.pairs.end(), [](Pair pair) { return pair.is_self(); }));
     }
     EXPECT_GT(pairs, 1000u);
     EXPECT_GT(themselves, 100u);
@@ -110,8 +117,10 @@ TEST(PairsTest, AreLinkedToTheSameBodiesAndMeshesOfTheLastStep) {
         for (std::uint32_t p = 0; p < count_of(now.keys); ++p) {
             const auto at = std::find(last.keys.begin(), last.keys.end(), now.keys[p]);
             const auto place = static_cast<std::uint32_t>(at - last.keys.begin());
-            const bool is_known = at != last.keys.end() && last.identities[place].is(now.identities[p]);
-            ASSERT_EQ(now.links[p], is_known ? place : stages::no_pair) << "try " << i << " pair " << p;
+            const bool is_known = at != last.keys.end() &&
+                                  last.identities[place].is(now.identities[p]);
+            ASSERT_EQ(now.links[p], is_known ? place : stages::no_pair)
+                << "try " << i << " pair " << p;
             ++(is_known ? linked : fresh);
         }
     }

@@ -1,4 +1,5 @@
-// Vertices that meet faces and edges that meet edges during a step: cases with known answers, and closest points.
+// Vertices that meet faces and edges that meet edges during a step: cases with known answers, and
+// closest points.
 #include "core/geometry/continuous.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,8 @@ MovingPoint moving(Vec3d p, Vec3d by) { return {p, p + by}; }
 TEST(ContinuousTest, BulletThroughAPlate) {
     const MovingPoint bullet{{0.1, 0.2, 1}, {0.1, 0.2, -1}};
     Impact impact;
-    ASSERT_TRUE(vertex_meets_face(bullet, still({-1, -1, 0.005}), still({2, -1, 0.005}), still({-1, 2, 0.005}), impact));
+    ASSERT_TRUE(vertex_meets_face(bullet, still({-1, -1, 0.005}), still({2, -1, 0.005}),
+                                  still({-1, 2, 0.005}), impact));
     EXPECT_LE(impact.time, 0.4975);
     EXPECT_NEAR(impact.time, 0.4975, 3 * constants::meeting_tolerance);
     EXPECT_NEAR(impact.u, 1.1 / 3, 1e-6);
@@ -29,25 +31,25 @@ TEST(ContinuousTest, BulletThroughAPlate) {
 TEST(ContinuousTest, LayersThatMoveTogetherDoNotMeet) {
     const Vec3d by{0, 0, 0.2};
     Impact impact;
-    EXPECT_FALSE(vertex_meets_face(moving({0.3, 0.3, 0}, by), moving({0, 0, 0.1}, by), moving({1, 0, 0.1}, by),
-                                   moving({0, 1, 0.1}, by), impact));
-    EXPECT_FALSE(edges_meet(moving({0, 0.5, 0}, by), moving({1, 0.5, 0}, by), moving({0.5, 0, 0.1}, by),
-                            moving({0.5, 1, 0.1}, by), impact));
-    EXPECT_TRUE(
-        vertex_meets_face(moving({0.3, 0.3, 0}, by), still({0, 0, 0.1}), still({1, 0, 0.1}), still({0, 1, 0.1}), impact));
+    EXPECT_FALSE(vertex_meets_face(moving({0.3, 0.3, 0}, by), moving({0, 0, 0.1}, by),
+                                   moving({1, 0, 0.1}, by), moving({0, 1, 0.1}, by), impact));
+    EXPECT_FALSE(edges_meet(moving({0, 0.5, 0}, by), moving({1, 0.5, 0}, by),
+                            moving({0.5, 0, 0.1}, by), moving({0.5, 1, 0.1}, by), impact));
+    EXPECT_TRUE(vertex_meets_face(moving({0.3, 0.3, 0}, by), still({0, 0, 0.1}), still({1, 0, 0.1}),
+                                  still({0, 1, 0.1}), impact));
     EXPECT_NEAR(impact.time, 0.5, 1e-5);
 }
 
 TEST(ContinuousTest, CrossedEdgesMeetHalfWay) {
     Impact impact;
-    ASSERT_TRUE(edges_meet(moving({-1, 0, 1}, {0, 0, -2}), moving({3, 0, 1}, {0, 0, -2}), still({0, -1, 0}),
-                           still({0, 1, 0}), impact));
+    ASSERT_TRUE(edges_meet(moving({-1, 0, 1}, {0, 0, -2}), moving({3, 0, 1}, {0, 0, -2}),
+                           still({0, -1, 0}), still({0, 1, 0}), impact));
     EXPECT_LE(impact.time, 0.5);
     EXPECT_NEAR(impact.time, 0.5, 1e-5);
     EXPECT_NEAR(impact.u, 0.25, 1e-6);
     EXPECT_NEAR(impact.v, 0.5, 1e-6);
-    EXPECT_FALSE(edges_meet(moving({-1, 0, 1}, {0, 0, -0.99}), moving({3, 0, 1}, {0, 0, -0.99}), still({0, -1, 0}),
-                            still({0, 1, 0}), impact));
+    EXPECT_FALSE(edges_meet(moving({-1, 0, 1}, {0, 0, -0.99}), moving({3, 0, 1}, {0, 0, -0.99}),
+                            still({0, -1, 0}), still({0, 1, 0}), impact));
 }
 
 TEST(ContinuousTest, TouchingAtTheEndsOfTheStepCounts) {
@@ -63,24 +65,29 @@ TEST(ContinuousTest, TouchingAtTheEndsOfTheStepCounts) {
     }
     EXPECT_FALSE(vertex_meets_face(still({0.25, 0.25, 1e-5}), a, b, c, impact));
     EXPECT_FALSE(vertex_meets_face(still({0.6, 0.6, 0}), a, b, c, impact));
-    EXPECT_TRUE(vertex_meets_face({{-1, 0.25, 0}, {2, 0.25, 0}}, a, b, c, impact)) << "within the plane";
+    EXPECT_TRUE(vertex_meets_face({{-1, 0.25, 0}, {2, 0.25, 0}}, a, b, c, impact))
+        << "within the plane";
     EXPECT_NEAR(impact.time, 1.0 / 3, 1e-5);
 }
 
 TEST(ContinuousTest, PointsAndEdgesWithoutLength) {
-    const MovingPoint origin = still({0, 0, 0}), passing{{-1, 0, 0}, {1, 0, 0}}, missing{{-1, 0, 0.001}, {1, 0, 0.001}};
+    const MovingPoint origin = still({0, 0, 0}), passing{{-1, 0, 0}, {1, 0, 0}},
+                      missing{{-1, 0, 0.001}, {1, 0, 0.001}};
     Impact impact;
     EXPECT_TRUE(vertex_meets_face(origin, origin, origin, origin, impact));
     EXPECT_EQ(impact.time, 0);
     EXPECT_TRUE(edges_meet(origin, origin, passing, passing, impact));
     EXPECT_NEAR(impact.time, 0.5, 1e-5);
     EXPECT_FALSE(edges_meet(origin, origin, missing, missing, impact));
-    EXPECT_TRUE(vertex_meets_face(passing, still({0, -1, 0}), still({0, 1, 0}), still({0, 3, 0}), impact));
-    EXPECT_FALSE(vertex_meets_face(missing, still({0, -1, 0}), still({0, 1, 0}), still({0, 3, 0}), impact));
+    EXPECT_TRUE(
+        vertex_meets_face(passing, still({0, -1, 0}), still({0, 1, 0}), still({0, 3, 0}), impact));
+    EXPECT_FALSE(
+        vertex_meets_face(missing, still({0, -1, 0}), still({0, 1, 0}), still({0, 3, 0}), impact));
 }
 
 TEST(ContinuousTest, AFaceThatTurnsOverSweepsTheVertex) {
-    // At time 1/2 the face is the segment from (0,0,0) to (0,1,0); it turns about it through the point.
+    // At time 1/2 the face is the segment from (0,0,0) to (0,1,0); it turns about it through the
+    // point.
     const MovingPoint a = still({0, 0, 0}), b{{1, 0, 1}, {-1, 0, 1}}, c = still({0, 1, 0});
     Impact impact;
     ASSERT_TRUE(vertex_meets_face(still({0, 0.25, 0.5}), a, b, c, impact));
@@ -91,8 +98,10 @@ TEST(ContinuousTest, AFaceThatTurnsOverSweepsTheVertex) {
 
 TEST(ContinuousTest, NumbersThatAreNoneMeet) {
     Impact impact;
-    EXPECT_TRUE(vertex_meets_face(still({NAN, 0, 0}), still({0, 0, 0}), still({1, 0, 0}), still({0, 1, 0}), impact));
-    EXPECT_TRUE(edges_meet(still({0, 0, 1}), still({INFINITY, 0, 1}), still({0, -1, 0}), still({1, 1, 0}), impact));
+    EXPECT_TRUE(vertex_meets_face(still({NAN, 0, 0}), still({0, 0, 0}), still({1, 0, 0}),
+                                  still({0, 1, 0}), impact));
+    EXPECT_TRUE(edges_meet(still({0, 0, 1}), still({INFINITY, 0, 1}), still({0, -1, 0}),
+                           still({1, 1, 0}), impact));
 }
 
 TEST(ClosestPointsOfSegmentsTest, NoSampledPlaceIsCloser) {
@@ -107,7 +116,8 @@ TEST(ClosestPointsOfSegmentsTest, NoSampledPlaceIsCloser) {
                 at[3] = at[2] + random.uniform(-2, 2) * (at[1] - at[0]);
                 break;  // parallel
             case 1:
-                at[3] = at[2] + (at[1] - at[0]) + scale * std::ldexp(1.0, -random.integer(1, 50)) * random.in_box(1);
+                at[3] = at[2] + (at[1] - at[0]) +
+                        scale * std::ldexp(1.0, -random.integer(1, 50)) * random.in_box(1);
                 break;
             case 2:
                 at[1] = at[0];
@@ -126,12 +136,14 @@ TEST(ClosestPointsOfSegmentsTest, NoSampledPlaceIsCloser) {
             return length(at[0] + s * (at[1] - at[0]) - at[2] - t * (at[3] - at[2]));
         };
         const SegmentPlaces places = closest_points_of_segments(at[0], at[1], at[2], at[3]);
-        ASSERT_TRUE(places.first >= 0 && places.first <= 1 && places.second >= 0 && places.second <= 1);
+        ASSERT_TRUE(places.first >= 0 && places.first <= 1 && places.second >= 0 &&
+                    places.second <= 1);
         const double found = apart(places.first, places.second);
         for (int i = 0; i <= 40; ++i)
             for (int j = 0; j <= 40; ++j) {
                 const double s = i / 40.0, t = j / 40.0;
-                ASSERT_LE(found, apart(s, t) + 1e-14 * scale) << "round " << round << " at " << s << ", " << t;
+                ASSERT_LE(found, apart(s, t) + 1e-14 * scale)
+                    << "round " << round << " at " << s << ", " << t;
             }
         ASSERT_LE(found, segment_distance(at[0], at[1], at[2], at[3]) + 1e-14 * scale);
     }
@@ -160,10 +172,12 @@ TEST(ClosestPlaceOnTriangleTest, NoSampledPlaceIsCloser) {
             return length(at[0] - at[1] - u * (at[2] - at[1]) - v * (at[3] - at[1]));
         };
         const TrianglePlace place = closest_place_on_triangle(at[0], at[1], at[2], at[3]);
-        ASSERT_TRUE(place.second >= 0 && place.third >= 0 && place.second + place.third <= 1 + 1e-15);
+        ASSERT_TRUE(place.second >= 0 && place.third >= 0 &&
+                    place.second + place.third <= 1 + 1e-15);
         const double found = apart(place.second, place.third);
         for (int i = 0; i <= 40; ++i)
-            for (int j = 0; i + j <= 40; ++j) ASSERT_LE(found, apart(i / 40.0, j / 40.0) + 1e-8) << "round " << round;
+            for (int j = 0; i + j <= 40; ++j)
+                ASSERT_LE(found, apart(i / 40.0, j / 40.0) + 1e-8) << "round " << round;
     }
 }
 

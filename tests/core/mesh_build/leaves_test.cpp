@@ -19,7 +19,9 @@ std::array<std::uint32_t, 3> sorted(std::uint32_t a, std::uint32_t b, std::uint3
     return corners;
 }
 
-std::array<std::uint32_t, 3> sorted(const Triangle& t) { return sorted(t.vertex[0], t.vertex[1], t.vertex[2]); }
+std::array<std::uint32_t, 3> sorted(const Triangle& t) {
+    return sorted(t.vertex[0], t.vertex[1], t.vertex[2]);
+}
 
 std::vector<Leaf> checked_leaves(const MeshData& mesh) {
     std::vector<Leaf> leaves = leaves_of(mesh.positions, mesh.triangles);
@@ -38,7 +40,8 @@ std::vector<Leaf> checked_leaves(const MeshData& mesh) {
         EXPECT_EQ(sorted(mesh.triangles[leaf.triangle[1]]), sorted(c[3], c[2], c[1]));
     }
     EXPECT_EQ(std::ranges::count(seen, 1), std::ssize(seen)) << "every triangle once";
-    EXPECT_TRUE(std::ranges::is_sorted(leaves, {}, [](const Leaf& leaf) { return leaf.triangle[0]; }));
+    EXPECT_TRUE(
+        std::ranges::is_sorted(leaves, {}, [](const Leaf& leaf) { return leaf.triangle[0]; }));
     return leaves;
 }
 
@@ -52,7 +55,8 @@ TEST(LeavesTest, HoldEveryTriangleOnce) {
 
 TEST(LeavesTest, OfShapesMadeOfQuadsAreTheQuads) {
     EXPECT_EQ(checked_leaves(scenes::torus(2, 0.5, 30, 10)).size(), 300u);
-    EXPECT_LT(checked_leaves(scenes::sphere(1, 4)).size(), 2700u) << "of 5120 triangles, a few of which stay alone";
+    EXPECT_LT(checked_leaves(scenes::sphere(1, 4)).size(), 2700u)
+        << "of 5120 triangles, a few of which stay alone";
 }
 
 TEST(LeavesTest, ExcludeTheTrianglesThatARayExcludes) {
@@ -60,23 +64,30 @@ TEST(LeavesTest, ExcludeTheTrianglesThatARayExcludes) {
     const MeshData mesh = test::random_closed_mesh(random);
     const auto vertex = [&] {
         const std::uint32_t count = static_cast<std::uint32_t>(mesh.positions.size());
-        return random.integer(0, 9) == 0 ? no_vertex
-                                         : static_cast<std::uint32_t>(random.integer(0, static_cast<int>(count) - 1));
+        return random.integer(0, 9) == 0
+                   ? no_vertex
+                   : static_cast<std::uint32_t>(random.integer(0, static_cast<int>(count) - 1));
     };
     for (Leaf leaf : checked_leaves(mesh))
         for (int i = 0; i < 200; ++i) {
-            const auto near = [&] { return random.integer(0, 1) == 0 ? leaf.corner[random.integer(0, 3)] : vertex(); };
-            const std::uint32_t first = near(), excluded[2] = {first, random.integer(0, 1) == 0 ? first : near()};
+            const auto near = [&] {
+                return random.integer(0, 1) == 0 ? leaf.corner[random.integer(0, 3)] : vertex();
+            };
+            const std::uint32_t first = near(),
+                                excluded[2] = {first, random.integer(0, 1) == 0 ? first : near()};
             for (std::uint32_t t = 0; t < 2; ++t)
                 EXPECT_EQ((excluded_of(leaf, excluded) >> t & 1) != 0,
-                          leaf.triangle[t] == no_triangle || is_excluded(mesh.triangles[leaf.triangle[t]], excluded))
+                          leaf.triangle[t] == no_triangle ||
+                              is_excluded(mesh.triangles[leaf.triangle[t]], excluded))
                     << "seed " << random.seed();
         }
 }
 
-/// One triangle; two that do not touch; two that are the same; one with a side of no length; three at one edge.
+/// One triangle; two that do not touch; two that are the same; one with a side of no length; three
+/// at one edge.
 TEST(LeavesTest, LeaveAloneWhatHasNoPartner) {
-    const std::vector<Vec3f> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {2, 1, 1}, {1, 2, 1}};
+    const std::vector<Vec3f> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
+                                       {1, 1, 1}, {2, 1, 1}, {1, 2, 1}};
     const auto count = [&](std::vector<Triangle> triangles) {
         return checked_leaves({points, std::move(triangles)}).size();
     };
@@ -89,7 +100,8 @@ TEST(LeavesTest, LeaveAloneWhatHasNoPartner) {
 
 /// Of the two ways to cut a strip of three triangles, the one with the smaller box.
 TEST(LeavesTest, PairTheCloserNeighbour) {
-    const MeshData strip{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {9, 1, 0}}, {{{1, 4, 3}}, {{0, 1, 2}}, {{1, 3, 2}}}};
+    const MeshData strip{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {9, 1, 0}},
+                         {{{1, 4, 3}}, {{0, 1, 2}}, {{1, 3, 2}}}};
     const std::vector<Leaf> leaves = checked_leaves(strip);
     ASSERT_EQ(leaves.size(), 2u);
     EXPECT_EQ(leaves[0].size(), 1u);

@@ -26,7 +26,8 @@ TEST(SpatialOrderTest, AlignedRunsLieInBoxesOfTheirOwn) {
             for (std::size_t i = 0; i < count; ++i) boxes[i / run].extend(points[order[i]]);
             for (std::size_t i = 0; i < boxes.size(); ++i)
                 for (std::size_t j = 0; j < i; ++j)
-                    ASSERT_FALSE(overlap(boxes[i], boxes[j])) << "seed " << random.seed() << ", runs of " << run;
+                    ASSERT_FALSE(overlap(boxes[i], boxes[j]))
+                        << "seed " << random.seed() << ", runs of " << run;
         }
     }
 }

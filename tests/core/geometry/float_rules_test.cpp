@@ -17,11 +17,14 @@ TEST(FloatRulesTest, SumsAreBoundedCloselyAtAnyScale) {
     for (int i = 0; i < 100000; ++i) {
         const double scale = std::exp2(random.integer(-140, 100));
         const auto a = static_cast<float>(scale * random.uniform(-1, 1));
-        const auto b = static_cast<float>(scale * std::exp2(random.integer(-30, 0)) * random.uniform(-1, 1));
+        const auto b = static_cast<float>(scale * std::exp2(random.integer(-30, 0)) *
+                                          random.uniform(-1, 1));
         const double exact = static_cast<double>(a) + static_cast<double>(b);
-        const double below = static_cast<double>(not_above(a + b)), above = static_cast<double>(not_below(a + b));
+        const double below = static_cast<double>(not_above(a + b)),
+                     above = static_cast<double>(not_below(a + b));
         ASSERT_TRUE(below <= exact && exact <= above) << "seed " << random.seed() << ", case " << i;
-        ASSERT_LE(above - below, 0x1p-21 * std::fabs(exact)) << "seed " << random.seed() << ", case " << i;
+        ASSERT_LE(above - below, 0x1p-21 * std::fabs(exact))
+            << "seed " << random.seed() << ", case " << i;
         rounded += static_cast<double>(a + b) != exact;
     }
     EXPECT_GT(rounded, 10000);

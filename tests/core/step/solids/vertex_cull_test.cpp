@@ -27,7 +27,8 @@ BodyView body_of(const Mesh& mesh, Motion motion) {
 
 Offsets random_offsets(test::Random& random, double size) {
     Offsets offsets;
-    for (std::uint32_t k = 0; k < Offsets::count; ++k) offsets.set(k, to_float(random.in_box(size)));
+    for (std::uint32_t k = 0; k < Offsets::count; ++k)
+        offsets.set(k, to_float(random.in_box(size)));
     return offsets;
 }
 
@@ -45,8 +46,10 @@ TEST(BallsNearbyTest, AGapHoldsWhileTheBallMovesByLess) {
             const stages::BallsNearby<> before(target, {}, center, offsets, nullptr, 0.4, 0);
             for (std::uint32_t k = 0; k < Offsets::count; ++k) {
                 if (!(before.gap(k) > 0)) continue;
-                const Vec3d way = random.uniform(0, 0.999) * static_cast<double>(before.gap(k)) * random.unit_vector();
-                const stages::BallsNearby<> after(target, {}, center + way, offsets, nullptr, 0.4, 0);
+                const Vec3d way = random.uniform(0, 0.999) * static_cast<double>(before.gap(k)) *
+                                  random.unit_vector();
+                const stages::BallsNearby<> after(target, {}, center + way, offsets, nullptr, 0.4,
+                                                  0);
                 ++held;
                 ASSERT_FALSE(after.near >> k & 1u) << "mesh " << m << " try " << i << " ball " << k;
             }
@@ -103,13 +106,19 @@ TEST(ApproachTest, ReachesAsFarAsPointsGo) {
             body.reach = 10;
         }
         const BodyView &source = bodies[0], &target = bodies[1];
-        const stages::Approach approach = stages::approach_of(source, target, relative_frame(source.fit, target.fit), steps);
+        const stages::Approach approach = stages::approach_of(
+            source, target, relative_frame(source.fit, target.fit), steps);
         const Vec3d center = random.in_box(1);  // in the source's fit, as is the point
         const double radius = random.uniform(0, 0.3);
         const Vec3d point = center + random.uniform(0, 1) * radius * random.unit_vector();
-        const auto in_space = [&](Vec3d p) { return source.space.to_local(source.fit.to_parent(p)); };
-        const auto in_target = [&](const Frame& from, const Frame& to) { return relative_frame(from, to).to_parent(point); };
-        const double way = steps * length(in_target(source.fit, target.fit) - in_target(source.last_fit, target.last_fit));
+        const auto in_space = [&](Vec3d p) {
+            return source.space.to_local(source.fit.to_parent(p));
+        };
+        const auto in_target = [&](const Frame& from, const Frame& to) {
+            return relative_frame(from, to).to_parent(point);
+        };
+        const double way = steps * length(in_target(source.fit, target.fit) -
+                                          in_target(source.last_fit, target.last_fit));
         ASSERT_NEAR(approach.reach(in_space(point), 0), way, 1e-12);
         const double reach = approach.reach(in_space(center), radius);
         ASSERT_GE(reach, way - 1e-12) << "no point of a ball goes further than the ball's reach";

@@ -42,7 +42,8 @@ double place(Random& random) {
 
 /// A length, or hardly less.
 double hardly_below(Random& random, double length) {
-    return random.integer(0, 1) == 0 ? random.uniform(0, length) : length * (1 - std::exp2(-random.uniform(10, 29)));
+    return random.integer(0, 1) == 0 ? random.uniform(0, length)
+                                     : length * (1 - std::exp2(-random.uniform(10, 29)));
 }
 
 float largest(std::initializer_list<Vec3f> points) {
@@ -63,7 +64,8 @@ TEST(SheetFeaturesTest, EdgesThatCrossOverEachOtherAreNeverLeftOut) {
         if (random.integer(0, 1) == 0) {
             const Vec3d along = to_double(q) - to_double(p), other = to_double(s) - to_double(r);
             const Vec3d at = to_double(p) + place(random) * along +
-                             hardly_below(random, static_cast<double>(margin)) * normalized(cross(along, other));
+                             hardly_below(random, static_cast<double>(margin)) *
+                                 normalized(cross(along, other));
             const double share = place(random);
             r = to_float(at - share * other);
             s = to_float(at + (1 - share) * other);
@@ -72,8 +74,10 @@ TEST(SheetFeaturesTest, EdgesThatCrossOverEachOtherAreNeverLeftOut) {
         const Vec3d a = to_double(p), b = to_double(q), c = to_double(r), d = to_double(s);
         const SegmentPlaces at = closest_points_of_segments(a, b, c, d);
         constexpr double inside = 1e-9;
-        const bool within = at.first > inside && at.first < 1 - inside && at.second > inside && at.second < 1 - inside;
-        const bool near = within && length(a + at.first * (b - a) - c - at.second * (d - c)) < static_cast<double>(margin);
+        const bool within = at.first > inside && at.first < 1 - inside && at.second > inside &&
+                            at.second < 1 - inside;
+        const bool near = within && length(a + at.first * (b - a) - c - at.second * (d - c)) <
+                                        static_cast<double>(margin);
         ASSERT_TRUE(may || !near) << "seed " << random.seed() << ", case " << i;
         crossing += near;
         left_out += !may;
@@ -99,8 +103,10 @@ TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
         }
         const bool may = QuickPrism(a, b, c, margin, largest({a, b, c, p})).may_hold(p);
         const Vec3d x = to_double(p);
-        bool within = length_squared(n) > 0 && std::fabs(dot(normalized(n), x - at[0])) < static_cast<double>(margin);
-        for (int k = 0; k < 3; ++k) within &= dot(n, cross(at[(k + 1) % 3] - at[k], x - at[k])) >= 0;
+        bool within = length_squared(n) > 0 &&
+                      std::fabs(dot(normalized(n), x - at[0])) < static_cast<double>(margin);
+        for (int k = 0; k < 3; ++k)
+            within &= dot(n, cross(at[(k + 1) % 3] - at[k], x - at[k])) >= 0;
         ASSERT_TRUE(may || !within) << "seed " << random.seed() << ", case " << i;
         over += within;
         left_out += !may;
@@ -109,11 +115,13 @@ TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
     EXPECT_GT(left_out, 60000);
 }
 
-/// Whether triangles are apart along a direction during the step, and further apart than a margin at its end.
+/// Whether triangles are apart along a direction during the step, and further apart than a margin
+/// at its end.
 struct Apart {
     bool ahead = true, behind = true, far_ahead = true, far_behind = true;
 
-    Apart(Random& random, Vec3d direction, const QuickPoint (&a)[3], const QuickPoint (&b)[3], double margin) {
+    Apart(Random& random, Vec3d direction, const QuickPoint (&a)[3], const QuickPoint (&b)[3],
+          double margin) {
         const double far = margin * length(direction);
         for (double time : {0.0, random.uniform(0, 1), 1.0})
             for (const QuickPoint& x : a)
@@ -129,7 +137,8 @@ struct Apart {
                 }
     }
     bool agrees(const Company& company) const {
-        return (!company.separate || ahead || behind) && (!company.distant || far_ahead || far_behind);
+        return (!company.separate || ahead || behind) &&
+               (!company.distant || far_ahead || far_behind);
     }
 };
 
@@ -140,7 +149,8 @@ TEST(SheetFeaturesTest, ADirectionThatSeparatesDoesSoAllTheTime) {
         Points points(random);
         QuickPoint a[3], b[3];
         float size = 0;
-        const Vec3f n = to_float(random.unit_vector()), away = static_cast<float>(random.uniform(0, 2)) * points.scale() * n;
+        const Vec3f n = to_float(random.unit_vector()),
+                    away = static_cast<float>(random.uniform(0, 2)) * points.scale() * n;
         for (int k = 0; k < 3; ++k) {
             a[k] = {points.next(), points.next()};
             b[k] = {points.next() + away, points.next() + away};
@@ -184,7 +194,8 @@ TEST(SheetFeaturesTest, ANormalThatSeparatesDoesSoAllTheTime) {
             of_a[k] = {a.start[k], a.end[k]};
             of_b[k] = {b.start[k], b.end[k]};
         }
-        const Apart apart(random, to_double(drifting_a.end_normal()), of_a, of_b, static_cast<double>(margin));
+        const Apart apart(random, to_double(drifting_a.end_normal()), of_a, of_b,
+                          static_cast<double>(margin));
         ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
     }
     EXPECT_GT(separate, 1000);

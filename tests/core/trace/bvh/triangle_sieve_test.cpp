@@ -10,7 +10,8 @@
 namespace pierce::bvh {
 namespace {
 
-/// Rays at points in, near and on the edges of leaves' triangles, small and far from the origin among them.
+/// Rays at points in, near and on the edges of leaves' triangles, small and far from the origin
+/// among them.
 TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
     test::Random random(5);
     int met = 0, left_out = 0;
@@ -19,10 +20,12 @@ TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
         const Vec3d place = random.in_box(scale * std::exp2(random.integer(-4, 10)));
         Vec3f corner[4];
         for (Vec3f& p : corner) p = to_float(place + random.in_box(scale));
-        const Vec3f v[2][3] = {{corner[0], corner[1], corner[2]}, {corner[3], corner[2], corner[1]}};
+        const Vec3f v[2][3] = {{corner[0], corner[1], corner[2]},
+                               {corner[3], corner[2], corner[1]}};
         const std::size_t aim = random.integer(0, 1) == 0 ? 0 : 1;
         double weight[3] = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
-        if (i % 2 == 0) weight[random.integer(0, 2)] = (i % 4 == 0 ? 1e-9 : 0) * random.uniform(-1, 1);
+        if (i % 2 == 0)
+            weight[random.integer(0, 2)] = (i % 4 == 0 ? 1e-9 : 0) * random.uniform(-1, 1);
         const double sum = weight[0] + weight[1] + weight[2];
         Vec3d at;
         for (int k = 0; k < 3; ++k) at += (weight[k] / sum) * to_double(v[aim][k]);
@@ -30,10 +33,12 @@ TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
         ray.direction = random.unit_vector();
         ray.origin = at - random.uniform(-3, 3) * scale * ray.direction;
         if (i % 5 == 0) ray.origin = ray.origin + random.in_box(2 * scale);
-        const std::uint32_t may = TriangleSieve(ray).may_cross(corner[0], corner[1], corner[2], corner[3]);
+        const std::uint32_t may = TriangleSieve(ray).may_cross(corner[0], corner[1], corner[2],
+                                                               corner[3]);
         for (std::size_t t = 0; t < 2; ++t) {
-            const Crossing crossing =
-                cross_triangle({ray.origin, ray.direction}, to_double(v[t][0]), to_double(v[t][1]), to_double(v[t][2]));
+            const Crossing crossing = cross_triangle({ray.origin, ray.direction},
+                                                     to_double(v[t][0]), to_double(v[t][1]),
+                                                     to_double(v[t][2]));
             ASSERT_TRUE((may >> t & 1) != 0 || crossing.kind == Crossing::none)
                 << "seed " << random.seed() << ", case " << i << ", triangle " << t;
             met += crossing.kind != Crossing::none;

@@ -43,7 +43,8 @@ TEST(WorldTest, FindsTheFourCornersOfABoxOnATable) {
         EXPECT_EQ(c.a, scene.below);
         EXPECT_EQ(c.b, scene.above);
         EXPECT_EQ(c.source, Side::b);
-        // Corner normals are diagonal, so the ray is longer than the overlap by the square root of three.
+        // Corner normals are diagonal, so the ray is longer than the overlap by the square root of
+        // three.
         EXPECT_NEAR(c.penetration_depth(), 0.02 * std::sqrt(3.0), 1e-6);
         EXPECT_NEAR(c.face_normal.z, 1, 1e-12);
         EXPECT_NEAR(length(c.normal), 1, 1e-12);
@@ -80,11 +81,13 @@ TEST(WorldTest, TouchingIsAContactOfDepthZero) {
 TEST(WorldTest, RefusesUnusableMeshesAndNamesThem) {
     World world;
     MeshData none{unit_box().positions, {}};
-    EXPECT_THAT([&] { world.add_mesh("hollow", none); }, ThrowsMessage<InputError>(HasSubstr("'hollow' has no triangles")));
+    EXPECT_THAT([&] { world.add_mesh("hollow", none); },
+                ThrowsMessage<InputError>(HasSubstr("'hollow' has no triangles")));
     MeshData outside = unit_box();
     outside.triangles[3].vertex[1] = 8;
     EXPECT_THAT([&] { world.add_mesh("crate", outside); },
-                ThrowsMessage<InputError>(HasSubstr("'crate': triangle 3 names vertex 8, but there are 8")));
+                ThrowsMessage<InputError>(
+                    HasSubstr("'crate': triangle 3 names vertex 8, but there are 8")));
     for (float bad : {nan, std::numeric_limits<float>::infinity()}) {
         MeshData broken = unit_box();
         broken.positions[5].y = bad;

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <set>
 
-#include "core/device/view.hpp"
 #include "core/device/bits.hpp"
+#include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
@@ -48,11 +48,13 @@ TEST(MeshTest, TraitsTellOpenFlippedAndDegenerate) {
 TEST(MeshTest, NormalsPointOutward) {
     const Mesh ball("ball", scenes::sphere(2, 3));
     for (std::size_t v = 0; v < ball.positions().size(); ++v)
-        EXPECT_NEAR(dot(to_double(ball.normals()[v]), normalized(to_double(ball.positions()[v]))), 1, 1e-3);
+        EXPECT_NEAR(dot(to_double(ball.normals()[v]), normalized(to_double(ball.positions()[v]))),
+                    1, 1e-3);
     const Mesh box("box", scenes::box({0, 0, 0}, {1, 1, 1}));
     for (std::size_t v = 0; v < 8; ++v)
         for (int k = 0; k < 3; ++k)
-            EXPECT_NEAR(std::abs(box.normals()[v][k]), 1 / std::sqrt(3.0), 1e-6) << "weighted by angle, not by triangle";
+            EXPECT_NEAR(std::abs(box.normals()[v][k]), 1 / std::sqrt(3.0), 1e-6)
+                << "weighted by angle, not by triangle";
 }
 
 TEST(MeshTest, FansHoldWhatIsAroundAVertexInOrder) {
@@ -101,7 +103,8 @@ TEST(MeshTest, StarClearanceIsALowerBoundThatIsAlmostReached) {
             const Vec3d at = to_double(view.positions[v]);
             double longest_edge = 0, sampled = std::numeric_limits<double>::infinity();
             for (const Triangle& t : view.triangles) {
-                const Vec3d corner[3] = {to_double(view.positions[t.vertex[0]]), to_double(view.positions[t.vertex[1]]),
+                const Vec3d corner[3] = {to_double(view.positions[t.vertex[0]]),
+                                         to_double(view.positions[t.vertex[1]]),
                                          to_double(view.positions[t.vertex[2]])};
                 if (std::ranges::find(t.vertex, v) != std::end(t.vertex)) {
                     for (Vec3d c : corner) longest_edge = std::max(longest_edge, length(c - at));
@@ -110,21 +113,25 @@ TEST(MeshTest, StarClearanceIsALowerBoundThatIsAlmostReached) {
                 constexpr int n = 10;
                 for (int a = 0; a <= n; ++a)
                     for (int b = 0; a + b <= n; ++b) {
-                        const Vec3d p = (1.0 / n) * (a * corner[0] + b * corner[1] + (n - a - b) * corner[2]);
+                        const Vec3d p = (1.0 / n) *
+                                        (a * corner[0] + b * corner[1] + (n - a - b) * corner[2]);
                         sampled = std::min(sampled, length(p - at));
                     }
             }
             ASSERT_LE(view.star_clearance[v], sampled) << "mesh " << i << " vertex " << v;
             ASSERT_LE(view.star_clearance[v], longest_edge);
-            ASSERT_GE(view.star_clearance[v], 0.8 * std::min(sampled, longest_edge)) << "mesh " << i << " vertex " << v;
+            ASSERT_GE(view.star_clearance[v], 0.8 * std::min(sampled, longest_edge))
+                << "mesh " << i << " vertex " << v;
         }
     }
 }
 
 TEST(MeshTest, ATipBetweenTwoSolidsHasNoNormal) {
-    MeshData bowtie{{{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
-    bowtie.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}},
-                        {{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};  // the second is the first reflected in the tip
+    MeshData bowtie{
+        {{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
+    bowtie.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 4, 5}},
+                        {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};  // the second is the first
+                                                                 // reflected in the tip
     const Mesh mesh("bowtie", bowtie);
     EXPECT_EQ(mesh.normals()[0], Vec3f{});
     EXPECT_GT(length(mesh.normals()[1]), 0.9f);
@@ -138,7 +145,8 @@ TEST(MeshTest, PatchesHoldEveryVertexOnce) {
     EXPECT_EQ(seen.size(), mesh.positions().size());
     for (std::uint32_t p = 0; p < patch_count(view); ++p)
         for (std::uint32_t k = 0; k < patch_length(view, p); ++k) {
-            const Vec3d x = to_double(mesh.positions()[view.patch_vertices[p * constants::patch_size + k]]);
+            const Vec3d x = to_double(
+                mesh.positions()[view.patch_vertices[p * constants::patch_size + k]]);
             const PatchBlock& block = view.blocks[p / constants::block_size];
             const Vec3d center = patch_center(view.blocks, p);
             const Offsets& offset = view.patches[p];
@@ -157,8 +165,8 @@ double distance_to_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     };
     double best = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
     const Vec3d n = cross(b - a, c - a);
-    const bool over =
-        dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0;
+    const bool over = dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
+                      dot(cross(a - c, p - c), n) >= 0;
     if (over) best = std::min(best, std::abs(dot(p - a, normalized(n))));
     return best;
 }
@@ -180,9 +188,10 @@ TEST(ClearanceGridTest, NeverPromisesMoreThanTheTruth) {
             EXPECT_FALSE(test::is_inside({p.x, p.y, p.z}, solid));
             double truth = std::numeric_limits<double>::infinity();
             for (const Triangle& t : data.triangles)
-                truth = std::min(truth, distance_to_triangle(p, to_double(data.positions[t.vertex[0]]),
-                                                             to_double(data.positions[t.vertex[1]]),
-                                                             to_double(data.positions[t.vertex[2]])));
+                truth = std::min(truth,
+                                 distance_to_triangle(p, to_double(data.positions[t.vertex[0]]),
+                                                      to_double(data.positions[t.vertex[1]]),
+                                                      to_double(data.positions[t.vertex[2]])));
             EXPECT_LE(promised, truth + 1e-6);
         }
     }
@@ -207,7 +216,8 @@ TEST(LeadsInsideTest, AgreesWithTheInsideTest) {
         test::Solid solid{{}, data.triangles};
         for (Vec3f p : data.positions) solid.positions.push_back({p.x, p.y, p.z});
         for (int i = 0; i < 50; ++i) {
-            const auto v = static_cast<std::uint32_t>(random.integer(0, static_cast<int>(data.positions.size()) - 1));
+            const auto v = static_cast<std::uint32_t>(
+                random.integer(0, static_cast<int>(data.positions.size()) - 1));
             const Vec3d direction = random.unit_vector();
             if (!leads_inside(mesh.view(), view_of(data.positions), v, direction)) continue;
             ++inside;
@@ -221,7 +231,8 @@ TEST(LeadsInsideTest, AgreesWithTheInsideTest) {
 TEST(TriangleFeaturesTest, EveryVertexAndEdgeBelongsToOneTriangleAndHardlyAnyTriangleHasMany) {
     test::Random random(7);
     for (int i = 0; i < 40; ++i) {
-        const Mesh mesh("shape", i == 0 ? scenes::grid(1, 1, 30, 20) : test::random_closed_mesh(random));
+        const Mesh mesh("shape",
+                        i == 0 ? scenes::grid(1, 1, 30, 20) : test::random_closed_mesh(random));
         const MeshView& view = mesh.view();
         std::vector<int> vertices(view.positions.size, 0), edges(view.edges.size, 0);
         std::uint32_t with_more_vertices = 0, with_three_edges = 0;
@@ -234,11 +245,14 @@ TEST(TriangleFeaturesTest, EveryVertexAndEdgeBelongsToOneTriangleAndHardlyAnyTri
             with_more_vertices += bit_count(of.own & 7) > 1;
             with_three_edges += of.own >> 3 == 7;
         }
-        for (const int owners : vertices) ASSERT_EQ(owners, 1) << "seed " << random.seed() << ", shape " << i;
-        for (const int owners : edges) ASSERT_EQ(owners, 1) << "seed " << random.seed() << ", shape " << i;
+        for (const int owners : vertices)
+            ASSERT_EQ(owners, 1) << "seed " << random.seed() << ", shape " << i;
+        for (const int owners : edges)
+            ASSERT_EQ(owners, 1) << "seed " << random.seed() << ", shape " << i;
         // A closed mesh has half as many vertices as triangles, an open one more.
         const std::uint32_t few = view.triangles.size / 20;
-        EXPECT_LE(with_more_vertices, i == 0 ? 2 * few : 0) << "seed " << random.seed() << ", shape " << i;
+        EXPECT_LE(with_more_vertices, i == 0 ? 2 * few : 0)
+            << "seed " << random.seed() << ", shape " << i;
         EXPECT_LE(with_three_edges, few) << "seed " << random.seed() << ", shape " << i;
     }
 }

@@ -7,8 +7,8 @@
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/motion_bound.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/trace/first_crossing.hpp"
 #include "core/mesh/surface.hpp"
+#include "core/trace/first_crossing.hpp"
 #include "scenes/shapes.hpp"
 #include "support/random.hpp"
 
@@ -16,7 +16,8 @@ namespace pierce {
 namespace {
 
 Hit traced(const MeshView& mesh, View<const Vec3f> positions, const Ray& ray) {
-    const Surface surface{positions, mesh.triangles, constants::touch_tolerance * mesh.box.extent()};
+    const Surface surface{positions, mesh.triangles,
+                          constants::touch_tolerance * mesh.box.extent()};
     return first_crossing(ray, surface, [&](CrossingSearch& search) {
         for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
     });
@@ -40,7 +41,8 @@ TEST(WalkTest, FindsTheTriangleFromNearby) {
         // Two steps away.
         std::uint32_t start = expected;
         for (int s = 0; s < 2; ++s) start = mesh.neighbors[start].across[random.integer(0, 2)];
-        const WalkEnd end = walk(mesh, mesh.positions, {ray.origin, ray.direction}, start, constants::walk_steps);
+        const WalkEnd end = walk(mesh, mesh.positions, {ray.origin, ray.direction}, start,
+                                 constants::walk_steps);
         ASSERT_EQ(end.kind, WalkEnd::found);
         ASSERT_EQ(end.triangle, expected);
         ASSERT_LE(end.steps, 6u);
@@ -50,7 +52,8 @@ TEST(WalkTest, FindsTheTriangleFromNearby) {
 TEST(WalkTest, B1StopsAtABorder) {
     MeshData sheet{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}}};
     const Mesh open("sheet", sheet);
-    const WalkEnd end = walk(open.view(), open.view().positions, {{3, 0.5, 1}, {0, 0, -1}}, 1, constants::walk_steps);
+    const WalkEnd end = walk(open.view(), open.view().positions, {{3, 0.5, 1}, {0, 0, -1}}, 1,
+                             constants::walk_steps);
     EXPECT_EQ(end.kind, WalkEnd::boundary);
     EXPECT_EQ(end.triangle, 0u);
 }
@@ -59,10 +62,12 @@ TEST(WalkTest, B2StopsOnATriangleSeenEdgeOn) {
     const Mesh box("box", scenes::box({0, 0, 0}, {1, 1, 1}));
     const MeshView mesh = box.view();
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t) {
-        const Vec3d a = corner_of(mesh, mesh.positions, t, 0), b = corner_of(mesh, mesh.positions, t, 1);
+        const Vec3d a = corner_of(mesh, mesh.positions, t, 0),
+                    b = corner_of(mesh, mesh.positions, t, 1);
         // Along an edge of the triangle, off to the side in its plane.
         const Vec3d c = corner_of(mesh, mesh.positions, t, 2);
-        const WalkEnd end = walk(mesh, mesh.positions, {c + 2.0 * (c - a), normalized(b - a)}, t, constants::walk_steps);
+        const WalkEnd end = walk(mesh, mesh.positions, {c + 2.0 * (c - a), normalized(b - a)}, t,
+                                 constants::walk_steps);
         EXPECT_EQ(end.kind, WalkEnd::edge_on);
     }
 }
@@ -70,9 +75,10 @@ TEST(WalkTest, B2StopsOnATriangleSeenEdgeOn) {
 TEST(WalkTest, B3StopsOnADegenerateTriangle) {
     MeshData flat = scenes::box({0, 0, 0}, {1, 1, 1});
     const Mesh box("box", flat);
-    for (std::uint32_t v : flat.triangles[0].vertex) flat.positions[v] = {0, 0, 0};  // it has degenerated since
-    const WalkEnd end =
-        walk(box.view(), view_of(std::as_const(flat.positions)), {{0.2, 0.3, 0.5}, {0, 0, -1}}, 0, constants::walk_steps);
+    for (std::uint32_t v : flat.triangles[0].vertex)
+        flat.positions[v] = {0, 0, 0};  // it has degenerated since
+    const WalkEnd end = walk(box.view(), view_of(std::as_const(flat.positions)),
+                             {{0.2, 0.3, 0.5}, {0, 0, -1}}, 0, constants::walk_steps);
     EXPECT_EQ(end.kind, WalkEnd::edge_on);
 }
 
@@ -85,8 +91,8 @@ TEST(WalkTest, B5ALineInTheSheetsPlaneMeetsNothing) {
     for (int i = 0; i < 60; ++i) {
         MeshData sheet;
         for (int k = 0; k < 16; ++k)
-            sheet.positions.push_back(
-                to_float(in_plane(i % 3, k % 4 + random.uniform(0, 0.4), k / 4 + random.uniform(0, 0.4))));
+            sheet.positions.push_back(to_float(
+                in_plane(i % 3, k % 4 + random.uniform(0, 0.4), k / 4 + random.uniform(0, 0.4))));
         for (std::uint32_t k = 0; k < 11; ++k) {
             if (k % 4 == 3) continue;
             sheet.triangles.push_back({{k, k + 1, k + 5}});
@@ -100,8 +106,10 @@ TEST(WalkTest, B5ALineInTheSheetsPlaneMeetsNothing) {
         ray.t_max = 9;
         EXPECT_EQ(traced(mesh, mesh.positions, ray).triangle, no_triangle);
         for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
-            EXPECT_EQ(walk(mesh, mesh.positions, {ray.origin, ray.direction}, t, constants::walk_steps).kind,
-                      WalkEnd::edge_on);
+            EXPECT_EQ(
+                walk(mesh, mesh.positions, {ray.origin, ray.direction}, t, constants::walk_steps)
+                    .kind,
+                WalkEnd::edge_on);
     }
 }
 
@@ -116,7 +124,8 @@ TEST(WalkTest, GivesUpAfterTheLastStepAndAtASilhouette) {
     ASSERT_NE(far, goal);
     EXPECT_EQ(walk(mesh, mesh.positions, line, far, 0).kind, WalkEnd::step_limit);
     // A line beside the ball passes over its horizon again and again.
-    const WalkEnd beside = walk(mesh, mesh.positions, {{3, 0.123, 0}, normalized(Vec3d{0.01, 0.02, 1})}, goal, 100);
+    const WalkEnd beside = walk(mesh, mesh.positions,
+                                {{3, 0.123, 0}, normalized(Vec3d{0.01, 0.02, 1})}, goal, 100);
     EXPECT_EQ(static_cast<int>(beside.kind), static_cast<int>(WalkEnd::silhouette)) << beside.steps;
 }
 
@@ -131,22 +140,27 @@ MeshData ball_with_slivers(test::Random& random) {
     return mesh;
 }
 
-/// The proof behind certified walks, against tracing everything: also with vertices moved by a known deviation.
+/// The proof behind certified walks, against tracing everything: also with vertices moved by a
+/// known deviation.
 TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
     test::Random random(12);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     int proved = 0, behind = 0, in_front = 0, tried = 0;
     for (int m = 0; m < 120; ++m) {
-        const Mesh shape("any", m % 4 == 3 ? ball_with_slivers(random) : test::random_closed_mesh(random));
+        const Mesh shape("any",
+                         m % 4 == 3 ? ball_with_slivers(random) : test::random_closed_mesh(random));
         const MeshView mesh = shape.view();
         const double touch = constants::touch_tolerance * mesh.box.extent();
         const double deviation = m % 2 == 0 ? 0 : random.uniform(0, 0.1);
         std::vector<Vec3f> moved;
-        for (Vec3f p : shape.positions()) moved.push_back(to_float(to_double(p) + deviation * 0.57 * random.in_box(1)));
+        for (Vec3f p : shape.positions())
+            moved.push_back(to_float(to_double(p) + deviation * 0.57 * random.in_box(1)));
         const View<const Vec3f> positions = view_of(std::as_const(moved));
         for (int i = 0; i < 400; ++i) {
-            const auto t = static_cast<std::uint32_t>(random.integer(0, static_cast<int>(mesh.triangles.size) - 1));
-            double w[3] = {random.uniform(0.01, 1), random.uniform(0.01, 1), random.uniform(0.01, 1)};
+            const auto t = static_cast<std::uint32_t>(
+                random.integer(0, static_cast<int>(mesh.triangles.size) - 1));
+            double w[3] = {random.uniform(0.01, 1), random.uniform(0.01, 1),
+                           random.uniform(0.01, 1)};
             const double sum = w[0] + w[1] + w[2];
             Vec3d at, corner[3];
             for (int k = 0; k < 3; ++k) {
@@ -154,13 +168,17 @@ TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
                 at += (w[k] / sum) * corner[k];
             }
             Ray ray;
-            ray.direction = normalized(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])) + random.in_box(0.7));
+            ray.direction = normalized(
+                normalized(cross(corner[1] - corner[0], corner[2] - corner[0])) +
+                random.in_box(0.7));
             const double depth = random.uniform(-0.1, 0.3) * random.uniform(0, 1);
             ray.origin = at - depth * ray.direction;
             ray.t_max = 9;
-            const Crossing crossing = cross_triangle({ray.origin, ray.direction}, corner[0], corner[1], corner[2]);
+            const Crossing crossing = cross_triangle({ray.origin, ray.direction}, corner[0],
+                                                     corner[1], corner[2]);
             ++tried;
-            if (!is_only_crossing(mesh.rings[t], crossing, ray.direction, deviation, touch)) continue;
+            if (!is_only_crossing(mesh.rings[t], crossing, ray.direction, deviation, touch))
+                continue;
             const Hit hit = traced(mesh, positions, ray);
             if (crossing.t >= -touch) {
                 ++proved;
@@ -169,21 +187,27 @@ TEST(WalkTest, TheOnlyCrossingIsWhatATracerFinds) {
                 ++behind;
                 Ray back = ray;
                 back.direction = -ray.direction;
-                ASSERT_EQ(traced(mesh, positions, back).triangle, t) << "mesh " << m << " ray " << i;
+                ASSERT_EQ(traced(mesh, positions, back).triangle, t)
+                    << "mesh " << m << " ray " << i;
                 double distance = 9;
                 for (std::uint32_t other = 0; other < mesh.triangles.size; ++other)
                     distance = std::min(
-                        distance, length(ray.origin - closest_on_triangle(ray.origin, corner_of(mesh, positions, other, 0),
-                                                                          corner_of(mesh, positions, other, 1),
-                                                                          corner_of(mesh, positions, other, 2))));
-                const double height =
-                    std::fabs(crossing.t) *
-                    std::fabs(dot(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])), ray.direction));
-                const double proved_distance = distance_in_front(mesh.rings[t], crossing, height) - 2 * (touch + deviation);
+                        distance,
+                        length(ray.origin -
+                               closest_on_triangle(ray.origin, corner_of(mesh, positions, other, 0),
+                                                   corner_of(mesh, positions, other, 1),
+                                                   corner_of(mesh, positions, other, 2))));
+                const double height = std::fabs(crossing.t) *
+                                      std::fabs(dot(normalized(cross(corner[1] - corner[0],
+                                                                     corner[2] - corner[0])),
+                                                    ray.direction));
+                const double proved_distance = distance_in_front(mesh.rings[t], crossing, height) -
+                                               2 * (touch + deviation);
                 ASSERT_LE(proved_distance, distance) << "mesh " << m << " ray " << i;
                 in_front += proved_distance > 0;
                 if (mesh.simple && deviation == 0 && hit.triangle != no_triangle) {
-                    ASSERT_FALSE(leads_out(ray, {positions, mesh.triangles, touch}, hit.triangle)) << "it starts outside";
+                    ASSERT_FALSE(leads_out(ray, {positions, mesh.triangles, touch}, hit.triangle))
+                        << "it starts outside";
                 }
             }
         }
@@ -201,7 +225,8 @@ TEST(PredictionTest, OneTraversalFindsWhatTwoRaysFind) {
     for (int m = 0; m < 60; ++m) {
         const Mesh shape("any", test::random_closed_mesh(random));
         const MeshView mesh = shape.view();
-        const Surface surface{mesh.positions, mesh.triangles, constants::touch_tolerance * mesh.box.extent()};
+        const Surface surface{mesh.positions, mesh.triangles,
+                              constants::touch_tolerance * mesh.box.extent()};
         for (int i = 0; i < 300; ++i) {
             Ray ray;
             ray.origin = random.in_box(1.2);
@@ -219,8 +244,10 @@ TEST(PredictionTest, OneTraversalFindsWhatTwoRaysFind) {
             ray.outward = back.t_max;
             const Hit hit = traced(mesh, mesh.positions, ray);
             ASSERT_EQ(hit, expected) << "mesh " << m << " ray " << i;
-            ahead += hit.triangle != no_triangle && !hit.predicted && leads_out(ray, surface, hit.triangle);
-            kept += hit.triangle != no_triangle && !hit.predicted && !leads_out(ray, surface, hit.triangle);
+            ahead += hit.triangle != no_triangle && !hit.predicted &&
+                     leads_out(ray, surface, hit.triangle);
+            kept += hit.triangle != no_triangle && !hit.predicted &&
+                    !leads_out(ray, surface, hit.triangle);
             predicted += hit.predicted;
         }
     }
@@ -235,7 +262,8 @@ TEST(MeshTest, SimpleMeshesDoNotMeetThemselves) {
     EXPECT_FALSE(Mesh("crossing itself", scenes::torus(0.4, 0.5, 30, 10)).view().simple);
     MeshData two = scenes::box({0, 0, 0}, {1, 1, 1});
     const MeshData inner = scenes::box({0.2, 0.2, 0.2}, {0.8, 0.8, 0.8});
-    for (Triangle t : inner.triangles) two.triangles.push_back({{t.vertex[0] + 8, t.vertex[1] + 8, t.vertex[2] + 8}});
+    for (Triangle t : inner.triangles)
+        two.triangles.push_back({{t.vertex[0] + 8, t.vertex[1] + 8, t.vertex[2] + 8}});
     two.positions.insert(two.positions.end(), inner.positions.begin(), inner.positions.end());
     EXPECT_FALSE(Mesh("one in another", two).view().simple);
     MeshData inside_out = scenes::box({0, 0, 0}, {1, 1, 1});
@@ -253,13 +281,15 @@ TEST(MotionBoundTest, NoPointOfTheBoxMovesFurther) {
         const double angle = random.uniform(0, i % 2 == 0 ? 0.01 : 3);
         const Vec3d axis = std::sin(angle / 2) * random.unit_vector();
         const Frame from = frame_of({random.in_box(3), random.rotation()});
-        const Frame turn = frame_of({random.in_box(0.02), {axis.x, axis.y, axis.z, std::cos(angle / 2)}});
+        const Frame turn = frame_of(
+            {random.in_box(0.02), {axis.x, axis.y, axis.z, std::cos(angle / 2)}});
         const Frame to{turn.rotation * from.rotation, turn.to_parent(from.origin)};
         const double bound = largest_motion(from, to, box);
         for (int n = 0; n < 20; ++n) {
             Vec3d p;
             for (int k = 0; k < 3; ++k)
-                p[k] = n < 8 ? (n >> k & 1 ? box.upper[k] : box.lower[k]) : random.uniform(box.lower[k], box.upper[k]);
+                p[k] = n < 8 ? (n >> k & 1 ? box.upper[k] : box.lower[k])
+                             : random.uniform(box.lower[k], box.upper[k]);
             const double motion = length(to.to_parent(p) - from.to_parent(p));
             ASSERT_LE(motion, bound * (1 + 1e-12));
             tightest = std::min(tightest, bound / motion);
@@ -272,16 +302,19 @@ TEST(ClosestPointTest, AgreesWithSampling) {
     test::Random random(14);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     for (int i = 0; i < 300; ++i) {
-        const Vec3d a = random.in_box(1), b = random.in_box(1), c = random.in_box(1), d = random.in_box(1),
-                    p = random.in_box(2);
+        const Vec3d a = random.in_box(1), b = random.in_box(1), c = random.in_box(1),
+                    d = random.in_box(1), p = random.in_box(2);
         const double found = length(p - closest_on_triangle(p, a, b, c));
         const double apart = segment_distance(a, b, c, d);
         double sampled = 9, segments = 9;
         constexpr int n = 60;
         for (int u = 0; u <= n; ++u)
             for (int v = 0; v <= n; ++v) {
-                if (u + v <= n) sampled = std::min(sampled, length(p - (1.0 / n) * (u * a + v * b + (n - u - v) * c)));
-                segments = std::min(segments, length((1.0 / n) * (u * a + (n - u) * b) - (1.0 / n) * (v * c + (n - v) * d)));
+                if (u + v <= n)
+                    sampled = std::min(sampled,
+                                       length(p - (1.0 / n) * (u * a + v * b + (n - u - v) * c)));
+                segments = std::min(segments, length((1.0 / n) * (u * a + (n - u) * b) -
+                                                     (1.0 / n) * (v * c + (n - v) * d)));
             }
         ASSERT_LE(found, sampled + 1e-12);
         ASSERT_NEAR(found, sampled, 0.05);

@@ -35,7 +35,9 @@ using testing::IsEmpty;
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr MeshCheckOptions everything{.self_intersections = true};
 
-std::vector<MeshFinding> findings_of(const MeshData& mesh) { return check_mesh(mesh, everything).findings; }
+std::vector<MeshFinding> findings_of(const MeshData& mesh) {
+    return check_mesh(mesh, everything).findings;
+}
 
 MeshData unit_box() { return scenes::box({0, 0, 0}, {1, 1, 1}); }
 
@@ -47,7 +49,8 @@ MeshData joined(MeshData mesh, const MeshData& other) {
     const auto offset = static_cast<std::uint32_t>(mesh.positions.size());
     mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
     for (const Triangle& t : other.triangles)
-        mesh.triangles.push_back({{t.vertex[0] + offset, t.vertex[1] + offset, t.vertex[2] + offset}});
+        mesh.triangles.push_back(
+            {{t.vertex[0] + offset, t.vertex[1] + offset, t.vertex[2] + offset}});
     return mesh;
 }
 
@@ -65,7 +68,8 @@ TEST(MeshCheckTest, SoundMeshesHaveNoFindings) {
         EXPECT_EQ(report.vertices, mesh.positions.size());
         EXPECT_EQ(report.triangles, mesh.triangles.size());
     }
-    const MeshReport two = check_mesh(joined(unit_box(), scenes::box({2, 0, 0}, {3, 1, 4})), everything);
+    const MeshReport two = check_mesh(joined(unit_box(), scenes::box({2, 0, 0}, {3, 1, 4})),
+                                      everything);
     EXPECT_TRUE(two.sound());
     EXPECT_EQ(two.components, 2u);
     EXPECT_NEAR(two.traits.volume, 5, 1e-12);
@@ -94,8 +98,8 @@ TEST(MeshCheckTest, NumbersThatAreNone) {
 TEST(MeshCheckTest, IndicesOutOfRange) {
     MeshData mesh = unit_box();
     mesh.triangles[5] = {{0, 5, 99}};
-    EXPECT_THAT(findings_of(mesh),
-                ElementsAre(MeshFinding{bad_index, 1, {5}}, MeshFinding{border_edge, 3, {0, 4, 0, 5, 4, 5}}));
+    EXPECT_THAT(findings_of(mesh), ElementsAre(MeshFinding{bad_index, 1, {5}},
+                                               MeshFinding{border_edge, 3, {0, 4, 0, 5, 4, 5}}));
     // What is left keeps the caller's ids.
     mesh.triangles.push_back({{1, 3, 3}});
     EXPECT_THAT(check_mesh(mesh).findings, Contains(MeshFinding{degenerate_triangle, 1, {12}}));
@@ -121,8 +125,8 @@ TEST(MeshCheckTest, FinOnAnEdge) {
     MeshData mesh = unit_box();
     mesh.positions.push_back({0.5, -1, -1});
     mesh.triangles.push_back({{0, 1, 8}});
-    EXPECT_THAT(findings_of(mesh),
-                ElementsAre(MeshFinding{border_edge, 2, {0, 8, 1, 8}}, MeshFinding{non_manifold_edge, 1, {0, 1}}));
+    EXPECT_THAT(findings_of(mesh), ElementsAre(MeshFinding{border_edge, 2, {0, 8, 1, 8}},
+                                               MeshFinding{non_manifold_edge, 1, {0, 1}}));
 }
 
 TEST(MeshCheckTest, BoxesThatShareAnEdgeStayClosed) {
@@ -140,7 +144,8 @@ TEST(MeshCheckTest, ComponentsInsideOut) {
     MeshData inverted = scenes::box({2, 0, 0}, {3, 1, 1});
     turn_around(inverted);
     EXPECT_THAT(findings_of(inverted), ElementsAre(MeshFinding{inside_out, 1, {0}}));
-    EXPECT_THAT(findings_of(joined(unit_box(), inverted)), ElementsAre(MeshFinding{inside_out, 1, {12}}))
+    EXPECT_THAT(findings_of(joined(unit_box(), inverted)),
+                ElementsAre(MeshFinding{inside_out, 1, {12}}))
         << "beside a component as it should be";
 
     MeshData cavity = scenes::box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75});
@@ -162,7 +167,8 @@ MeshData box_with_sliver() {
 }
 
 TEST(MeshCheckTest, DegenerateTriangles) {
-    EXPECT_THAT(findings_of(box_with_sliver()), ElementsAre(MeshFinding{degenerate_triangle, 1, {13}}));
+    EXPECT_THAT(findings_of(box_with_sliver()),
+                ElementsAre(MeshFinding{degenerate_triangle, 1, {13}}));
     EXPECT_TRUE(check_mesh(box_with_sliver()).closed);
 }
 
@@ -170,14 +176,17 @@ TEST(MeshCheckTest, DuplicateTriangles) {
     MeshData same_way = unit_box(), other_way = unit_box();
     same_way.triangles.push_back({{2, 3, 0}});
     other_way.triangles.push_back({{0, 3, 2}});
-    const MeshFinding edges{non_manifold_edge, 3, {0, 2, 0, 3, 2, 3}}, overlap{self_intersection, 1, {0, 12}};
-    EXPECT_THAT(findings_of(same_way), ElementsAre(edges, MeshFinding{duplicate_triangle, 1, {12}}, overlap));
-    EXPECT_THAT(findings_of(other_way), ElementsAre(edges, MeshFinding{opposite_triangle, 1, {12}}, overlap));
+    const MeshFinding edges{non_manifold_edge, 3, {0, 2, 0, 3, 2, 3}},
+        overlap{self_intersection, 1, {0, 12}};
+    EXPECT_THAT(findings_of(same_way),
+                ElementsAre(edges, MeshFinding{duplicate_triangle, 1, {12}}, overlap));
+    EXPECT_THAT(findings_of(other_way),
+                ElementsAre(edges, MeshFinding{opposite_triangle, 1, {12}}, overlap));
 
     const MeshData pillow{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}, {{0, 2, 1}}}};
-    EXPECT_THAT(findings_of(pillow),
-                ElementsAre(MeshFinding{opposite_triangle, 1, {1}}, MeshFinding{no_inward_direction, 3, {0, 1, 2}},
-                            MeshFinding{self_intersection, 1, {0, 1}}));
+    EXPECT_THAT(findings_of(pillow), ElementsAre(MeshFinding{opposite_triangle, 1, {1}},
+                                                 MeshFinding{no_inward_direction, 3, {0, 1, 2}},
+                                                 MeshFinding{self_intersection, 1, {0, 1}}));
 }
 
 TEST(MeshCheckTest, BowtieVertices) {
@@ -186,15 +195,19 @@ TEST(MeshCheckTest, BowtieVertices) {
     EXPECT_THAT(check_mesh(mesh).findings, Contains(MeshFinding{bowtie_vertex, 1, {7}}));
     EXPECT_EQ(check_mesh(mesh).components, 1u);
 
-    MeshData tip{{{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
-    tip.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};
-    EXPECT_THAT(findings_of(tip), ElementsAre(MeshFinding{bowtie_vertex, 1, {0}}, MeshFinding{no_inward_direction, 1, {0}}));
+    MeshData tip{
+        {{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {-1, 0, -1}, {1, -1, -1}, {1, 1, -1}}, {}};
+    tip.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}},
+                     {{0, 4, 5}}, {{0, 5, 6}}, {{0, 6, 4}}, {{4, 6, 5}}};
+    EXPECT_THAT(findings_of(tip), ElementsAre(MeshFinding{bowtie_vertex, 1, {0}},
+                                              MeshFinding{no_inward_direction, 1, {0}}));
 }
 
 TEST(MeshCheckTest, UnusedAndDuplicateVerticesDoNoHarm) {
     MeshData mesh = joined(unit_box(), {{{0.5, 0.5, 0.5}, {1, 0, 0}}, {}});
     const MeshReport report = check_mesh(mesh, everything);
-    EXPECT_THAT(report.findings, ElementsAre(MeshFinding{unused_vertex, 2, {8, 9}}, MeshFinding{duplicate_vertex, 1, {9}}));
+    EXPECT_THAT(report.findings, ElementsAre(MeshFinding{unused_vertex, 2, {8, 9}},
+                                             MeshFinding{duplicate_vertex, 1, {9}}));
     EXPECT_TRUE(report.sound());
     EXPECT_TRUE(report.closed);
 }
@@ -202,8 +215,9 @@ TEST(MeshCheckTest, UnusedAndDuplicateVerticesDoNoHarm) {
 TEST(MeshCheckTest, CountsAreWholeAndPlacesFew) {
     MeshData soup;
     for (const MeshData box = unit_box(); const Triangle& t : box.triangles)
-        soup = joined(soup,
-                      {{box.positions[t.vertex[0]], box.positions[t.vertex[1]], box.positions[t.vertex[2]]}, {{{0, 1, 2}}}});
+        soup = joined(soup, {{box.positions[t.vertex[0]], box.positions[t.vertex[1]],
+                              box.positions[t.vertex[2]]},
+                             {{{0, 1, 2}}}});
     const MeshReport report = check_mesh(soup, everything);
     ASSERT_EQ(report.findings.size(), 2u);
     EXPECT_EQ(report.findings[0].kind, border_edge);
@@ -217,7 +231,8 @@ TEST(MeshCheckTest, CountsAreWholeAndPlacesFew) {
 
 TEST(SelfIntersectionTest, CrossingBoxes) {
     const auto count = [](Vec3d shift) {
-        return self_intersections(joined(unit_box(), scenes::box(shift, shift + Vec3d{1, 1, 1}))).size();
+        return self_intersections(joined(unit_box(), scenes::box(shift, shift + Vec3d{1, 1, 1})))
+            .size();
     };
     EXPECT_GT(count({0.4, 0.3, 0.2}), 0u);
     EXPECT_GT(count({0.5, 0.5, 0}), 0u) << "edges meet edges, and nothing else";
@@ -226,17 +241,22 @@ TEST(SelfIntersectionTest, CrossingBoxes) {
     EXPECT_EQ(count({1, 1, 0.3}), 0u) << "edges touch";
     for (const double sign : {-1, 1})
         EXPECT_EQ(count({sign * (1 - constants::float_ulp), 0.3, 0.2}), 0u) << "within rounding";
-    EXPECT_FALSE(check_mesh(scenes::torus(0.3, 1, 20, 20), everything).sound()) << "a torus without a hole crosses itself";
-    EXPECT_THAT(check_mesh(scenes::torus(0.3, 1, 20, 20)).findings, IsEmpty()) << "but nobody asked";
+    EXPECT_FALSE(check_mesh(scenes::torus(0.3, 1, 20, 20), everything).sound())
+        << "a torus without a hole crosses itself";
+    EXPECT_THAT(check_mesh(scenes::torus(0.3, 1, 20, 20)).findings, IsEmpty())
+        << "but nobody asked";
 }
 
 TEST(SelfIntersectionTest, SheetsOnEachOther) {
-    const MeshReport report = check_mesh(joined(unit_box(), scenes::box({1, 0, 0}, {2, 1, 1})), everything);
+    const MeshReport report = check_mesh(joined(unit_box(), scenes::box({1, 0, 0}, {2, 1, 1})),
+                                         everything);
     EXPECT_THAT(report.findings, ElementsAre(MeshFinding{self_intersection, 2, {10, 21, 11, 20}},
                                              MeshFinding{duplicate_vertex, 4, {8, 10, 12, 14}}));
-    const MeshData folded{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3f, 0.5f, 0}}, {{{0, 1, 2}}, {{1, 0, 3}}}};
+    const MeshData folded{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3f, 0.5f, 0}},
+                          {{{0, 1, 2}}, {{1, 0, 3}}}};
     EXPECT_THAT(self_intersections(folded), ElementsAre(std::pair{0u, 1u}));
-    const MeshData flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3f, -0.5f, 0}}, {{{0, 1, 2}}, {{1, 0, 3}}}};
+    const MeshData flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3f, -0.5f, 0}},
+                        {{{0, 1, 2}}, {{1, 0, 3}}}};
     EXPECT_THAT(self_intersections(flat), IsEmpty());
 }
 
@@ -256,7 +276,8 @@ TEST(SelfIntersectionTest, AgreesWithCrossingEdges) {
         crossing += by_edges;
     }
     EXPECT_GT(crossing, 1000);
-    EXPECT_LE(different, 2) << "that one counts as a touch what the other counts as a crossing happens once in many seeds";
+    EXPECT_LE(different, 2) << "that one counts as a touch what the other counts as a crossing "
+                               "happens once in many seeds";
 }
 
 TEST(MeshCheckTest, InwardDirectionsAgreeWithTheInsideTest) {
@@ -271,7 +292,8 @@ TEST(MeshCheckTest, InwardDirectionsAgreeWithTheInsideTest) {
         const Mesh mesh("spikes", data);
         std::vector<std::uint32_t> expected;
         for (std::uint32_t v = 0; v < data.positions.size(); ++v) {
-            const Vec3d p = to_double(data.positions[v]) - 1e-6 * vertex_normal(mesh.view(), mesh.view().positions, v);
+            const Vec3d p = to_double(data.positions[v]) -
+                            1e-6 * vertex_normal(mesh.view(), mesh.view().positions, v);
             if (!test::is_inside({p.x, p.y, p.z}, solid)) expected.push_back(v);
         }
         outward += static_cast<int>(expected.size());
@@ -289,7 +311,8 @@ TEST(MeshCheckTest, InwardDirectionsAgreeWithTheInsideTest) {
 MeshFinding inject(test::Random& random, MeshData& mesh) {
     const auto triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
     const auto vertex_count = static_cast<std::uint32_t>(mesh.positions.size());
-    const auto t = static_cast<std::uint32_t>(random.integer(0, static_cast<int>(triangle_count) - 1));
+    const auto t = static_cast<std::uint32_t>(
+        random.integer(0, static_cast<int>(triangle_count) - 1));
     const Triangle triangle = mesh.triangles[t];
     const std::uint32_t v = triangle.vertex[random.integer(0, 2)];
     switch (random.integer(0, 10)) {
@@ -298,7 +321,9 @@ MeshFinding inject(test::Random& random, MeshData& mesh) {
             return {not_finite, 1, {v}};
         }
         case 1: {
-            mesh.triangles[t].vertex[random.integer(0, 2)] = vertex_count + static_cast<std::uint32_t>(random.integer(0, 5));
+            mesh.triangles[t].vertex[random.integer(0, 2)] = vertex_count +
+                                                             static_cast<std::uint32_t>(
+                                                                 random.integer(0, 5));
             return {bad_index, 1, {t}};
         }
         case 2: {
@@ -314,7 +339,8 @@ MeshFinding inject(test::Random& random, MeshData& mesh) {
             mesh.triangles.push_back({{triangle.vertex[0], triangle.vertex[1], vertex_count}});
             return {non_manifold_edge,
                     1,
-                    {std::min(triangle.vertex[0], triangle.vertex[1]), std::max(triangle.vertex[0], triangle.vertex[1])}};
+                    {std::min(triangle.vertex[0], triangle.vertex[1]),
+                     std::max(triangle.vertex[0], triangle.vertex[1])}};
         }
         case 5: {
             turn_around(mesh);
@@ -322,12 +348,14 @@ MeshFinding inject(test::Random& random, MeshData& mesh) {
         }
         case 6: {
             const int k = random.integer(0, 2);
-            mesh.triangles.push_back({{triangle.vertex[k], triangle.vertex[(k + 1) % 3], triangle.vertex[(k + 2) % 3]}});
+            mesh.triangles.push_back(
+                {{triangle.vertex[k], triangle.vertex[(k + 1) % 3], triangle.vertex[(k + 2) % 3]}});
             return {duplicate_triangle, 1, {triangle_count}};
         }
         case 7: {
             const int k = random.integer(0, 2);
-            mesh.triangles.push_back({{triangle.vertex[k], triangle.vertex[(k + 2) % 3], triangle.vertex[(k + 1) % 3]}});
+            mesh.triangles.push_back(
+                {{triangle.vertex[k], triangle.vertex[(k + 2) % 3], triangle.vertex[(k + 1) % 3]}});
             return {opposite_triangle, 1, {triangle_count}};
         }
         case 8: {
@@ -357,7 +385,8 @@ TEST(MeshCheckTest, InjectedDefectsAreFound) {
     for (int i = 0; i < 400; ++i) {
         MeshData mesh = test::random_closed_mesh(random);
         ASSERT_TRUE(check_mesh(mesh).closed);
-        for (const MeshFinding& f : check_mesh(mesh).findings) ASSERT_EQ(f.kind, no_inward_direction) << "mesh " << i;
+        for (const MeshFinding& f : check_mesh(mesh).findings)
+            ASSERT_EQ(f.kind, no_inward_direction) << "mesh " << i;
         const MeshFinding expected = inject(random, mesh);
         const MeshReport report = check_mesh(mesh, {.self_intersections = i % 10 == 0});
         const MeshFinding* found = report.find(expected.kind);
@@ -378,12 +407,15 @@ TEST(MeshCheckTest, NothingMakesItThrow) {
         MeshData mesh;
         const int vertices = random.integer(0, 12);
         for (int v = 0; v < vertices; ++v) {
-            mesh.positions.push_back(to_float(std::pow(10, random.uniform(-44, 40)) * random.in_box(1)));
+            mesh.positions.push_back(
+                to_float(std::pow(10, random.uniform(-44, 40)) * random.in_box(1)));
             if (random.integer(0, 9) == 0) mesh.positions.back()[random.integer(0, 2)] = nan;
             if (random.integer(0, 4) == 0) mesh.positions.back() = mesh.positions.front();
         }
         const int triangles = random.integer(0, 30);
-        const auto any = [&] { return static_cast<std::uint32_t>(random.integer(-1, vertices + vertices / 8)); };
+        const auto any = [&] {
+            return static_cast<std::uint32_t>(random.integer(-1, vertices + vertices / 8));
+        };
         for (int t = 0; t < triangles; ++t) mesh.triangles.push_back({{any(), any(), any()}});
         MeshReport report;
         ASSERT_NO_THROW(report = check_mesh(mesh, everything)) << "mesh " << i;

@@ -14,7 +14,8 @@ using test::Random;
 
 bool overlap(const QuickBox& a, const QuickBox& b) {
     bool all = true;
-    for (int axis = 0; axis < 3; ++axis) all = all && a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
+    for (int axis = 0; axis < 3; ++axis)
+        all = all && a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
     return all;
 }
 
@@ -65,7 +66,8 @@ TEST(GridBoxesTest, BoxesThatOverlapAreNeverLeftOut) {
             QuickBox box = boxes.next(std::exp2(-random.uniform(0, 10)));
             // One that hardly touches, or all of space.
             const int kind = random.integer(0, 5);
-            if (kind == 0 && count > 0) box.lower.x = box.upper.x = held[random.integer(0, count - 1)].upper.x;
+            if (kind == 0 && count > 0)
+                box.lower.x = box.upper.x = held[random.integer(0, count - 1)].upper.x;
             if (kind == 1)
                 for (int axis = 0; axis < 3; ++axis) {
                     box.lower[axis] = -0x1p60f;
@@ -75,12 +77,14 @@ TEST(GridBoxesTest, BoxesThatOverlapAreNeverLeftOut) {
             for (std::uint32_t k = 0; k < constants::group_size; ++k) {
                 const bool is_near = (near >> k & 1) != 0;
                 if (held[k].empty()) {
-                    ASSERT_FALSE(is_near) << "seed " << random.seed() << ", case " << i << ": an empty one";
+                    ASSERT_FALSE(is_near)
+                        << "seed " << random.seed() << ", case " << i << ": an empty one";
                     continue;
                 }
                 if (overlap(held[k], box)) {
                     ++overlapping;
-                    ASSERT_TRUE(is_near) << "seed " << random.seed() << ", case " << i << ", box " << k;
+                    ASSERT_TRUE(is_near)
+                        << "seed " << random.seed() << ", case " << i << ", box " << k;
                 } else {
                     ++apart;
                     left_out += !is_near;
