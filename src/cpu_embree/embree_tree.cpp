@@ -63,7 +63,8 @@ Tree::~Tree() {
 void Tree::set_surface(const Surface& surface, const Box& box) {
     surface_ = surface;
     // A ray in a triangle's plane touches it from the touch tolerance away.
-    margin_ = round_up(constants::tree_margin * box.max_coordinate() + surface.touch);
+    margin_ = round_up(max_of(constants::tree_margin * box.max_coordinate() + surface.touch,
+                              constants::least_tree_margin));
     reach_ = box.inflated(static_cast<double>(margin_));
 }
 

@@ -281,7 +281,9 @@ private:
                     to = c.source == Side::a ? c.point_b : c.point_a;
         if (target->distance(to) > target->touch + source->touch)
             return Failure{"truth: a contact ends on its target", to_text(c)};
-        if (runs_in_a_plane(from, to, *target, source->touch)) return std::nullopt;
+        if (runs_in_a_plane(from, c.reprojected ? from + way_in(c, *source) : to, *target,
+                            source->touch))
+            return std::nullopt;
         if (target->distance(from) > target->touch + source->touch) {
             ++counts_.inside_vertices;
             if (!target->holds(from))
@@ -299,6 +301,26 @@ private:
                 return Failure{"truth: a contact is inside its own body", to_text(c)};
         }
         return std::nullopt;
+    }
+
+    /// The direction of the ray that found a contact, which ends elsewhere by now.
+    Vec3d way_in(const Contact& c, const Surface& source) const {
+        if (!c.is_edge()) {
+            const test::SolidVec inward = inward_directions(source)[c.vertex];
+            return {static_cast<double>(inward.x), static_cast<double>(inward.y),
+                    static_cast<double>(inward.z)};
+        }
+        Vec3d outward;
+        for (const Triangle& t : source.triangles) {
+            const auto has = [&](std::uint32_t v) {
+                return std::ranges::find(t.vertex, v) != std::end(t.vertex);
+            };
+            if (has(c.vertex) && has(c.edge_end))
+                outward += normalized(
+                    cross(source.points[t.vertex[1]] - source.points[t.vertex[0]],
+                          source.points[t.vertex[2]] - source.points[t.vertex[0]]));
+        }
+        return -normalized(outward);
     }
 
     /// True if the way from one point to the other lies in the plane of one of the target's

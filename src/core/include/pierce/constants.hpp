@@ -20,6 +20,10 @@ inline constexpr double touch_tolerance = 8 * float_ulp;
 /// and its slab test rounds again.
 inline constexpr double tree_margin = 4 * float_ulp;
 
+/// How far they reach at least, in units of positions: boxes of bodies that are a point, or so small
+/// that their margin is subnormal, have an extent. Exact tests in the leaves decide as before.
+inline constexpr double least_tree_margin = 0x1p-100;
+
 /// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by
 /// half an ulp, its product with the reciprocal by another half, the box's by as much; direction,
 /// reciprocal and sum each add half an ulp of a distance of up to two coordinates: four and a half

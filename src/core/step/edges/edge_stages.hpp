@@ -421,7 +421,8 @@ PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const Direc
     into_target.target = d.target;
     into_source.origin = start;
     into_source.direction = direction;
-    into_source.t_max = leads && source.mesh.simple ? source.fit_box.extent() : -1.0;
+    const bool has_inside = source.is_solid() && source.mesh.simple;
+    into_source.t_max = leads && has_inside ? source.fit_box.extent() : -1.0;
     into_source.target = d.source;
 }
 
