@@ -77,9 +77,9 @@ void run(const scenes::Layers& layers, const Options& options) {
         if (i < options.checks) hashes.push_back(contact_hash(gpu.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
         wall.push_back(last.milliseconds);
-        for (const auto& stage : last.stages) {
-            if (std::string(stage.name) == "device") on_device.push_back(stage.milliseconds);
-            by_stage[stage.name].push_back(stage.milliseconds);
+        on_device.push_back(last.device_milliseconds);
+        for (const StageTime& t : last.stages) {
+            by_stage[name_of(t.stage)].push_back(t.milliseconds);
         }
     }
 

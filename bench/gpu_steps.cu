@@ -146,10 +146,10 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
         if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
         wall.push_back(last.milliseconds);
-        for (const auto& stage : last.stages) {
-            if (std::string(stage.name) == "device") on_device.push_back(stage.milliseconds);
-            if (by_stage[stage.name].empty()) order.push_back(stage.name);
-            by_stage[stage.name].push_back(stage.milliseconds);
+        on_device.push_back(last.device_milliseconds);
+        for (const StageTime& t : last.stages) {
+            if (by_stage[name_of(t.stage)].empty()) order.push_back(name_of(t.stage));
+            by_stage[name_of(t.stage)].push_back(t.milliseconds);
         }
     }
 

@@ -98,9 +98,7 @@ double copy_rate(CudaExecutor& executor, Timer& time) {
     cuda::DeviceBuffer<float4> from, to;
     from.resize(words);
     to.resize(words);
-    const double ms = time(20, [&] {
-        executor.for_each("copy", words, CopyWord{from.data(), to.data()});
-    });
+    const double ms = time(20, [&] { executor.for_each(words, CopyWord{from.data(), to.data()}); });
     return 2.0 * words * sizeof(float4) / (ms * 1e-3);
 }
 
@@ -175,11 +173,11 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, boo
         const double refit = time(
             9, [&] { tracer.update(executor, views, view_of(std::as_const(wanted))); }, send);
         const auto trace_all = [&] {
-            tracer.closest_hits(executor, "trace", views, ray_count, view_of(std::as_const(rays)),
+            tracer.closest_hits(executor, views, ray_count, view_of(std::as_const(rays)),
                                 view_of(hits));
         };
         const auto time_of = [&](bool predicts, bool against) {
-            executor.for_each("aim", ray_count,
+            executor.for_each(ray_count,
                               AimInward{views, vertices, view_of(rays), predicts, against});
             return time(9, trace_all);
         };

@@ -85,7 +85,7 @@ int show_plan(const RunOptions& options) {
     fmt::print("bodies    {} fixed, {} rigid, {} deforming; {} of them open\n", plan.fixed_bodies,
                plan.rigid_bodies, plan.deforming_bodies, plan.open_bodies);
     fmt::print("stages   ");
-    for (const std::string& stage : plan.stages) fmt::print(" {}", stage);
+    for (StageId stage : plan.stages) fmt::print(" {}", name_of(stage));
     fmt::print("\nbounds    {}\n", plan.measures_deformation
                                        ? "poses of rigid bodies, vertices of deforming ones"
                                        : "poses only: no vertex is looked at");

@@ -49,16 +49,16 @@ std::vector<double> FrameLog::touching_pairs() const {
 std::vector<double> FrameLog::stage(const std::string& name) const {
     std::vector<double> values;
     for (const FrameResult& f : frames_)
-        for (const StepStats::Stage& s : f.stages)
-            if (s.name == name) values.push_back(s.milliseconds);
+        for (const scenes::NamedTime& t : f.times)
+            if (t.name == name) values.push_back(t.milliseconds);
     return values;
 }
 
 std::vector<std::string> FrameLog::stage_names() const {
     std::vector<std::string> names;
     for (const FrameResult& f : frames_)
-        for (const StepStats::Stage& s : f.stages)
-            if (std::ranges::find(names, s.name) == names.end()) names.push_back(s.name);
+        for (const scenes::NamedTime& t : f.times)
+            if (std::ranges::find(names, t.name) == names.end()) names.push_back(t.name);
     return names;
 }
 
@@ -178,7 +178,7 @@ void FrameLog::write_json(const std::filesystem::path& file, const json& setting
     for (std::size_t i = 0; i < frames_.size(); ++i) {
         const FrameResult& f = frames_[i];
         json ms;
-        for (const StepStats::Stage& s : f.stages) ms[s.name] = s.milliseconds;
+        for (const scenes::NamedTime& t : f.times) ms[t.name] = t.milliseconds;
         ms["total"] = f.total_ms;
         frames.push_back({{"index", i},
                           {"ms", ms},

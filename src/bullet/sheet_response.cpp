@@ -194,15 +194,7 @@ void SheetResponse::State::detect() {
     // deep takes long.
     if (!is_crossed) world.forget_sides();
     const StepStats& stats = world.detect();
-    for (const StepStats::Stage& stage : stats.stages) {
-        const auto same = std::ranges::find_if(report.stages, [&](const StepStats::Stage& s) {
-            return std::string_view(s.name) == stage.name;
-        });
-        if (same == report.stages.end())
-            report.stages.push_back(stage);
-        else
-            same->milliseconds += stage.milliseconds;
-    }
+    for (const StageTime& t : stats.stages) add_time(report.stages, t.stage, t.milliseconds);
     ++report.detections;
     report.detection_ms += milliseconds_since(begin);
 }

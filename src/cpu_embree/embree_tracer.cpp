@@ -143,13 +143,12 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies,
     s.check();
 }
 
-void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name,
-                                View<const BodyView> bodies, std::uint32_t count,
-                                View<const Ray> rays, View<Hit> hits) {
+void EmbreeTracer::closest_hits(TbbExecutor& executor, View<const BodyView> bodies,
+                                std::uint32_t count, View<const Ray> rays, View<Hit> hits) {
     State& s = *state_;
     if (s.many_trees) s.sort_by_target(bodies.size, rays);
     s.tests.assign(rays.size, 0);
-    executor.for_each(name, count, [&](std::uint32_t k) {
+    executor.for_each(count, [&](std::uint32_t k) {
         const std::uint32_t i = s.many_trees ? s.order[k] : k;
         const Ray& ray = rays[i];
         hits[i] = {};
@@ -169,11 +168,11 @@ void EmbreeTracer::closest_hits(TbbExecutor& executor, const char* name,
     }
 }
 
-void EmbreeTracer::closest_triangles(TbbExecutor& executor, const char* name,
-                                     View<const BodyView> bodies, std::uint32_t count,
-                                     View<const Ray> rays, View<std::uint32_t> triangles) {
+void EmbreeTracer::closest_triangles(TbbExecutor& executor, View<const BodyView> bodies,
+                                     std::uint32_t count, View<const Ray> rays,
+                                     View<std::uint32_t> triangles) {
     State& s = *state_;
-    executor.for_each(name, count, [&](std::uint32_t i) {
+    executor.for_each(count, [&](std::uint32_t i) {
         const std::uint32_t target = rays[i].target;
         triangles[i] = closest_triangle(
             rays[i], bodies[target].surface(),

@@ -24,11 +24,10 @@ public:
 
     void update(TbbExecutor& executor, View<const BodyView> bodies,
                 View<const std::uint32_t> wanted);
-    void closest_hits(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
-                      std::uint32_t count, View<const Ray> rays, View<Hit> hits);
-    void closest_triangles(TbbExecutor& executor, const char* name, View<const BodyView> bodies,
-                           std::uint32_t count, View<const Ray> rays,
-                           View<std::uint32_t> triangles);
+    void closest_hits(TbbExecutor& executor, View<const BodyView> bodies, std::uint32_t count,
+                      View<const Ray> rays, View<Hit> hits);
+    void closest_triangles(TbbExecutor& executor, View<const BodyView> bodies, std::uint32_t count,
+                           View<const Ray> rays, View<std::uint32_t> triangles);
     TracerCounts counts(const TbbExecutor&) const;
 
 private:

@@ -30,15 +30,15 @@ public:
     }
 
     template <class F>
-    void for_each(const char* name, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         constexpr std::uint32_t grain = is_cheap<F>() ? cheap_grain : usual_grain;
-        if (n <= grain) return serial_.for_each(name, n, stage);
+        if (n <= grain) return serial_.for_each(n, stage);
         share(n, grain, stage);
     }
 
     template <class... F>
-    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
-        (for_each(name, n, stages), ...);
+    void in_turn(std::uint32_t n, const F&... stages) {
+        (for_each(n, stages), ...);
     }
 
     /// Like for_each, for few items that are work enough for a task each.
@@ -48,23 +48,22 @@ public:
     }
 
     /// Serial: adding up a step's counts takes microseconds.
-    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in,
+    std::uint32_t exclusive_scan(ListId id, std::uint32_t n, View<const std::uint32_t> in,
                                  View<std::uint32_t> out) {
-        return serial_.exclusive_scan(name, n, in, out);
+        return serial_.exclusive_scan(id, n, in, out);
     }
 
     /// Serial: one or two nanoseconds an item.
     template <class F>
-    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted,
-                         View<std::uint32_t> out) {
-        return serial_.select(name, n, wanted, out);
+    std::uint32_t select(ListId id, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+        return serial_.select(id, n, wanted, out);
     }
 
     /// Things in the order of the items that they were found by: chunks of items find theirs, and
     /// then write them.
     template <class F, class... T>
-    void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
-        if (n <= emitted_chunk) return serial_.emit(name, n, finder, lists...);
+    void emit(ListId id, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+        if (n <= emitted_chunk) return serial_.emit(id, n, finder, lists...);
         using Seen = decltype(finder.find(0));
         static_assert(std::is_trivially_copyable_v<Seen> &&
                       alignof(Seen) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
@@ -93,18 +92,18 @@ public:
     }
 
     /// Serial too: keys are few.
-    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys,
+    void sort(std::uint32_t n, int bits, View<const std::uint64_t> keys,
               View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
               View<std::uint32_t> sorted_values) {
-        serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
+        serial_.sort(n, bits, keys, values, sorted_keys, sorted_values);
     }
 
     /// Chunks of items, the same for any number of threads, are added up on their own, and then in
     /// their order.
     template <class F, class T>
-    void reduce(const char* name, std::uint32_t n, const F& term, T& sum) {
+    void reduce(std::uint32_t n, const F& term, T& sum) {
         constexpr std::uint32_t chunk_size = is_cheap<F>() ? 8 * cheap_grain : usual_grain;
-        if (n <= chunk_size) return serial_.reduce(name, n, term, sum);
+        if (n <= chunk_size) return serial_.reduce(n, term, sum);
         static_assert(std::is_trivially_copyable_v<T> &&
                       alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
         const std::uint32_t chunks = (n + chunk_size - 1) / chunk_size;
@@ -116,7 +115,7 @@ public:
                 all = all + term(i);
         });
         serial_.reduce(
-            name, chunks, [&](std::uint32_t chunk) { return sums[chunk]; }, sum);
+            chunks, [&](std::uint32_t chunk) { return sums[chunk]; }, sum);
     }
 
 private:

@@ -148,7 +148,7 @@ private:
             float milliseconds = 0;
             if (graph != nullptr)
                 check(cudaEventElapsedTime(&milliseconds, events_[0], events_[1]), "a time");
-            stats.stages.push_back({"device", milliseconds});
+            stats.device_milliseconds = milliseconds;
             return pipeline_.report(*mirror_.scene().plan, stats);
         }
         // Something outgrew its bounds: once more, exactly, from the same memory.

@@ -7,14 +7,14 @@
 #include <thrust/iterator/transform_output_iterator.h>
 
 #include <algorithm>
+#include <array>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
-#include <map>
-#include <string_view>
 
 #include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
+#include "core/execute/list_id.hpp"
 #include "gpu_cuda/counting_sort.cuh"
 #include "gpu_cuda/device_buffer.hpp"
 #include "gpu_cuda/emit_stage.cuh"
@@ -34,7 +34,10 @@ public:
     using Buffer = cuda::DeviceBuffer<T>;
     template <class T>
     using Sum = cuda::SharedValue<T>;
-    static constexpr bool runs_on_host = false;
+    // Measured: with more bodies a sweep's launches are sooner over than a look at all pairs; one
+    // item for all partners of a body in the sweep would be the whole step's longest.
+    static constexpr ExecutorTraits traits{
+        .host_reads = false, .overlaps_updates = true, .bodies_at_once = 512, .sweep_walks = 8};
 
     CudaExecutor() {
         using cuda::check;
@@ -129,9 +132,9 @@ public:
     }
 
     template <class F>
-    void for_each(const char*, Count n, const F& stage) {
+    void for_each(Count n, const F& stage) {
         if (n.bound == 0) return;
-        const std::uint32_t threads = n.bound < cuda::many_items || cuda::is_uneven<F>()
+        const std::uint32_t threads = n.bound < cuda::many_items || cuda::launch_of<F>.is_uneven
                                           ? cuda::few_threads
                                           : cuda::block_threads;
         cuda::run_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
@@ -139,22 +142,22 @@ public:
     }
 
     template <class... F>
-    void in_turn(const char* name, Count n, const F&... stages) {
+    void in_turn(Count n, const F&... stages) {
         if (n.bound <= cuda::few_items)
-            for_each(name, n, cuda::InTurn<F...>(stages...));
+            for_each(n, cuda::InTurn<F...>(stages...));
         else
-            (for_each(name, n, stages), ...);
+            (for_each(n, stages), ...);
     }
 
-    Count exclusive_scan(const char* name, Count n, View<const std::uint32_t> in,
+    Count exclusive_scan(ListId id, Count n, View<const std::uint32_t> in,
                          View<std::uint32_t> out) {
-        if (n.bound == 0) return next_total_of_nothing(name);
+        if (n.bound == 0) return next_total_of_nothing(id);
         const cuda::CountAt count{items(n), in.data};
-        const cuda::NoteTotal to = next_total(name, 0xffffffffu);
+        const cuda::NoteTotal to = next_total(id, 0xffffffffu);
         if (n.bound <= cuda::short_list) {
             cuda::scan_short_list<<<1, cuda::scan_threads, 0, stream_>>>(count, out.data, to);
             cuda::check(cudaGetLastError(), "a launch");
-            return noted(name, to);
+            return noted(id, to);
         }
         const auto counts = thrust::make_transform_iterator(
             thrust::counting_iterator<std::uint32_t>(0), count);
@@ -164,41 +167,41 @@ public:
             return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets,
                                                  static_cast<int>(n.bound), stream_);
         });
-        return noted(name, to);
+        return noted(id, to);
     }
 
     template <class F, class... T>
-    void emit(const char* name, Count n, const F& finder, Buffer<T>&... lists) {
+    void emit(ListId id, Count n, const F& finder, Buffer<T>&... lists) {
         if (n.bound == 0) {
-            const Count none = next_total_of_nothing(name);
+            const Count none = next_total_of_nothing(id);
             return (lists.resize(none), ...);
         }
-        cuda::NoteTotal to = next_total(name, 0xffffffffu);
+        cuda::NoteTotal to = next_total(id, 0xffffffffu);
         if (!bounded_) {
             // Once to see how much room they need.
             begin_lists(to.total, 1);
             to.room = 0xffffffffu;
-            launch_emit(name, n, finder, to);
-            to.room = noted(name, to).bound;
+            launch_emit(id, n, finder, to);
+            to.room = noted(id, to).bound;
             (lists.resize(to.room), ...);
             begin_lists(to.total, 1);
-            return launch_emit(name, n, finder, to, lists.data()...);
+            return launch_emit(id, n, finder, to, lists.data()...);
         }
         (lists.resize({to.room, to.total, 1}), ...);
-        launch_emit(name, n, finder, to, lists.data()...);
+        launch_emit(id, n, finder, to, lists.data()...);
         ++next_;
     }
 
     template <class F>
-    Count select(const char* name, Count n, const F& wanted, View<std::uint32_t> out) {
-        if (n.bound == 0) return next_total_of_nothing(name);
+    Count select(ListId id, Count n, const F& wanted, View<std::uint32_t> out) {
+        if (n.bound == 0) return next_total_of_nothing(id);
         const cuda::WantedAt<F> is_wanted{items(n), wanted};
-        const cuda::NoteTotal to = next_total(name, n.bound);
+        const cuda::NoteTotal to = next_total(id, n.bound);
         if (n.bound <= cuda::short_list) {
             cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data,
                                                                                 to);
             cuda::check(cudaGetLastError(), "a launch");
-            return noted(name, to);
+            return noted(id, to);
         }
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceSelect::If(
@@ -207,12 +210,11 @@ public:
                 thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound), is_wanted,
                 stream_);
         });
-        return noted(name, to);
+        return noted(id, to);
     }
 
-    void sort(const char*, Count n, int bits, View<std::uint64_t> keys,
-              View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
-              View<std::uint32_t> sorted_values) {
+    void sort(Count n, int bits, View<std::uint64_t> keys, View<const std::uint32_t> values,
+              View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
         if (n.bound == 0) return;
         if (n.bound <= cuda::counted_list) {
             const std::uint32_t blocks = (n.bound - 1) / cuda::counted_keys + 1;
@@ -222,7 +224,7 @@ public:
             return cuda::check(cudaGetLastError(), "a launch");
         }
         if (bits <= 32) return sort_narrow(n, bits, keys, values, sorted_keys, sorted_values);
-        if (n.exact != nullptr) for_each("pad_keys", n.bound, cuda::PadKey{items(n), keys.data});
+        if (n.exact != nullptr) for_each(n.bound, cuda::PadKey{items(n), keys.data});
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceRadixSort::SortPairs(
                 scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
@@ -231,8 +233,8 @@ public:
     }
 
     template <class F, class T>
-    void reduce(const char*, Count n, const F& term, Sum<T>& sum) {
-        if (n.bound == 0) return for_each("no_sum", 1, cuda::FillWith<T>{sum.data(), T{}});
+    void reduce(Count n, const F& term, Sum<T>& sum) {
+        if (n.bound == 0) return for_each(1, cuda::FillWith<T>{sum.data(), T{}});
         if (n.bound <= cuda::few_items)
             add_up<cuda::few_threads>(n, term, sum);
         else
@@ -282,7 +284,7 @@ public:
     template <class T>
     void assign(Buffer<T>& buffer, std::uint32_t count, const T& value) {
         buffer.resize(count);
-        for_each("assign", count, cuda::FillWith<T>{buffer.data(), value});
+        for_each(count, cuda::FillWith<T>{buffer.data(), value});
     }
 
     template <class T>
@@ -311,38 +313,44 @@ private:
     // How much more than in the exact step may come, before a bounded step must be repeated.
     static constexpr std::uint32_t spare_share = 8, spare_items = 1024;
 
-    Count next_total_of_nothing(const char* name) {
+    Count next_total_of_nothing(ListId id) {
         ++next_;
-        if (!bounded_) grow_bound(name, spare_items);
+        if (!bounded_) grow_bound(id, spare_items);
         return 0;
     }
 
     /// Where the next total goes. `most`: what it can be at most.
-    cuda::NoteTotal next_total(const char* name, std::uint32_t most) {
+    cuda::NoteTotal next_total(ListId id, std::uint32_t most) {
         wait_for_lists();
         if (bounded_ && next_ + 1 == most_totals)
             throw std::logic_error("a step has more totals than there is room for");
         // Exact steps may have any number of totals: nobody reads them later.
         std::uint32_t* const place = totals_.data() + bank_ * most_totals + next_ % most_totals;
-        return {bounded_ ? min_of(bounds_.at(name), most) : most, place, overflow_.data()};
+        return {bounded_ ? min_of(known_bound(id), most) : most, place, overflow_.data()};
     }
 
     /// A total that is, or will be, where it belongs.
-    Count noted(const char* name, const cuda::NoteTotal& to) {
+    Count noted(ListId id, const cuda::NoteTotal& to) {
         ++next_;
         if (bounded_) return {to.room, to.total, 1};
         std::uint32_t* const host = host_totals_ + (to.total - totals_.data());
         copy_to_host(host, to.total, 1);
         wait();
-        grow_bound(name, *host + *host / spare_share + spare_items);
+        grow_bound(id, *host + *host / spare_share + spare_items);
         return *host;
     }
 
     /// What a total may come to in bounded steps: what it has come to so far, in any exact step,
     /// and some more. A total that is small now and large then does not make every other step come
     /// twice.
-    void grow_bound(const char* name, std::uint32_t bound) {
-        std::uint32_t& known = bounds_[name];
+    std::uint32_t known_bound(ListId id) const {
+        const std::uint32_t bound = bounds_[static_cast<std::size_t>(id)];
+        if (bound == 0) throw std::logic_error("a list in a bounded step that no exact step had");
+        return bound;
+    }
+
+    void grow_bound(ListId id, std::uint32_t bound) {
+        std::uint32_t& known = bounds_[static_cast<std::size_t>(id)];
         known = max_of(bound, known);
     }
 
@@ -354,16 +362,15 @@ private:
 
     /// Before anything is emitted: once in a bounded step, in which every list is emitted once.
     void begin_lists(std::uint32_t* totals, std::uint32_t count) {
-        for_each("begin_lists", count, cuda::BeginLists{totals, epoch_.data()});
+        for_each(count, cuda::BeginLists{totals, epoch_.data()});
     }
 
     template <class F, class... T>
-    void launch_emit(const char* name, Count n, const F& finder, const cuda::NoteTotal& to,
-                     T*... lists) {
+    void launch_emit(ListId id, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
         const std::uint32_t threads = n.bound < cuda::many_emitting ? cuda::few_threads
                                                                     : cuda::block_threads;
         const std::uint32_t blocks = (n.bound - 1) / threads + 1;
-        Buffer<std::uint64_t>& sums = sums_of_blocks_[name];
+        Buffer<std::uint64_t>& sums = sums_of_blocks_[static_cast<std::size_t>(id)];
         if (sums.size() < blocks) {
             sums.resize(blocks);
             clear(sums);
@@ -406,10 +413,9 @@ private:
                                                               // scratch memory
         scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound)));
         std::uint32_t* const narrow = reinterpret_cast<std::uint32_t*>(scratch_.data()) + begin;
-        for_each("narrow_keys", n.bound, cuda::NarrowKey{items(n), keys.data, narrow});
+        for_each(n.bound, cuda::NarrowKey{items(n), keys.data, narrow});
         sort(scratch_.data(), bytes, narrow, narrow + n.bound);
-        for_each("widen_keys", n.bound,
-                 cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
+        for_each(n.bound, cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
     }
 
     /// What comes beside follows what has come so far.
@@ -442,9 +448,8 @@ private:
     cudaStream_t stream_ = nullptr;
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
-    std::map<std::string_view, std::uint32_t> bounds_;  ///< of totals, by the name of their
-                                                        ///< operation
-    std::map<std::string_view, Buffer<std::uint64_t>> sums_of_blocks_;  ///< likewise
+    std::array<std::uint32_t, list_count> bounds_{};  ///< of totals; 0: none is known
+    std::array<Buffer<std::uint64_t>, list_count> sums_of_blocks_;
     Buffer<std::uint32_t> totals_;
     Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks
     Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of one beside the rest

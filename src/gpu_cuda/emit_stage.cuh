@@ -87,7 +87,7 @@ constexpr bool pads() {
 /// Writes what items find; nothing by a block for which there is not room enough. Without lists
 /// things are only counted.
 template <class F, class... T>
-__global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
+__global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads))
     emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to,
                T* const... lists) {
     __shared__ std::uint32_t of_warps[block_warps], begin;

@@ -239,8 +239,7 @@ private:
                            host[b].start.size, cudaMemcpyHostToDevice);
         }
         executor_.upload(std::span<const BodyChange>(staged_changes_), changes_);
-        executor_.for_each("apply_changes", host.size,
-                           ApplyChange{view_of(changes_), view_of(bodies_)});
+        executor_.for_each(host.size, ApplyChange{view_of(changes_), view_of(bodies_)});
     }
 
     CudaExecutor& executor_;

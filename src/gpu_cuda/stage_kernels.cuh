@@ -9,6 +9,7 @@
 #include "core/execute/executor.hpp"
 #include "core/execute/stage_traits.hpp"
 #include "gpu_cuda/device_count.hpp"
+#include "gpu_cuda/launch_tuning.cuh"
 #include "pierce/min_max.hpp"
 
 /// What the executor launches: a thread an item, lists continued past their end for CUB, sums, and
@@ -48,26 +49,6 @@ struct Items {
     }
 };
 
-/// How many blocks of a stage must fit on a multiprocessor: more hide more waiting, with less room
-/// for each. A stage may say how many threads (`static constexpr int threads_at_once`).
-template <class F>
-constexpr int blocks_at_once() {
-    if constexpr (requires { F::threads_at_once; })
-        return F::threads_at_once / static_cast<int>(block_threads);
-    else
-        return 1;
-}
-
-/// True for a stage whose threads take very different times (`static constexpr bool is_uneven =
-/// true`): a small block makes room for the next one sooner.
-template <class F>
-constexpr bool is_uneven() {
-    if constexpr (requires { F::is_uneven; })
-        return F::is_uneven;
-    else
-        return false;
-}
-
 /// Stages one after the other, by the same thread.
 template <class First, class... Rest>
 struct InTurn {
@@ -89,7 +70,7 @@ struct InTurn<Last> {
 };
 
 template <class F>
-__global__ void __launch_bounds__(block_threads, blocks_at_once<F>())
+__global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads))
     run_stage(const __grid_constant__ F stage, const Items items) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     if (i < items.count()) stage(i);

@@ -60,7 +60,7 @@ FrameResult bullet_result(TimedDispatcher& dispatcher,
     result.narrow_ms = dispatcher.milliseconds - epa_ms;
     result.response_ms = epa_ms;
     result.total_ms = refit_ms + detection_ms;
-    result.stages = {
+    result.times = {
         {"update", result.update_ms}, {"narrow", result.narrow_ms}, {"epa", result.response_ms}};
     result.pairs = dispatcher.pairs;
     double sum = 0;

@@ -21,8 +21,8 @@ std::vector<Vec3f> start_positions(const SceneBody& body, const MeshData& mesh) 
 }
 
 /// Stages that keep boxes, pairs and trees up to date; all others are the narrow phase.
-bool is_update(const std::string& stage) {
-    return stage == "bounds" || stage == "pairs" || stage == "update";
+bool is_update(StageId stage) {
+    return stage == StageId::bounds || stage == StageId::pairs || stage == StageId::update;
 }
 
 class RayDetector : public Detector {
@@ -171,7 +171,7 @@ public:
         result.total_ms = result.narrow_ms = std::chrono::duration<double, std::milli>(
                                                  std::chrono::steady_clock::now() - begin)
                                                  .count();
-        result.stages.push_back({"clusters", result.total_ms});
+        result.times.push_back({"clusters", result.total_ms});
         return result;
     }
 
@@ -218,33 +218,16 @@ std::uint32_t SceneWorld::index_of(BodyId body) const {
 }
 
 FrameResult SceneWorld::result() const {
-    const StepStats& stats = world.stats();
     FrameResult result;
-    result.stages = stats.stages;
-    for (const StepStats::Stage& stage : stats.stages)
-        (is_update(stage.name) ? result.update_ms : result.narrow_ms) += stage.milliseconds;
-    result.total_ms = stats.milliseconds;
-    result.pairs = stats.pairs;
-    result.rays = stats.rays;
-    result.hits = stats.hits;
-    result.contacts = stats.contacts;
-    result.edges = stats.edges;
-    result.chords = stats.chords;
-    result.edge_contacts = stats.edge_contacts;
-    result.separated_pairs = stats.separated_pairs;
-    result.reprojected = stats.reprojected;
-    result.certified = stats.certified;
-    result.walks = stats.walks;
-    result.walk_steps = stats.walk_steps;
-    result.lost_walks = stats.lost_walks;
-    result.predictions = stats.predictions;
-    result.predictions_true = stats.predictions_true;
-    result.crossings = stats.crossings;
-    result.remembered = stats.remembered;
-    result.tangled = stats.tangled;
-    result.status = stats.status;
-    result.penetration_mean = stats.penetration_mean;
-    result.penetration_max = stats.penetration_max;
+    static_cast<StepStats&>(result) = world.stats();
+    result.name_stages(result.stages);
+    for (const StageTime& t : result.stages)
+        (is_update(t.stage) ? result.update_ms : result.narrow_ms) += t.milliseconds;
+    if (result.device_milliseconds > 0) {
+        result.times.push_back({"device", result.device_milliseconds});
+        result.narrow_ms += result.device_milliseconds;
+    }
+    result.total_ms = result.milliseconds;
     result.hash = contact_hash(world.contacts());
     BodyId last_a, last_b;
     for (const Contact& c : world.contacts()) {

@@ -9,6 +9,10 @@
 
 namespace pierce::scenes {
 
+void FrameResult::name_stages(const std::vector<StageTime>& its_stages) {
+    for (const StageTime& t : its_stages) times.push_back({name_of(t.stage), t.milliseconds});
+}
+
 Method method_named(const std::string& name) {
     std::string known;
     for (const auto& [text, method] : method_names) {

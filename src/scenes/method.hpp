@@ -44,27 +44,26 @@ struct RaySettings {
 /// Throws InputError for an unknown backend or negative threads.
 std::unique_ptr<Backend> make_backend(const RaySettings& settings);
 
-/// What one frame's detection took and found, in the same terms for every method.
-struct FrameResult {
-    std::vector<StepStats::Stage> stages;  ///< as the method names them
-    double update_ms = 0;                  ///< boxes, pairs, acceleration structures
-    double narrow_ms = 0;                  ///< which bodies touch, and where
-    double response_ms = 0;                ///< depth and normal, in the form a solver works on
+/// What part of a frame took how long, as its method names it.
+struct NamedTime {
+    std::string name;
+    double milliseconds = 0;
+};
+
+/// What one frame's detection took and found, in the same terms for every method: counts that a
+/// method knows nothing of are zero.
+struct FrameResult : StepStats {
+    std::vector<NamedTime> times;
+    double update_ms = 0;    ///< boxes, pairs, acceleration structures
+    double narrow_ms = 0;    ///< which bodies touch, and where
+    double response_ms = 0;  ///< depth and normal, in the form a solver works on
     double total_ms = 0;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;     ///< indices into the scene's
                                                                        ///< bodies, sorted
     std::vector<std::pair<std::uint32_t, std::uint32_t>> penetrating;  ///< of these, with a contact
                                                                        ///< of some depth
-    std::uint32_t pairs = 0, rays = 0, hits = 0, contacts = 0;
-    std::uint32_t edges = 0, chords = 0, edge_contacts = 0, separated_pairs = 0, reprojected = 0;
-    std::uint32_t certified = 0, walks = 0, walk_steps = 0, lost_walks = 0, predictions = 0,
-                  predictions_true = 0;
-    std::uint32_t status = 0;
-    double penetration_mean = 0, penetration_max = 0;
     std::uint64_t hash = 0;
     // Of sheets.
-    std::uint32_t crossings = 0;  ///< met where the solver left them
-    std::uint32_t remembered = 0, tangled = 0;
     std::uint32_t rounds = 0;          ///< of moving them apart
     std::uint32_t pulled_back = 0;     ///< vertices that had to go back to where the step began, or
                                        ///< towards it
@@ -72,6 +71,9 @@ struct FrameResult {
     std::uint32_t self_crossings = 0;  ///< edges of a simulated sheet through triangles of its own
                                        ///< at the end of the step
     double self_penetration = 0;       ///< [length] the deepest of these; 0 if there are none
+
+    /// Takes over the stages of a step, by their names.
+    void name_stages(const std::vector<StageTime>& its_stages);
 };
 
 /// A contact in the same terms for every method: bodies by their index in the scene, a < b.

@@ -86,8 +86,9 @@ SceneSetup rigid_part(SceneSetup scene) {
 
 /// A step's result, with what all detections of the step took together.
 FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) {
-    result.stages = report.stages;
-    result.stages.push_back({"response", report.response_ms});
+    result.times.clear();
+    result.name_stages(report.stages);
+    result.times.push_back({"response", report.response_ms});
     result.response_ms = report.response_ms;
     result.total_ms = report.detection_ms + report.response_ms;
     result.crossings = report.crossings;
@@ -354,7 +355,7 @@ const FrameResult& Simulation::step(double dt) {
         s.result = sheet_result(s.rays->result(), report);
         if (s.solids != nullptr) {
             const double ms = s.solids->world.stats().milliseconds;
-            s.result.stages.push_back({"solids", ms});
+            s.result.times.push_back({"solids", ms});
             s.result.total_ms += ms;
         }
         s.measure_sheets();
@@ -365,7 +366,7 @@ const FrameResult& Simulation::step(double dt) {
     } else if (s.rays != nullptr) {
         s.result = s.rays->result();
         s.result.response_ms = s.ray_dispatcher().response_milliseconds();
-        s.result.stages.push_back({"response", s.result.response_ms});
+        s.result.times.push_back({"response", s.result.response_ms});
         s.result.total_ms += s.result.response_ms;
     } else {
         // Bullet keeps its bodies a margin apart, so in its own simulation they touch where their
@@ -382,7 +383,7 @@ const FrameResult& Simulation::step(double dt) {
         if (s.method == Method::bullet_clusters) {
             const std::chrono::duration<double, std::milli>
                 taken = std::chrono::steady_clock::now() - begin;
-            s.result.stages.push_back({"clusters", taken.count()});
+            s.result.times.push_back({"clusters", taken.count()});
             s.result.total_ms += taken.count();
         }
         s.measure_sheets();

@@ -54,7 +54,7 @@ std::vector<std::uint32_t> closest(T& tracer, E& executor, const BodyView& body,
     std::vector<std::uint32_t> triangles(rays.size(), 12345);
     const View<const BodyView> bodies{&body, 1};
     tracer.update(executor, bodies, view_of(wanted));
-    tracer.closest_triangles(executor, "closest", bodies, static_cast<std::uint32_t>(rays.size()),
+    tracer.closest_triangles(executor, bodies, static_cast<std::uint32_t>(rays.size()),
                              view_of(rays), view_of(triangles));
     return triangles;
 }

@@ -130,13 +130,14 @@ TEST(TbbExecutorTest, RunsEveryItemOnceAndMatchesTheSerialOne) {
         TbbExecutor parallel(threads);
         for (std::uint32_t n : {0u, 1u, 15u, 1234u}) {
             std::vector<std::uint32_t> visits(n, 0), in(n), expected(n), out(n);
-            parallel.for_each("visit", n, [&](std::uint32_t i) { ++visits[i]; });
+            parallel.for_each(n, [&](std::uint32_t i) { ++visits[i]; });
             EXPECT_EQ(visits, std::vector<std::uint32_t>(n, 1));
             for (std::uint32_t i = 0; i < n; ++i) in[i] = i * 7 % 5;
-            const std::uint32_t total = serial.exclusive_scan("scan", n, view_of(std::as_const(in)),
-                                                              view_of(expected));
-            EXPECT_EQ(parallel.exclusive_scan("scan", n, view_of(std::as_const(in)), view_of(out)),
-                      total);
+            const std::uint32_t total = serial.exclusive_scan(
+                ListId::parts, n, view_of(std::as_const(in)), view_of(expected));
+            EXPECT_EQ(
+                parallel.exclusive_scan(ListId::parts, n, view_of(std::as_const(in)), view_of(out)),
+                total);
             EXPECT_EQ(out, expected);
         }
     }

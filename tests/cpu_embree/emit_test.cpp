@@ -50,12 +50,12 @@ TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
                     expected.push_back(std::uint64_t{i} << 32 | k);
             }
             const Things things{view_of(std::as_const(counts))};
-            executor.run([&] { executor.emit("things", n, things, list); });
-            serial.emit("things", n, things, of_one_thread);
+            executor.run([&] { executor.emit(ListId::pairs, n, things, list); });
+            serial.emit(ListId::pairs, n, things, of_one_thread);
             ASSERT_EQ(std::vector(list.begin(), list.end()), expected)
                 << "seed " << random.seed() << ", " << n << " items";
             ASSERT_EQ(std::vector(of_one_thread.begin(), of_one_thread.end()), expected);
-            executor.run([&] { executor.emit("things", n, things, list, items); });
+            executor.run([&] { executor.emit(ListId::pairs, n, things, list, items); });
             ASSERT_EQ(std::vector(list.begin(), list.end()), expected);
             ASSERT_EQ(items.size(), expected.size());
             for (std::size_t k = 0; k < items.size(); ++k) ASSERT_EQ(items[k], expected[k] >> 32);
@@ -85,8 +85,7 @@ TEST(ReduceTest, SumsDoNotDependOnTheNumberOfThreads) {
             std::vector<std::uint32_t> asked(n);
             double sum = -1;
             executor.run([&] {
-                executor.reduce("sum", n, NoteTerm{view_of(std::as_const(terms)), view_of(asked)},
-                                sum);
+                executor.reduce(n, NoteTerm{view_of(std::as_const(terms)), view_of(asked)}, sum);
             });
             if (threads == 1) of_one_thread = sum;
             ASSERT_EQ(sum, of_one_thread)

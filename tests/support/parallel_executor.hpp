@@ -17,18 +17,18 @@ namespace pierce::test {
 class ParallelExecutor : public HostExecutor {
 public:
     template <class F>
-    void for_each(const char*, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         const std::vector<std::uint32_t>& all = numbers(n);
         std::for_each(std::execution::par, all.begin(), all.begin() + n,
                       [&](std::uint32_t i) { stage(i); });
     }
 
     template <class... F>
-    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
-        (for_each(name, n, stages), ...);
+    void in_turn(std::uint32_t n, const F&... stages) {
+        (for_each(n, stages), ...);
     }
 
-    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in,
+    std::uint32_t exclusive_scan(ListId, std::uint32_t n, View<const std::uint32_t> in,
                                  View<std::uint32_t> out) {
         if (n == 0) return 0;
         sums_.resize(n);  // `out` may be `in`
@@ -39,32 +39,29 @@ public:
     }
 
     template <class F>
-    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted,
-                         View<std::uint32_t> out) {
+    std::uint32_t select(ListId id, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
         places_.resize(n + 1);
-        for_each(name, n, [&](std::uint32_t i) { places_[i] = wanted(i); });
-        const std::uint32_t total = exclusive_scan(name, n, {places_.data(), n},
-                                                   {places_.data(), n});
+        for_each(n, [&](std::uint32_t i) { places_[i] = wanted(i); });
+        const std::uint32_t total = exclusive_scan(id, n, {places_.data(), n}, {places_.data(), n});
         places_[n] = total;
-        for_each(name, n, [&](std::uint32_t i) {
+        for_each(n, [&](std::uint32_t i) {
             if (places_[i + 1] > places_[i]) out[places_[i]] = listed(wanted, i);
         });
         return total;
     }
 
     template <class F, class... T>
-    void emit(const char* name, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+    void emit(ListId id, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         places_.resize(n);
-        for_each(name, n, [&](std::uint32_t i) { places_[i] = finder.count(finder.find(i)); });
-        const std::uint32_t total = exclusive_scan(name, n, {places_.data(), n},
-                                                   {places_.data(), n});
+        for_each(n, [&](std::uint32_t i) { places_[i] = finder.count(finder.find(i)); });
+        const std::uint32_t total = exclusive_scan(id, n, {places_.data(), n}, {places_.data(), n});
         (lists.resize(total), ...);
-        for_each(name, n, [&](std::uint32_t i) {
+        for_each(n, [&](std::uint32_t i) {
             finder.write(i, finder.find(i), places_[i], lists.data()...);
         });
     }
 
-    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys,
+    void sort(std::uint32_t n, int, View<const std::uint64_t> keys,
               View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
               View<std::uint32_t> sorted_values) {
         std::vector<std::uint32_t> order(n);
@@ -79,7 +76,7 @@ public:
 
     /// In the order of the items, so that sums of real numbers are always the same.
     template <class F, class T>
-    void reduce(const char*, std::uint32_t n, const F& term, T& sum) {
+    void reduce(std::uint32_t n, const F& term, T& sum) {
         T all{};
         for (std::uint32_t i = 0; i < n; ++i) all = all + term(i);
         sum = all;

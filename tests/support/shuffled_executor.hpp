@@ -15,31 +15,31 @@ namespace pierce::test {
 /// thread, so that it comes again the same.
 class ShuffledExecutor : public HostExecutor {
 public:
-    static constexpr bool runs_on_host = false;
+    static constexpr ExecutorTraits traits{
+        .host_reads = false, .overlaps_updates = true, .bodies_at_once = 512, .sweep_walks = 8};
 
     template <class F>
-    void for_each(const char*, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         for (std::uint32_t i : shuffled(n)) stage(i);
     }
 
     template <class... F>
-    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
-        (for_each(name, n, stages), ...);
+    void in_turn(std::uint32_t n, const F&... stages) {
+        (for_each(n, stages), ...);
     }
 
-    std::uint32_t exclusive_scan(const char* name, std::uint32_t n, View<const std::uint32_t> in,
+    std::uint32_t exclusive_scan(ListId id, std::uint32_t n, View<const std::uint32_t> in,
                                  View<std::uint32_t> out) {
-        return serial_.exclusive_scan(name, n, in, out);
+        return serial_.exclusive_scan(id, n, in, out);
     }
 
     template <class F>
-    std::uint32_t select(const char* name, std::uint32_t n, const F& wanted,
-                         View<std::uint32_t> out) {
-        return serial_.select(name, n, wanted, out);
+    std::uint32_t select(ListId id, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+        return serial_.select(id, n, wanted, out);
     }
 
     template <class F, class... T>
-    void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+    void emit(ListId, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         for (std::uint32_t i : shuffled(n)) finder.find(i);
         std::vector<std::uint32_t> blocks((n + block - 1) / block);
         std::iota(blocks.begin(), blocks.end(), 0u);
@@ -56,14 +56,14 @@ public:
             }
     }
 
-    void sort(const char* name, std::uint32_t n, int bits, View<const std::uint64_t> keys,
+    void sort(std::uint32_t n, int bits, View<const std::uint64_t> keys,
               View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
               View<std::uint32_t> sorted_values) {
-        serial_.sort(name, n, bits, keys, values, sorted_keys, sorted_values);
+        serial_.sort(n, bits, keys, values, sorted_keys, sorted_values);
     }
 
     template <class F, class T>
-    void reduce(const char*, std::uint32_t n, const F& term, T& sum) {
+    void reduce(std::uint32_t n, const F& term, T& sum) {
         T all{};
         for (std::uint32_t i : shuffled(n)) all = all + term(i);
         sum = all;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/device/view.hpp"
+#include "core/execute/executor_traits.hpp"
+#include "core/execute/list_id.hpp"
 
 namespace pierce {
 
@@ -33,7 +35,7 @@ struct AnyTerm {
 }  // namespace detail
 
 /// Runs stages over independent items and provides the few collective operations the step needs.
-/// Results never depend on how work is spread. The name of an operation is for profilers.
+/// Results never depend on how work is spread.
 template <class E>
 concept Executor = requires(E executor, typename E::Count n, View<const std::uint32_t> in,
                             View<std::uint32_t> out, View<std::uint64_t> keys,
@@ -43,23 +45,23 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     // are resized to a count, and count_of(buffer) is that.
     typename E::Count;
     typename E::template Buffer<float>;
-    { E::runs_on_host } -> std::convertible_to<bool>;
-    executor.for_each("stage", n, detail::AnyStage{});
+    { E::traits } -> std::convertible_to<ExecutorTraits>;
+    executor.for_each(n, detail::AnyStage{});
     // Stages of the same items, one after the other. A stage may read an earlier one's output only
     // at its own index.
-    executor.in_turn("stage", n, detail::AnyStage{}, detail::AnyStage{});
-    { executor.exclusive_scan("stage", n, in, out) } -> std::same_as<typename E::Count>;
-    { executor.select("stage", n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
+    executor.in_turn(n, detail::AnyStage{}, detail::AnyStage{});
+    { executor.exclusive_scan(ListId{}, n, in, out) } -> std::same_as<typename E::Count>;
+    { executor.select(ListId{}, n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
     // A list of what a stage finds, or several lists side by side: of each item `count(find(item))`
     // things, which `write(item, found, place, lists...)` puts at places from `place` on. What
     // comes first in the list nobody knows, unless the stage says that things are to be in the
     // order of their items: `static constexpr bool in_order = true`. It may then say, too, what is
     // to be in the lists past the last thing, where they have more room: `pad(place, lists...)`. An
     // item may be asked twice what it finds: what it writes meanwhile is the same then.
-    executor.emit("stage", n, detail::AnyFinder{}, list);
-    executor.sort("stage", n, 64, keys, in, keys, out);
+    executor.emit(ListId{}, n, detail::AnyFinder{}, list);
+    executor.sort(n, 64, keys, in, keys, out);
     // A sum of what a stage says of its items; the stage is asked once about each.
-    executor.reduce("stage", n, detail::AnyTerm{}, sum);
+    executor.reduce(n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
     // True for so few groups of sixteen that threads are left for a thread each of the sixteen.

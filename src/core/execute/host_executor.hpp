@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/execute/executor_traits.hpp"
+
 namespace pierce {
 
 /// A vector whose new elements are left as they are: every stage writes all it reads.
@@ -42,7 +44,7 @@ public:
     using Buffer = HostBuffer<T>;
     template <class T>
     using Sum = T;
-    static constexpr bool runs_on_host = true;
+    static constexpr ExecutorTraits traits{};
 
     /// What a reduction came to.
     template <class T>

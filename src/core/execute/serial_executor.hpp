@@ -15,17 +15,17 @@ namespace pierce {
 class SerialExecutor : public HostExecutor {
 public:
     template <class F>
-    void for_each(const char*, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         for (std::uint32_t i = 0; i < n; ++i) stage(i);
     }
 
     template <class... F>
-    void in_turn(const char* name, std::uint32_t n, const F&... stages) {
-        (for_each(name, n, stages), ...);
+    void in_turn(std::uint32_t n, const F&... stages) {
+        (for_each(n, stages), ...);
     }
 
     /// out[i] = in[0] + ... + in[i-1]; returns the total.
-    std::uint32_t exclusive_scan(const char*, std::uint32_t n, View<const std::uint32_t> in,
+    std::uint32_t exclusive_scan(ListId, std::uint32_t n, View<const std::uint32_t> in,
                                  View<std::uint32_t> out) {
         std::uint32_t sum = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
@@ -39,7 +39,7 @@ public:
     /// Lists the items for which `wanted(item)` holds, in order; returns how many there are. `out`
     /// has room for all.
     template <class F>
-    std::uint32_t select(const char*, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
+    std::uint32_t select(ListId, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
         std::uint32_t count = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const bool take = wanted(i);
@@ -52,7 +52,7 @@ public:
 
     /// Things in the order of the items that they were found by.
     template <class F, class... T>
-    void emit(const char*, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+    void emit(ListId, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         std::uint32_t place = 0, end = 0;
         (lists.clear(), ...);
         for (std::uint32_t i = 0; i < n; ++i, place = end) {
@@ -65,7 +65,7 @@ public:
 
     /// Sorts keys by their lowest `bits` bits, and their values with them; stable. Any key's higher
     /// bits must be zero, or all its bits must be ones.
-    void sort(const char*, std::uint32_t n, int, View<const std::uint64_t> keys,
+    void sort(std::uint32_t n, int, View<const std::uint64_t> keys,
               View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
               View<std::uint32_t> sorted_values) {
         std::copy_n(keys.data, n, sorted_keys.data);
@@ -75,7 +75,7 @@ public:
 
     /// sum[0] = term(0) + ... + term(n - 1), default-made for none.
     template <class F, class T>
-    void reduce(const char*, std::uint32_t n, const F& term, T& sum) {
+    void reduce(std::uint32_t n, const F& term, T& sum) {
         T all{};
         for (std::uint32_t i = 0; i < n; ++i) all = all + term(i);
         sum = all;

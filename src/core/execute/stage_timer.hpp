@@ -2,34 +2,33 @@
 
 #include <chrono>
 
+#include "pierce/plan.hpp"
 #include "pierce/step_stats.hpp"
 
 namespace pierce {
 
-/// Times stages into a StepStats; a stage that runs twice adds up. Stages of an executor that does
-/// not wait for them are over when it says so.
+/// Runs the stages that the plan asks for and notes how long they take. A stage in several parts
+/// adds up. Stages of an executor that does not wait for them are over when it says so.
 template <class E>
 class StageTimer {
 public:
-    StageTimer(const E& executor, StepStats& stats) : executor_(executor), stats_(stats) {}
+    StageTimer(const E& executor, const Plan& plan, StepStats& stats)
+        : executor_(executor), plan_(plan), stats_(stats) {}
 
     template <class F>
-    void operator()(const char* name, F&& stage) {
+    void operator()(StageId stage, F&& work) {
+        if (!plan_.needs(stage)) return;
         const auto begin = std::chrono::steady_clock::now();
-        stage();
+        work();
         executor_.settle();
         const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() -
                                                                   begin;
-        for (StepStats::Stage& s : stats_.stages)
-            if (s.name == name) {
-                s.milliseconds += elapsed.count();
-                return;
-            }
-        stats_.stages.push_back({name, elapsed.count()});
+        add_time(stats_.stages, stage, elapsed.count());
     }
 
 private:
     const E& executor_;
+    const Plan& plan_;
     StepStats& stats_;
 };
 

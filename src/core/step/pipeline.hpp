@@ -55,34 +55,46 @@ public:
     /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(),
     /// once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
-        StageTimer time(executor_, stats);
+        StageTimer stage(executor_, *scene.plan, stats);
+        const Plan& plan = *scene.plan;
         recall(scene);
+        forget();
 
-        // On a device all bodies are placed while their pairs are looked for; not where there are
-        // solids, too, most of which have no sheet near.
-        if (!E::runs_on_host && scene.plan->sheets && !scene.plan->casts_rays)
-            time("sheets", [&] { sheets_.bound_all(scene); });
-        time("bounds", [&] { bounds(scene); });
-        if (scene.plan->casts_rays) time("update", [&] { tools_.update_all(scene.bodies); });
-        time("pairs", [&] { pairs(scene); });
-        if (scene.plan->sheets)
-            time("sheets", [&] { sheets_.find(scene, pairs_.pairs, view_of(pairs_.links)); });
-        else
-            sheets_.forget();
-        forget_rays();
-        if (scene.plan->casts_rays)
-            cast_rays(scene, time);
-        else
-            count_rays();
-        time("stats", [&] { count(*scene.plan); });
+        // All bodies are placed while their pairs are looked for; not where there are solids, too,
+        // most of which have no sheet near.
+        if (E::traits.overlaps_updates && !plan.casts_rays)
+            stage(StageId::sheets, [&] { sheets_.bound_all(scene); });
+        stage(StageId::bounds, [&] { bounds(scene); });
+        stage(StageId::update, [&] { tools_.update_all(scene.bodies); });
+        stage(StageId::pairs, [&] { pairs(scene); });
+        stage(StageId::sheets, [&] { sheets_.find(scene, pairs_.pairs, view_of(pairs_.links)); });
+        stage(StageId::displacement, [&] { displacement(scene); });
+        stage(StageId::vertex_cull, [&] { vertex_cull(scene); });
+        stage(StageId::ray_gen, [&] { ray_gen(scene); });
+        if (plan.needs(StageId::edges)) edges(scene, stage);
+        stage(StageId::walk, [&] { walk(scene); });
+        stage(StageId::update, [&] { tools_.update(scene.bodies, full_rays(plan)); });
+        stage(StageId::trace, [&] { trace(scene); });
+        stage(StageId::classify, [&] { test_inside(scene); });
+        if (plan.traces_own_exits) own_exits(scene.bodies, stage);
+        stage(StageId::classify, [&] { test_own_exits(scene); });
+        stage(StageId::self_overlap,
+              [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
+        stage(StageId::separation, [&] { separation(scene); });
+        stage(StageId::reproject, [&] { reproject(scene); });
+        // What follows changes neither hits nor own rays.
+        stage(StageId::statistics, [&] { executor_.beside([&] { count_rays(); }); });
+        stage(StageId::contacts, [&] { contacts(scene); });
+        stage(StageId::remember, [&] { remember(scene); });
+        stage(StageId::statistics, [&] { count(plan); });
         executor_.join();
     }
 
     /// What the last step did and found.
     void report(const Plan& plan, StepStats& stats) {
-        const bool remembers = plan.temporal != Temporal::off;
         stats.pairs = executor_.number(count_of(pairs_.pairs));
-        stats.rays = executor_.number(remembers ? count_of(routes_.full) : count_of(batch_.rays));
+        stats.rays = executor_.number(remembers(plan) ? count_of(routes_.full)
+                                                      : count_of(batch_.rays));
         stats.contacts = executor_.number(count_of(now_.contacts));
         stats.hits = executor_.read(sums_.hits);
         stats.own_rays = executor_.read(sums_.own_rays);
@@ -115,7 +127,7 @@ public:
         stats.predictions_true = contacts.predictions_true;
         stats.penetration_max = contacts.depth_max;
         if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
-        if (!remembers) return;
+        if (!remembers(plan)) return;
         const stages::WalkSums walks = executor_.read(sums_.walks);
         stats.walks = executor_.number(count_of(routes_.walks));
         stats.walk_steps = walks.steps;
@@ -186,83 +198,47 @@ private:
     using Sum = typename E::template Sum<Value>;
     using Count = typename E::Count;
 
-    // The stages that cast rays. A scene of nothing but sheets has none.
-    void cast_rays(const Scene& scene, StageTimer<E>& time) {
-        const bool remembers = scene.plan->temporal != Temporal::off;
-        const bool complete = scene.plan->coverage == Coverage::complete;
-        if (remembers) time("displacement", [&] { displacement(scene); });
-        time("vertex_cull", [&] { vertex_cull(scene); });
-        time("ray_gen", [&] { ray_gen(scene); });
-        if (complete) {
-            time("edges",
-                 [&] { edges_.cull(scene, view_of(cull_.directed), view_of(cull_.blocks)); });
-            time("update", [&] { tools_.update(scene.bodies, edges_.segments()); });
-            time("edges",
-                 [&] { edges_.cast(scene, view_of(cull_.directed), batch_, routes_.routes); });
-        }
-        if (remembers) time("walk", [&] { walk(scene); });
-        const Buffer<Ray>& full = remembers ? routes_.full_rays : batch_.rays;
-        time("update", [&] { tools_.update(scene.bodies, full); });
-        time("trace", [&] {
-            tools_.trace("trace", scene.bodies, full, remembers ? routes_.full_hits : batch_.hits);
-            if (remembers) scatter_hits();
-        });
-        if (scene.plan->velocity_rays) time("sheets", [&] { relate_to_layers(scene.bodies); });
-        time("classify", [&] { test_inside(scene); });
-        if (scene.plan->traces_own_exits) {
-            time("update", [&] { tools_.update(scene.bodies, exits_.rays); });
-            time("trace",
-                 [&] { tools_.trace("trace_own", scene.bodies, exits_.rays, exits_.hits); });
-        }
-        batch_.keep.resize(count_of(batch_.candidates));
-        // Later stages read or change `keep`.
-        const bool others_ask = scene.plan->meets_itself || complete || scene.plan->reprojects;
-        if (others_ask)
-            time("classify", [&] {
-                executor_.for_each("test_own_exit", count_of(batch_.candidates),
-                                   own_exit_test(scene.bodies));
-            });
-        if (scene.plan->meets_itself)
-            time("self", [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
-        if (complete)
-            time("separation", [&] {
-                separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed), edges_,
-                                     batch_, routes_.routes);
-            });
-        if (scene.plan->reprojects) time("reproject", [&] { reproject(scene); });
-        // What follows changes neither hits nor own rays.
-        time("stats", [&] { executor_.beside([&] { count_rays(); }); });
-        time("contacts", [&] { contacts(scene, others_ask); });
-        if (remembers) time("remember", [&] { remember(scene); });
+    static bool remembers(const Plan& plan) { return plan.temporal != Temporal::off; }
+    /// True if stages between classify and contacts read or change which candidates are contacts.
+    static bool others_ask(const Plan& plan) {
+        return plan.needs(StageId::self_overlap) || plan.needs(StageId::separation) ||
+               plan.needs(StageId::reproject);
     }
 
-    /// What an earlier step has left in the lists of stages that cast rays: stages may not run in
-    /// this one, and others tell by an empty list that they did not.
-    void forget_rays() {
+    /// The rays that are traced: all, or those that neither a proof nor a walk stands in for.
+    const Buffer<Ray>& full_rays(const Plan& plan) const {
+        return remembers(plan) ? routes_.full_rays : batch_.rays;
+    }
+
+    /// What an earlier step has left in the lists of stages that may not run in this one: others
+    /// tell by an empty list that they did not.
+    void forget() {
         now_.forget_rays();
         routes_.routes.clear();
+        routes_.uncertain.clear();
         batch_.clear();
         reprojected_.clear();
         exits_.clear();
         edges_.forget();
+        sheets_.forget();
     }
 
-    // Stage 1. Where bodies are; only deforming ones need a look at their vertices.
+    // bounds: Where bodies are; only deforming ones need a look at their vertices.
     void bounds(const Scene& scene) {
         if (scene.ranges.size < scene.bodies.size)
-            executor_.for_each("place_box", scene.bodies.size,
+            executor_.for_each(scene.bodies.size,
                                stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
         now_.bodies.clear();
-        if (scene.plan->temporal == Temporal::off) return;
+        if (!remembers(*scene.plan)) return;
         now_.bodies.resize(scene.bodies.size);
-        executor_.for_each("compare_with_last", scene.bodies.size,
+        executor_.for_each(scene.bodies.size,
                            stages::CompareWithLast{.bodies = scene.bodies,
                                                    .ids = scene.ids,
                                                    .last = view_of(std::as_const(last_.bodies)),
                                                    .seen = view_of(now_.bodies)});
         if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
-            executor_.for_each("measure_reach", scene.bodies.size,
+            executor_.for_each(scene.bodies.size,
                                stages::MeasureReach{scene.bodies, scene.settings});
     }
 
@@ -272,33 +248,28 @@ private:
         bounds_.blocks.resize(scene.block_items.size);
         if (scene.plan->casts_rays) {
             bounds_.moments.resize(scene.block_items.size);
-            executor_.for_each("measure_patches", blocks,
-                               stages::MeasurePatches{.bodies = scene.bodies,
-                                                      .items = scene.block_items,
-                                                      .blocks = scene.blocks,
-                                                      .patches = scene.patches,
-                                                      .moments = view_of(bounds_.moments)});
+            executor_.for_each(blocks, stages::MeasurePatches{.bodies = scene.bodies,
+                                                              .items = scene.block_items,
+                                                              .blocks = scene.blocks,
+                                                              .patches = scene.patches,
+                                                              .moments = view_of(bounds_.moments)});
             executor_.for_each(
-                "fit_frame", bodies,
-                stages::FitFrame{scene.bodies, scene.ranges, view_of(bounds_.moments)});
-            executor_.for_each("measure_bounds", blocks,
-                               stages::MeasureBounds{.bodies = scene.bodies,
-                                                     .items = scene.block_items,
-                                                     .seen = scene.seen,
-                                                     .bounds = view_of(bounds_.blocks)});
+                bodies, stages::FitFrame{scene.bodies, scene.ranges, view_of(bounds_.moments)});
+            executor_.for_each(blocks, stages::MeasureBounds{.bodies = scene.bodies,
+                                                             .items = scene.block_items,
+                                                             .seen = scene.seen,
+                                                             .bounds = view_of(bounds_.blocks)});
         } else {
-            executor_.for_each(
-                "measure_boxes", blocks,
-                stages::MeasureBoxes{scene.bodies, scene.block_items, view_of(bounds_.blocks)});
+            executor_.for_each(blocks, stages::MeasureBoxes{scene.bodies, scene.block_items,
+                                                            view_of(bounds_.blocks)});
         }
-        executor_.for_each("join_bounds", bodies,
-                           stages::JoinBounds{.bodies = scene.bodies,
-                                              .ranges = scene.ranges,
-                                              .bounds = view_of(bounds_.blocks),
-                                              .has_fit = scene.plan->casts_rays});
+        executor_.for_each(bodies, stages::JoinBounds{.bodies = scene.bodies,
+                                                      .ranges = scene.ranges,
+                                                      .bounds = view_of(bounds_.blocks),
+                                                      .has_fit = scene.plan->casts_rays});
     }
 
-    // Stage 2. Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they
+    // pairs: Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they
     // were.
     void pairs(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
@@ -306,48 +277,46 @@ private:
                                     .ids = scene.ids,
                                     .last_keys = view_of(last_.pair_keys),
                                     .last = view_of(last_.identities)};
-        if (!E::runs_on_host && bodies <= constants::few_bodies)
-            return executor_.emit("find_pairs", Count{bodies * bodies}, stages::FindPairs{link},
+        if (bodies <= E::traits.bodies_at_once)
+            return executor_.emit(ListId::pairs, Count{bodies * bodies}, stages::FindPairs{link},
                                   now_.pair_keys, pairs_.pairs, now_.identities, pairs_.links);
         sweep(scene.bodies);
         const Count total = count_of(now_.pair_keys);
         pairs_.pairs.resize(total);
         now_.identities.resize(total);
         pairs_.links.resize(total);
-        executor_.for_each("link_pair", total,
-                           stages::LinkSorted{.link = link,
-                                              .keys = view_of(now_.pair_keys),
-                                              .pairs = view_of(pairs_.pairs),
-                                              .identities = view_of(now_.identities),
-                                              .links = view_of(pairs_.links)});
+        executor_.for_each(total, stages::LinkSorted{.link = link,
+                                                     .keys = view_of(now_.pair_keys),
+                                                     .pairs = view_of(pairs_.pairs),
+                                                     .identities = view_of(now_.identities),
+                                                     .links = view_of(pairs_.links)});
     }
 
     void sweep(View<const BodyView> bodies) {
         sort_.keys.resize(bodies.size);
         sort_.values.resize(bodies.size);
         pairs_.sweep.resize(bodies.size);
-        executor_.for_each("sweep_key", bodies.size,
+        executor_.for_each(bodies.size,
                            stages::SweepKey{bodies, view_of(sort_.keys), view_of(sort_.values)});
-        tools_.sort("sweep_sort", stages::sweep_key_bits, sort_.keys, sort_.values,
-                    pairs_.body_keys, sort_.order);
+        tools_.sort(stages::sweep_key_bits, sort_.keys, sort_.values, pairs_.body_keys,
+                    sort_.order);
         executor_.for_each(
-            "gather_sweep", bodies.size,
-            stages::GatherSweep{bodies, view_of(sort_.order), view_of(pairs_.sweep)});
-        const std::uint32_t walks = E::runs_on_host ? 1 : constants::sweep_walks;
-        executor_.emit("sweep", Count{bodies.size * walks},
+            bodies.size, stages::GatherSweep{bodies, view_of(sort_.order), view_of(pairs_.sweep)});
+        const std::uint32_t walks = E::traits.sweep_walks;
+        executor_.emit(ListId::box_pairs, Count{bodies.size * walks},
                        stages::SweepPairs{view_of(pairs_.sweep), walks}, pairs_.box_keys);
-        executor_.emit("test_pair", count_of(pairs_.box_keys),
+        executor_.emit(ListId::swept_pairs, count_of(pairs_.box_keys),
                        stages::TestPair{bodies, view_of(pairs_.box_keys)}, sort_.keys);
         sort_.values.resize(count_of(sort_.keys));
-        tools_.sort("pair_sort", 32 + std::bit_width(bodies.size), sort_.keys, sort_.values,
-                    now_.pair_keys, sort_.order);
+        tools_.sort(32 + std::bit_width(bodies.size), sort_.keys, sort_.values, now_.pair_keys,
+                    sort_.order);
     }
 
-    // Stage 3. How far pairs have moved.
+    // displacement: How far pairs have moved.
     void displacement(const Scene& scene) {
         const Count directed_count = 2 * count_of(pairs_.pairs);
         now_.directed.resize(directed_count);
-        executor_.for_each("measure_displacement", directed_count,
+        executor_.for_each(directed_count,
                            stages::MeasureDisplacement{.bodies = scene.bodies,
                                                        .pairs = view_of(pairs_.pairs),
                                                        .links = view_of(pairs_.links),
@@ -356,14 +325,14 @@ private:
                                                        .memory = view_of(now_.directed)});
     }
 
-    // Stage 4. Patches, then vertices, that may be inside the other body.
+    // vertex_cull: Patches, then vertices, that may be inside the other body.
     void vertex_cull(const Scene& scene) {
         const View<const BodyView> bodies = scene.bodies;
         const Temporal temporal = scene.plan->temporal;
         const Count directed_count = 2 * count_of(pairs_.pairs);
         cull_.directed.resize(directed_count);
         cull_.block_offsets.resize(directed_count);
-        executor_.emit("direct_pair", directed_count,
+        executor_.emit(ListId::pair_blocks, directed_count,
                        stages::DirectPair{.bodies = bodies,
                                           .pairs = view_of(pairs_.pairs),
                                           .links = view_of(pairs_.links),
@@ -373,10 +342,10 @@ private:
                                           .directed = view_of(cull_.directed),
                                           .begins = view_of(cull_.block_offsets)},
                        cull_.blocks);
-        const bool remembers = temporal != Temporal::off;
-        if (remembers) now_.blocks.resize(count_of(cull_.blocks));
+        const bool records = remembers(*scene.plan);
+        if (records) now_.blocks.resize(count_of(cull_.blocks));
         share_out(count_of(cull_.blocks), [&](auto share, Count blocks) {
-            executor_.emit("cull_block", blocks,
+            executor_.emit(ListId::near_patches, blocks,
                            stages::CullBlock<decltype(share)>{.bodies = bodies,
                                                               .directed = view_of(cull_.directed),
                                                               .blocks = view_of(cull_.blocks),
@@ -385,7 +354,7 @@ private:
                                                               .records = view_of(now_.blocks)},
                            cull_.patches);
         });
-        if (remembers) now_.patches.resize(count_of(cull_.patches));
+        if (records) now_.patches.resize(count_of(cull_.patches));
         share_out(count_of(cull_.patches), [&](auto share, Count patches) {
             const stages::CullVertices<decltype(share)> vertices{
                 .bodies = bodies,
@@ -398,11 +367,11 @@ private:
                 .block_offsets = view_of(cull_.block_offsets),
                 .block_records = view_of(now_.blocks),
                 .records = view_of(now_.patches)};
-            if (remembers)
-                executor_.emit("cull_vertices", patches, vertices, batch_.sources, routes_.routes,
-                               now_.vertices);
+            if (records)
+                executor_.emit(ListId::near_vertices, patches, vertices, batch_.sources,
+                               routes_.routes, now_.vertices);
             else
-                executor_.emit("cull_vertices", patches, vertices, batch_.sources);
+                executor_.emit(ListId::near_vertices, patches, vertices, batch_.sources);
         });
     }
 
@@ -415,60 +384,75 @@ private:
             stage(AllOfSixteen{}, groups);
     }
 
-    // Stage 5. A ray per vertex left, or what stands in for it.
+    // ray_gen: A ray per vertex left, or what stands in for it.
     void ray_gen(const Scene& scene) {
         const Count count = count_of(batch_.sources);
         batch_.rays.resize(count);
         batch_.hits.resize(count);
-        executor_.for_each("generate_rays", count,
-                           stages::GenerateRay{.bodies = scene.bodies,
-                                               .directed = view_of(cull_.directed),
-                                               .sources = view_of(batch_.sources),
-                                               .settings = scene.settings,
-                                               .records = view_of(now_.vertices),
-                                               .rays = view_of(batch_.rays),
-                                               .hits = view_of(batch_.hits),
-                                               .routes = view_of(routes_.routes)});
+        executor_.for_each(count, stages::GenerateRay{.bodies = scene.bodies,
+                                                      .directed = view_of(cull_.directed),
+                                                      .sources = view_of(batch_.sources),
+                                                      .settings = scene.settings,
+                                                      .records = view_of(now_.vertices),
+                                                      .rays = view_of(batch_.rays),
+                                                      .hits = view_of(batch_.hits),
+                                                      .routes = view_of(routes_.routes)});
     }
 
-    // Stage 6. Walks; the lost ones join the full rays.
+    // walk: Walks; the lost ones join the full rays.
     void walk(const Scene& scene) {
-        const Count walks = tools_.list("walk_list", count_of(batch_.rays),
+        const Count walks = tools_.list(ListId::walks, count_of(batch_.rays),
                                         stages::HasRoute{view_of(routes_.routes), Route::walk},
                                         routes_.walks);
         routes_.counts.resize(walks);
         routes_.found.resize(count_of(batch_.rays));
         batch_.meetings.resize(count_of(batch_.rays));
-        executor_.for_each("walk", walks,
-                           stages::Walk{.bodies = scene.bodies,
-                                        .directed = view_of(cull_.directed),
-                                        .rays = view_of(batch_.rays),
-                                        .sources = view_of(batch_.sources),
-                                        .slots = view_of(routes_.walks),
-                                        .temporal = scene.plan->temporal,
-                                        .hits = view_of(batch_.hits),
-                                        .routes = view_of(routes_.routes),
-                                        .records = view_of(now_.vertices),
-                                        .found = view_of(routes_.found),
-                                        .meetings = view_of(batch_.meetings),
-                                        .counts = view_of(routes_.counts)});
-        const Count full = tools_.list("full_list", count_of(batch_.rays),
+        executor_.for_each(walks, stages::Walk{.bodies = scene.bodies,
+                                               .directed = view_of(cull_.directed),
+                                               .rays = view_of(batch_.rays),
+                                               .sources = view_of(batch_.sources),
+                                               .slots = view_of(routes_.walks),
+                                               .temporal = scene.plan->temporal,
+                                               .hits = view_of(batch_.hits),
+                                               .routes = view_of(routes_.routes),
+                                               .records = view_of(now_.vertices),
+                                               .found = view_of(routes_.found),
+                                               .meetings = view_of(batch_.meetings),
+                                               .counts = view_of(routes_.counts)});
+        const Count full = tools_.list(ListId::full_rays, count_of(batch_.rays),
                                        stages::HasRoute{view_of(routes_.routes), Route::full},
                                        routes_.full);
         routes_.full_rays.resize(full);
-        executor_.for_each("gather_rays", full,
-                           stages::Gather<Ray>{view_of(batch_.rays), view_of(routes_.full),
-                                               view_of(routes_.full_rays)});
+        executor_.for_each(full, stages::Gather<Ray>{view_of(batch_.rays), view_of(routes_.full),
+                                                     view_of(routes_.full_rays)});
+    }
+
+    /// Edges of either body that may run through the other, and a ray for each part inside.
+    void edges(const Scene& scene, StageTimer<E>& stage) {
+        stage(StageId::edges,
+              [&] { edges_.cull(scene, view_of(cull_.directed), view_of(cull_.blocks)); });
+        stage(StageId::update, [&] { tools_.update(scene.bodies, edges_.segments()); });
+        stage(StageId::edges,
+              [&] { edges_.cast(scene, view_of(cull_.directed), batch_, routes_.routes); });
+    }
+
+    // trace: The triangle each ray crosses first.
+    void trace(const Scene& scene) {
+        const bool some_walk = remembers(*scene.plan);
+        tools_.trace(scene.bodies, full_rays(*scene.plan),
+                     some_walk ? routes_.full_hits : batch_.hits);
+        if (some_walk) scatter_hits();
+        if (scene.plan->velocity_rays) relate_to_layers(scene.bodies);
     }
 
     void scatter_hits() {
-        executor_.for_each("scatter_hits", count_of(routes_.full),
+        executor_.for_each(count_of(routes_.full),
                            stages::Scatter<Hit>{view_of(routes_.full_hits), view_of(routes_.full),
                                                 view_of(batch_.hits)});
     }
 
     void relate_to_layers(View<const BodyView> bodies) {
-        executor_.for_each("relate_to_layer", count_of(batch_.rays),
+        executor_.for_each(count_of(batch_.rays),
                            stages::RelateToLayer{.bodies = bodies,
                                                  .directed = view_of(cull_.directed),
                                                  .sources = view_of(batch_.sources),
@@ -476,7 +460,7 @@ private:
                                                  .hits = view_of(batch_.hits)});
     }
 
-    // Stage 9, first half. R1: which rays start inside their target.
+    // classify, first part: R1: which rays start inside their target.
     void test_inside(const Scene& scene) {
         const Count count = count_of(batch_.rays);
         batch_.meetings.resize(count);
@@ -486,17 +470,29 @@ private:
                                         .routes = view_of(routes_.routes),
                                         .meetings = view_of(batch_.meetings)};
         if (scene.plan->traces_own_exits)
-            executor_.emit("test_inside", count,
+            executor_.emit(ListId::candidates, count,
                            stages::GenerateOwnRays{.inside_target = inside,
                                                    .pairs = view_of(pairs_.pairs),
                                                    .chords = edges_.chords(),
                                                    .sources = view_of(batch_.sources)},
                            batch_.candidates, exits_.rays, exits_.starts_inside);
         else
-            executor_.emit("test_inside", count, inside, batch_.candidates);
+            executor_.emit(ListId::candidates, count, inside, batch_.candidates);
     }
 
-    // Stage 9, second half. R2 and R3: which of them are contacts.
+    /// Second rays, of candidates whose own exit is not known.
+    void own_exits(View<const BodyView> bodies, StageTimer<E>& stage) {
+        stage(StageId::update, [&] { tools_.update(bodies, exits_.rays); });
+        stage(StageId::trace, [&] { tools_.trace(bodies, exits_.rays, exits_.hits); });
+    }
+
+    // classify, second part: R2 and R3: which of them are contacts. If nobody asks before, the
+    // contacts are tested as they are listed.
+    void test_own_exits(const Scene& scene) {
+        batch_.keep.resize(count_of(batch_.candidates));
+        if (others_ask(*scene.plan))
+            executor_.for_each(count_of(batch_.candidates), own_exit_test(scene.bodies));
+    }
     stages::TestOwnExit own_exit_test(View<const BodyView> bodies) {
         return {.bodies = bodies,
                 .rays = view_of(batch_.rays),
@@ -508,6 +504,12 @@ private:
                 .keep = view_of(batch_.keep)};
     }
 
+    /// Pairs that overlap without a contact so far.
+    void separation(const Scene& scene) {
+        separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed), edges_, batch_,
+                             routes_.routes);
+    }
+
     /// Contacts move to the closest point of the target's surface.
     void reproject(const Scene& scene) {
         const Count count = count_of(batch_.candidates);
@@ -515,19 +517,18 @@ private:
         reprojected_.aimed.hits.resize(count);
         reprojected_.aimed.meetings.resize(count);
         reprojected_.accepted.resize(count);
-        executor_.for_each("limit_to_depth", count,
-                           stages::LimitToDepth{.bodies = scene.bodies,
-                                                .rays = view_of(batch_.rays),
-                                                .sources = view_of(batch_.sources),
-                                                .meetings = view_of(batch_.meetings),
-                                                .candidates = view_of(batch_.candidates),
-                                                .keep = view_of(batch_.keep),
-                                                .limited = view_of(reprojected_.aimed.rays),
-                                                .pairs = view_of(pairs_.pairs),
-                                                .all = scene.settings.reproject});
+        executor_.for_each(count, stages::LimitToDepth{.bodies = scene.bodies,
+                                                       .rays = view_of(batch_.rays),
+                                                       .sources = view_of(batch_.sources),
+                                                       .meetings = view_of(batch_.meetings),
+                                                       .candidates = view_of(batch_.candidates),
+                                                       .keep = view_of(batch_.keep),
+                                                       .limited = view_of(reprojected_.aimed.rays),
+                                                       .pairs = view_of(pairs_.pairs),
+                                                       .all = scene.settings.reproject});
         tools_.update(scene.bodies, reprojected_.aimed.rays);
-        tools_.closest("closest", scene.bodies, reprojected_.aimed.rays, closest_);
-        executor_.for_each("move_to_closest", count,
+        tools_.closest(scene.bodies, reprojected_.aimed.rays, closest_);
+        executor_.for_each(count,
                            stages::MoveToClosest{.bodies = scene.bodies,
                                                  .closest = view_of(closest_),
                                                  .rays = view_of(reprojected_.aimed.rays),
@@ -536,32 +537,31 @@ private:
                                                  .accepted = view_of(reprojected_.accepted)});
     }
 
-    // Stage 10. The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
+    // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
     // they were.
-    void contacts(const Scene& scene, bool tested) {
+    void contacts(const Scene& scene) {
         const Count candidates = count_of(batch_.candidates);
         const stages::KeyContacts keys{.chords = edges_.chords(),
                                        .sources = view_of(batch_.sources),
                                        .candidates = view_of(batch_.candidates),
                                        .keep = view_of(batch_.keep)};
-        if (tested)
-            executor_.emit("key_contacts", candidates, keys, sort_.keys, sort_.values);
+        if (others_ask(*scene.plan))
+            executor_.emit(ListId::contacts, candidates, keys, sort_.keys, sort_.values);
         else
-            executor_.emit("key_contacts", candidates, FindAfter(own_exit_test(scene.bodies), keys),
-                           sort_.keys, sort_.values);
+            executor_.emit(ListId::contacts, candidates,
+                           FindAfter(own_exit_test(scene.bodies), keys), sort_.keys, sort_.values);
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
-        tools_.sort("contact_sort", bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
+        tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         const Count total = count_of(now_.contact_keys);
         if (scene.plan->coverage == Coverage::complete)
-            executor_.for_each("order_chords", total,
-                               stages::OrderChords{.sources = view_of(batch_.sources),
-                                                   .candidates = view_of(batch_.candidates),
-                                                   .keys = view_of(now_.contact_keys),
-                                                   .order = view_of(sort_.order)});
+            executor_.for_each(total, stages::OrderChords{.sources = view_of(batch_.sources),
+                                                          .candidates = view_of(batch_.candidates),
+                                                          .keys = view_of(now_.contact_keys),
+                                                          .order = view_of(sort_.order)});
         now_.ages.resize(total);
         now_.contacts.resize(total);
         executor_.reduce(
-            "fill_contact", total,
+            total,
             stages::FillContact{.bodies = scene.bodies,
                                 .ids = scene.ids,
                                 .pairs = view_of(pairs_.pairs),
@@ -585,23 +585,21 @@ private:
             sums_.contacts);
     }
 
-    // Stage 11. What the next step needs to know.
+    // remember: What the next step needs to know.
     void remember(const Scene& scene) {
         const Count full = count_of(routes_.full);
-        executor_.for_each("remember", full,
-                           stages::Remember{.bodies = scene.bodies,
-                                            .directed = view_of(cull_.directed),
-                                            .rays = view_of(batch_.rays),
-                                            .sources = view_of(batch_.sources),
-                                            .temporal = scene.plan->temporal,
-                                            .hits = view_of(batch_.hits),
-                                            .meetings = view_of(batch_.meetings),
-                                            .slots = view_of(routes_.full),
-                                            .records = view_of(now_.vertices)});
-        routes_.uncertain.clear();
+        executor_.for_each(full, stages::Remember{.bodies = scene.bodies,
+                                                  .directed = view_of(cull_.directed),
+                                                  .rays = view_of(batch_.rays),
+                                                  .sources = view_of(batch_.sources),
+                                                  .temporal = scene.plan->temporal,
+                                                  .hits = view_of(batch_.hits),
+                                                  .meetings = view_of(batch_.meetings),
+                                                  .slots = view_of(routes_.full),
+                                                  .records = view_of(now_.vertices)});
         if (scene.plan->temporal != Temporal::certified) return;
 
-        const Count uncertain = tools_.list("uncertain_list", full,
+        const Count uncertain = tools_.list(ListId::uncertain_rays, full,
                                             stages::IsUncertain{.bodies = scene.bodies,
                                                                 .directed = view_of(cull_.directed),
                                                                 .rays = view_of(batch_.rays),
@@ -611,48 +609,45 @@ private:
                                                                 .records = view_of(now_.vertices)},
                                             routes_.uncertain);
         routes_.full_rays.resize(uncertain);
-        executor_.for_each("prolong_rays", uncertain,
-                           stages::ProlongRay{.bodies = scene.bodies,
-                                              .rays = view_of(batch_.rays),
-                                              .slots = view_of(routes_.full),
-                                              .uncertain = view_of(routes_.uncertain),
-                                              .prolonged = view_of(routes_.full_rays)});
+        executor_.for_each(uncertain, stages::ProlongRay{.bodies = scene.bodies,
+                                                         .rays = view_of(batch_.rays),
+                                                         .slots = view_of(routes_.full),
+                                                         .uncertain = view_of(routes_.uncertain),
+                                                         .prolonged = view_of(routes_.full_rays)});
         tools_.update(scene.bodies, routes_.full_rays);
-        tools_.trace("prove", scene.bodies, routes_.full_rays, routes_.full_hits);
-        executor_.for_each("limit_to_certificate", uncertain,
+        tools_.trace(scene.bodies, routes_.full_rays, routes_.full_hits);
+        executor_.for_each(uncertain,
                            stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits),
                                                       view_of(routes_.full_rays)});
-        tools_.closest("closest", scene.bodies, routes_.full_rays, closest_);
-        executor_.for_each("certify", uncertain,
-                           stages::Certify{.bodies = scene.bodies,
-                                           .directed = view_of(cull_.directed),
-                                           .sources = view_of(batch_.sources),
-                                           .slots = view_of(routes_.full),
-                                           .uncertain = view_of(routes_.uncertain),
-                                           .limited = view_of(routes_.full_rays),
-                                           .closest = view_of(closest_),
-                                           .records = view_of(now_.vertices)});
+        tools_.closest(scene.bodies, routes_.full_rays, closest_);
+        executor_.for_each(uncertain, stages::Certify{.bodies = scene.bodies,
+                                                      .directed = view_of(cull_.directed),
+                                                      .sources = view_of(batch_.sources),
+                                                      .slots = view_of(routes_.full),
+                                                      .uncertain = view_of(routes_.uncertain),
+                                                      .limited = view_of(routes_.full_rays),
+                                                      .closest = view_of(closest_),
+                                                      .records = view_of(now_.vertices)});
     }
 
-    // Stage 12. What the step did.
+    // statistics: What the step did.
     void count(const Plan& plan) {
         if (plan.sheets) sheets_.add_up(sums_.sheet_contacts);
-        if (plan.temporal == Temporal::off) return;
-        executor_.reduce("count_walks", count_of(routes_.counts),
-                         stages::CountWalk{view_of(routes_.counts)}, sums_.walks);
-        executor_.reduce("count_skipped", count_of(routes_.routes),
-                         stages::CountSkipped{view_of(routes_.routes)}, sums_.skipped);
-        executor_.reduce("count_predicted", count_of(now_.vertices),
-                         stages::CountPredicted{view_of(now_.vertices)}, sums_.predicted);
-        executor_.reduce("count_full_passes", count_of(pairs_.pairs),
-                         stages::CountFullPass{view_of(now_.directed)}, sums_.full_passes);
+        if (!remembers(plan)) return;
+        executor_.reduce(count_of(routes_.counts), stages::CountWalk{view_of(routes_.counts)},
+                         sums_.walks);
+        executor_.reduce(count_of(routes_.routes), stages::CountSkipped{view_of(routes_.routes)},
+                         sums_.skipped);
+        executor_.reduce(count_of(now_.vertices), stages::CountPredicted{view_of(now_.vertices)},
+                         sums_.predicted);
+        executor_.reduce(count_of(pairs_.pairs), stages::CountFullPass{view_of(now_.directed)},
+                         sums_.full_passes);
     }
 
     void count_rays() {
-        executor_.reduce("count_hits", count_of(batch_.hits),
-                         stages::CountHit{view_of(batch_.hits)}, sums_.hits);
-        executor_.reduce("count_own_rays", count_of(exits_.rays),
-                         stages::CountTraced{view_of(exits_.rays)}, sums_.own_rays);
+        executor_.reduce(count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, sums_.hits);
+        executor_.reduce(count_of(exits_.rays), stages::CountTraced{view_of(exits_.rays)},
+                         sums_.own_rays);
     }
 
     E& executor_;

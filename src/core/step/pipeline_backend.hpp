@@ -51,7 +51,7 @@ public:
         for (const Ray& ray : rays) wanted[ray.target] = 1;
         executor_->run([&] {
             tracer_->update(*executor_, bodies, view_of(std::as_const(wanted)));
-            tracer_->closest_hits(*executor_, "trace", bodies, rays.size, rays, hits);
+            tracer_->closest_hits(*executor_, bodies, rays.size, rays, hits);
         });
     }
 

@@ -16,16 +16,15 @@ public:
     void update(E&, View<const BodyView>, View<const std::uint32_t>) {}
 
     template <class E>
-    void closest_hits(E& executor, const char* name, View<const BodyView> bodies,
-                      typename E::Count count, View<const Ray> rays, View<Hit> hits) {
-        executor.for_each(name, count, Trace{bodies, rays, hits});
+    void closest_hits(E& executor, View<const BodyView> bodies, typename E::Count count,
+                      View<const Ray> rays, View<Hit> hits) {
+        executor.for_each(count, Trace{bodies, rays, hits});
     }
 
     template <class E>
-    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies,
-                           typename E::Count count, View<const Ray> rays,
-                           View<std::uint32_t> triangles) {
-        executor.for_each(name, count, Closest{bodies, rays, triangles});
+    void closest_triangles(E& executor, View<const BodyView> bodies, typename E::Count count,
+                           View<const Ray> rays, View<std::uint32_t> triangles) {
+        executor.for_each(count, Closest{bodies, rays, triangles});
     }
 
     /// Counts nothing: it has no trees.

@@ -28,10 +28,10 @@ concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies,
                           View<const Ray> rays, View<Hit> hits, View<std::uint32_t> triangles) {
     tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit
                                               // their positions
-    tracer.closest_hits(executor, "trace", bodies, count, rays, hits);
+    tracer.closest_hits(executor, bodies, count, rays, hits);
     // The triangle of its target that is closest to each ray's origin; no_triangle if that is
     // further away than t_max.
-    tracer.closest_triangles(executor, "closest", bodies, count, rays, triangles);
+    tracer.closest_triangles(executor, bodies, count, rays, triangles);
     { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };
 

@@ -7,6 +7,7 @@
 #include "core/base/reach.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/patch.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
@@ -205,7 +206,8 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
         throw InputError("mesh '" + shape.name() +
                          "' has no inside: its body can meet itself only as a sheet");
     entry.mesh = mesh;
-    entry.seen.clear();
+    // The last shape is compared with, vertex by vertex, if there are as many patches.
+    if (entry.seen.size() != patch_count(shape.view())) entry.seen.clear();
     entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());
     entry.device_positions = entry.device_start = nullptr;

@@ -135,8 +135,10 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
-            body.seen.resize(plan.temporal == Temporal::off ? 0 : patch_count(view.mesh));
-            seen[i] = view_of(body.seen);
+            if (plan.temporal != Temporal::off) {
+                body.seen.resize(patch_count(view.mesh));
+                seen[i] = view_of(body.seen);
+            }
             add_blocks(i);
         } else {
             view.positions = view.mesh.positions;
@@ -151,24 +153,10 @@ void World::State::make_plan() {
     // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals
     // know nothing of the way.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
-    const bool remembers = plan.temporal != Temporal::off,
-               complete = plan.coverage == Coverage::complete;
+    const bool complete = plan.coverage == Coverage::complete;
     plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || complete);
-    const auto add = [&](bool needed, std::initializer_list<const char*> names) {
-        if (needed) plan.stages.insert(plan.stages.end(), names.begin(), names.end());
-    };
-    add(true, {"bounds", "pairs"});
-    add(plan.sheets, {"sheets"});
-    add(remembers, {"displacement"});
-    add(plan.casts_rays, {"vertex_cull", "ray_gen"});
-    add(complete, {"edges"});
-    add(remembers, {"walk"});
-    add(plan.casts_rays, {"update", "trace", "classify"});
-    add(plan.meets_itself, {"self"});
-    add(complete, {"separation"});
-    add(plan.reprojects, {"reproject"});
-    add(plan.casts_rays, {"contacts"});
-    add(remembers, {"remember"});
+    for (const StageInfo& stage : stage_table())
+        if (stage.needed(plan)) plan.stages.push_back(stage.id);
     planned = true;
 }
 

@@ -242,7 +242,8 @@ TEST(WorldTest, SheetsAloneCastNoRays) {
 
     world.remove_body(box);
     EXPECT_FALSE(world.plan().casts_rays);
-    EXPECT_THAT(world.plan().stages, testing::ElementsAre("bounds", "pairs", "sheets"));
+    EXPECT_THAT(world.plan().stages, testing::ElementsAre(StageId::bounds, StageId::pairs,
+                                                          StageId::sheets, StageId::statistics));
     world.detect();
     EXPECT_EQ(world.contacts().size(), 0u) << "nothing is left of the rays before";
     EXPECT_EQ(world.stats().rays, 0u);

@@ -20,8 +20,9 @@ inline constexpr double touch_tolerance = 8 * float_ulp;
 /// and its slab test rounds again.
 inline constexpr double tree_margin = 4 * float_ulp;
 
-/// How far they reach at least, in units of positions: boxes of bodies that are a point, or so small
-/// that their margin is subnormal, have an extent. Exact tests in the leaves decide as before.
+/// How far they reach at least, in units of positions: boxes of bodies that are a point, or so
+/// small that their margin is subnormal, have an extent. Exact tests in the leaves decide as
+/// before.
 inline constexpr double least_tree_margin = 0x1p-100;
 
 /// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by
@@ -118,14 +119,6 @@ inline constexpr double nudge_direction[3] = {0.5570860145311556, 0.371390676354
 /// Vertices of a body inside another that are asked for the way out, besides one of its part [1]:
 /// enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
-
-/// Items that share a body's partners in the sweep on a GPU: one alone would be the whole step's
-/// longest.
-inline constexpr std::uint32_t sweep_walks = 8;
-
-/// Bodies up to which a GPU looks at all pairs of them in one launch: with more, a sweep's launches
-/// are sooner over.
-inline constexpr std::uint32_t few_bodies = 512;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;

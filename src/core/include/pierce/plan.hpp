@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "pierce/settings.hpp"
+#include "pierce/stage.hpp"
 
 namespace pierce {
 
@@ -26,8 +28,10 @@ struct Plan {
     bool reprojects = false;     ///< contacts move to the closest point of the target's surface
     Coverage coverage = Coverage::vertices;
     Temporal temporal = Temporal::off;
-    std::vector<std::string> stages;  ///< names, in the order they run
-    std::vector<std::string> notes;   ///< rules that do not apply to some body, and why
+    std::vector<StageId> stages;     ///< that run, in their order
+    std::vector<std::string> notes;  ///< rules that do not apply to some body, and why
+
+    bool needs(StageId stage) const { return std::ranges::find(stages, stage) != stages.end(); }
 };
 
 }  // namespace pierce

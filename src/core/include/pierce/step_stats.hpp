@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
+
+#include "pierce/stage.hpp"
 
 namespace pierce {
 
@@ -13,14 +14,21 @@ enum StepStatus : std::uint32_t {
                               ///< had no contacts
 };
 
+/// How long a stage took.
+struct StageTime {
+    StageId stage;
+    double milliseconds;
+};
+
+/// Adds to the time of a stage, in a list in the order of stages.
+void add_time(std::vector<StageTime>& times, StageId stage, double milliseconds);
+
 /// What one step took and found.
 struct StepStats {
-    struct Stage {
-        const char* name;
-        double milliseconds;
-    };
-    std::vector<Stage> stages;  ///< in the order they ran
-    double milliseconds = 0;    ///< the whole step
+    std::vector<StageTime> stages;   ///< that ran, in their order; empty for a step that a GPU
+                                     ///< repeats as a whole
+    double milliseconds = 0;         ///< the whole step
+    double device_milliseconds = 0;  ///< of that, a step that a GPU repeats as a whole
     std::uint32_t status = step_ok;
     std::uint32_t excluded_bodies = 0;
     std::uint32_t pairs = 0;        ///< bodies whose boxes overlap

@@ -13,7 +13,7 @@
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"
 
-/// Stage 1, bounds: where every body is, how far it is from its rest shape, and spheres around its
+/// bounds: where every body is, how far it is from its rest shape, and spheres around its
 /// patches. Deforming bodies are measured patch by patch and added up block by block, so sums are
 /// the same on any machine.
 namespace pierce::stages {

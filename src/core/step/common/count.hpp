@@ -6,7 +6,7 @@
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 12, stats: what the step did, added up. One term per item of a reduction.
+/// statistics: what the step did, added up. One term per item of a reduction.
 namespace pierce::stages {
 
 /// What a walk did.

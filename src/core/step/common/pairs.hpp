@@ -11,7 +11,7 @@
 #include "pierce/ids.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 2, pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted
+/// pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted
 /// by (a, b). Sort and sweep along x, then the oriented boxes; on a device all pairs at once, if
 /// bodies are few.
 namespace pierce::stages {

@@ -28,68 +28,64 @@ public:
     StepTools(E& its_executor, T& its_tracer) : executor(its_executor), tracer(its_tracer) {}
 
     /// Turns per-item counts into places to write to; returns how many there are in all.
-    Count place(const char* name, const Buffer<std::uint32_t>& counts,
-                Buffer<std::uint32_t>& offsets) {
+    Count place(ListId id, const Buffer<std::uint32_t>& counts, Buffer<std::uint32_t>& offsets) {
         offsets.resize(count_of(counts));
-        return executor.exclusive_scan(name, count_of(counts), view_of(counts), view_of(offsets));
+        return executor.exclusive_scan(id, count_of(counts), view_of(counts), view_of(offsets));
     }
 
     /// Lists the items that are wanted; returns how many there are.
     template <class F>
-    Count list(const char* name, Count count, const F& wanted, Buffer<std::uint32_t>& items) {
+    Count list(ListId id, Count count, const F& wanted, Buffer<std::uint32_t>& items) {
         items.resize(count);
-        const Count found = executor.select(name, count, wanted, view_of(items));
+        const Count found = executor.select(id, count, wanted, view_of(items));
         items.resize(found);
         return found;
     }
 
     /// Keys and their values, sorted by the lowest `bits` bits of the keys.
-    void sort(const char* name, int bits, Buffer<std::uint64_t>& unsorted_keys,
-              const Buffer<std::uint32_t>& unsorted, Buffer<std::uint64_t>& keys,
-              Buffer<std::uint32_t>& values) {
+    void sort(int bits, Buffer<std::uint64_t>& unsorted_keys, const Buffer<std::uint32_t>& unsorted,
+              Buffer<std::uint64_t>& keys, Buffer<std::uint32_t>& values) {
         const Count count = count_of(unsorted_keys);
         keys.resize(count);
         values.resize(count);
-        executor.sort(name, count, bits, view_of(unsorted_keys), view_of(unsorted), view_of(keys),
+        executor.sort(count, bits, view_of(unsorted_keys), view_of(unsorted), view_of(keys),
                       view_of(values));
     }
 
-    /// Stage 7 on a device, as soon as it is known where bodies are: trees of all, beside what
+    /// update on a device, as soon as it is known where bodies are: trees of all, beside what
     /// comes until update(). A refit of all is over before it is known which are wanted.
     void update_all(View<const BodyView> bodies) {
-        if constexpr (!E::runs_on_host)
+        if constexpr (E::traits.overlaps_updates)
             executor.beside([&] {
                 wanted_.resize(bodies.size);
-                executor.for_each("mark_targets", bodies.size,
-                                  stages::MarkTargets{bodies, view_of(wanted_)});
+                executor.for_each(bodies.size, stages::MarkTargets{bodies, view_of(wanted_)});
                 tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
             });
     }
 
-    /// Stage 7. Trees of the bodies these rays are aimed at, and of no others.
+    /// update: Trees of the bodies these rays are aimed at, and of no others.
     void update(View<const BodyView> bodies, const Buffer<Ray>& rays) {
         update(bodies, count_of(rays), view_of(rays));
     }
 
     void update(View<const BodyView> bodies, Count count, View<const Ray> rays) {
-        if constexpr (!E::runs_on_host) return executor.join();
+        if constexpr (E::traits.overlaps_updates) return executor.join();
         executor.assign(wanted_, bodies.size, 0u);
-        executor.for_each("mark_wanted", count, stages::MarkWanted{rays, view_of(wanted_)});
+        executor.for_each(count, stages::MarkWanted{rays, view_of(wanted_)});
         tracer.update(executor, bodies, view_of(std::as_const(wanted_)));
     }
 
     /// The triangle each ray crosses first.
-    void trace(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays,
-               Buffer<Hit>& hits) {
+    void trace(View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<Hit>& hits) {
         hits.resize(count_of(rays));
-        tracer.closest_hits(executor, name, bodies, count_of(rays), view_of(rays), view_of(hits));
+        tracer.closest_hits(executor, bodies, count_of(rays), view_of(rays), view_of(hits));
     }
 
     /// The triangle closest to each ray's origin, t_max away at most.
-    void closest(const char* name, View<const BodyView> bodies, const Buffer<Ray>& rays,
+    void closest(View<const BodyView> bodies, const Buffer<Ray>& rays,
                  Buffer<std::uint32_t>& triangles) {
         triangles.resize(count_of(rays));
-        tracer.closest_triangles(executor, name, bodies, count_of(rays), view_of(rays),
+        tracer.closest_triangles(executor, bodies, count_of(rays), view_of(rays),
                                  view_of(triangles));
     }
 

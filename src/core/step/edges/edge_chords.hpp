@@ -24,69 +24,61 @@ public:
               View<const stages::CullItem> blocks) {
         masks_.resize(blocks.size);
         counts_.resize(blocks.size);
-        executor_.for_each("cull_edge_block", blocks.size,
-                           stages::CullEdgeBlock{.bodies = scene.bodies,
-                                                 .directed = directed,
-                                                 .blocks = blocks,
-                                                 .masks = view_of(masks_),
-                                                 .counts = view_of(counts_)});
-        patches_.resize(tools_.place("edge_patch_scan", counts_, offsets_));
-        executor_.for_each("list_edge_patches", blocks.size,
-                           stages::ListEdgePatches{.blocks = blocks,
-                                                   .masks = view_of(masks_),
-                                                   .offsets = view_of(offsets_),
-                                                   .patches = view_of(patches_)});
+        executor_.for_each(blocks.size, stages::CullEdgeBlock{.bodies = scene.bodies,
+                                                              .directed = directed,
+                                                              .blocks = blocks,
+                                                              .masks = view_of(masks_),
+                                                              .counts = view_of(counts_)});
+        patches_.resize(tools_.place(ListId::edge_patches, counts_, offsets_));
+        executor_.for_each(blocks.size, stages::ListEdgePatches{.blocks = blocks,
+                                                                .masks = view_of(masks_),
+                                                                .offsets = view_of(offsets_),
+                                                                .patches = view_of(patches_)});
         const auto kept = static_cast<std::uint32_t>(patches_.size());
         counts_.resize(kept);
-        executor_.for_each("count_edge_groups", kept,
-                           stages::CountEdgeGroups{.bodies = scene.bodies,
-                                                   .directed = directed,
-                                                   .patches = view_of(patches_),
-                                                   .counts = view_of(counts_)});
-        groups_.resize(tools_.place("edge_group_scan", counts_, offsets_));
-        executor_.for_each("list_edge_groups", kept,
-                           stages::ListEdgeGroups{.bodies = scene.bodies,
-                                                  .directed = directed,
-                                                  .patches = view_of(patches_),
-                                                  .offsets = view_of(offsets_),
-                                                  .groups = view_of(groups_)});
+        executor_.for_each(kept, stages::CountEdgeGroups{.bodies = scene.bodies,
+                                                         .directed = directed,
+                                                         .patches = view_of(patches_),
+                                                         .counts = view_of(counts_)});
+        groups_.resize(tools_.place(ListId::edge_groups, counts_, offsets_));
+        executor_.for_each(kept, stages::ListEdgeGroups{.bodies = scene.bodies,
+                                                        .directed = directed,
+                                                        .patches = view_of(patches_),
+                                                        .offsets = view_of(offsets_),
+                                                        .groups = view_of(groups_)});
         const auto group_count = static_cast<std::uint32_t>(groups_.size());
         masks_.resize(group_count);
         counts_.resize(group_count);
-        executor_.for_each("cull_edge_group", group_count,
-                           stages::CullEdgeGroup{.bodies = scene.bodies,
-                                                 .directed = directed,
-                                                 .groups = view_of(groups_),
-                                                 .masks = view_of(masks_),
-                                                 .counts = view_of(counts_)});
-        items_.resize(tools_.place("edge_scan", counts_, offsets_));
-        executor_.for_each("list_edges", group_count,
-                           stages::ListEdges{.groups = view_of(groups_),
-                                             .masks = view_of(masks_),
-                                             .offsets = view_of(offsets_),
-                                             .items = view_of(items_)});
+        executor_.for_each(group_count, stages::CullEdgeGroup{.bodies = scene.bodies,
+                                                              .directed = directed,
+                                                              .groups = view_of(groups_),
+                                                              .masks = view_of(masks_),
+                                                              .counts = view_of(counts_)});
+        items_.resize(tools_.place(ListId::edges, counts_, offsets_));
+        executor_.for_each(group_count, stages::ListEdges{.groups = view_of(groups_),
+                                                          .masks = view_of(masks_),
+                                                          .offsets = view_of(offsets_),
+                                                          .items = view_of(items_)});
         const auto count = static_cast<std::uint32_t>(items_.size());
         spans_.resize(count);
-        executor_.for_each("cull_edge", count,
-                           stages::CullEdge{.bodies = scene.bodies,
-                                            .directed = directed,
-                                            .items = view_of(items_),
-                                            .spans = view_of(spans_)});
+        executor_.for_each(count, stages::CullEdge{.bodies = scene.bodies,
+                                                   .directed = directed,
+                                                   .items = view_of(items_),
+                                                   .spans = view_of(spans_)});
 
-        const std::uint32_t near = tools_.list("near_edges", count,
+        const std::uint32_t near = tools_.list(ListId::near_edges, count,
                                                stages::MayReach{view_of(spans_)}, slots_);
         segments_.resize(near);
         rays_.resize(near);
         active_.resize(near);
-        executor_.for_each("generate_segments", near,
-                           stages::GenerateSegments{.bodies = scene.bodies,
-                                                    .directed = directed,
-                                                    .items = view_of(items_),
-                                                    .spans = view_of(spans_),
-                                                    .slots = view_of(slots_),
-                                                    .segments = view_of(segments_),
-                                                    .rays = view_of(rays_),
-                                                    .active = view_of(active_)});
+        executor_.for_each(near, stages::GenerateSegments{.bodies = scene.bodies,
+                                                          .directed = directed,
+                                                          .items = view_of(items_),
+                                                          .spans = view_of(spans_),
+                                                          .slots = view_of(slots_),
+                                                          .segments = view_of(segments_),
+                                                          .rays = view_of(rays_),
+                                                          .active = view_of(active_)});
     }
 
     /// The rays along the edges that are left.
@@ -99,23 +91,22 @@ public:
         find_chords(scene, directed);
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()),
                    count = static_cast<std::uint32_t>(found_.size());
-        tools_.sort("chord_sort", 64, keys_, unsorted_, sorted_keys_, order_);
+        tools_.sort(64, keys_, unsorted_, sorted_keys_, order_);
         chords_.resize(count);
         batch.resize(begin + count);
         if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
-        executor_.for_each("generate_chord_rays", count,
-                           stages::GenerateChordRays{.bodies = scene.bodies,
-                                                     .directed = directed,
-                                                     .items = view_of(items_),
-                                                     .segments = view_of(segments_),
-                                                     .found = view_of(found_),
-                                                     .order = view_of(order_),
-                                                     .begin = begin,
-                                                     .chords = view_of(chords_),
-                                                     .rays = view_of(batch.rays),
-                                                     .sources = view_of(batch.sources),
-                                                     .hits = view_of(batch.hits),
-                                                     .routes = view_of(routes)});
+        executor_.for_each(count, stages::GenerateChordRays{.bodies = scene.bodies,
+                                                            .directed = directed,
+                                                            .items = view_of(items_),
+                                                            .segments = view_of(segments_),
+                                                            .found = view_of(found_),
+                                                            .order = view_of(order_),
+                                                            .begin = begin,
+                                                            .chords = view_of(chords_),
+                                                            .rays = view_of(batch.rays),
+                                                            .sources = view_of(batch.sources),
+                                                            .hits = view_of(batch.hits),
+                                                            .routes = view_of(routes)});
     }
 
     /// Of pairs whose edges touch and that have no contact so far (`contact`, per pair), as aligned
@@ -126,37 +117,35 @@ public:
         sources.clear();
         for (const double sign : {1.0, -1.0}) {
             const std::uint32_t again = tools_.list(
-                "touching_segments", count_of(segments_),
+                ListId::touching_segments, count_of(segments_),
                 stages::OnlyTouches{.items = view_of(items_),
                                     .segments = view_of(segments_),
                                     .touching = view_of(touching_),
                                     .contact = contact},
                 active_);
             if (again == 0) return;
-            executor_.for_each("nudge_segments", again,
-                               stages::NudgeSegment{.bodies = scene.bodies,
-                                                    .directed = directed,
-                                                    .items = view_of(items_),
-                                                    .spans = view_of(spans_),
-                                                    .again = view_of(active_),
-                                                    .sign = sign,
-                                                    .segments = view_of(segments_),
-                                                    .rays = view_of(rays_)});
+            executor_.for_each(again, stages::NudgeSegment{.bodies = scene.bodies,
+                                                           .directed = directed,
+                                                           .items = view_of(items_),
+                                                           .spans = view_of(spans_),
+                                                           .again = view_of(active_),
+                                                           .sign = sign,
+                                                           .segments = view_of(segments_),
+                                                           .rays = view_of(rays_)});
             found_.clear();
             tools_.update(scene.bodies, rays_);
             follow(scene, directed, found_);
             const auto count = static_cast<std::uint32_t>(found_.size());
             now_rays_.resize(2 * std::size_t{count});
-            executor_.for_each("generate_touch_rays", count,
-                               stages::GenerateTouchRays{.bodies = scene.bodies,
-                                                         .directed = directed,
-                                                         .items = view_of(items_),
-                                                         .segments = view_of(segments_),
-                                                         .found = view_of(found_),
-                                                         .rays = view_of(now_rays_)});
+            executor_.for_each(count, stages::GenerateTouchRays{.bodies = scene.bodies,
+                                                                .directed = directed,
+                                                                .items = view_of(items_),
+                                                                .segments = view_of(segments_),
+                                                                .found = view_of(found_),
+                                                                .rays = view_of(now_rays_)});
             tools_.update(scene.bodies, now_rays_);
-            tools_.trace("trace_touch", scene.bodies, now_rays_, now_hits_);
-            const std::uint32_t kept = tools_.list("deep_touches", count,
+            tools_.trace(scene.bodies, now_rays_, now_hits_);
+            const std::uint32_t kept = tools_.list(ListId::deep_touches, count,
                                                    stages::LeavesBoth{.bodies = scene.bodies,
                                                                       .rays = view_of(now_rays_),
                                                                       .hits = view_of(now_hits_),
@@ -166,14 +155,13 @@ public:
                        before = static_cast<std::uint32_t>(sources.size());
             chords_.resize(chords + kept);
             sources.resize(before + kept);
-            executor_.for_each("keep_touches", kept,
-                               stages::KeepTouch{.items = view_of(items_),
-                                                 .segments = view_of(segments_),
-                                                 .found = view_of(found_),
-                                                 .places = view_of(places_),
-                                                 .begin = chords,
-                                                 .chords = view_of(chords_),
-                                                 .sources = {sources.data() + before, kept}});
+            executor_.for_each(kept, stages::KeepTouch{.items = view_of(items_),
+                                                       .segments = view_of(segments_),
+                                                       .found = view_of(found_),
+                                                       .places = view_of(places_),
+                                                       .begin = chords,
+                                                       .chords = view_of(chords_),
+                                                       .sources = {sources.data() + before, kept}});
         }
     }
 
@@ -191,7 +179,7 @@ private:
         const auto count = static_cast<std::uint32_t>(found_.size());
         keys_.resize(count);
         unsorted_.resize(count);
-        executor_.for_each("key_chords", count,
+        executor_.for_each(count,
                            stages::KeyChord{view_of(found_), view_of(keys_), view_of(unsorted_)});
     }
 
@@ -204,35 +192,32 @@ private:
             now_found_.resize(count);
             counts_.resize(count);
             executor_.for_each(
-                "gather_segments", count,
-                stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
-            tools_.trace("trace_edges", scene.bodies, now_rays_, now_hits_);
-            executor_.for_each("advance_segments", count,
-                               stages::AdvanceSegment{.bodies = scene.bodies,
-                                                      .directed = directed,
-                                                      .items = view_of(items_),
-                                                      .spans = view_of(spans_),
-                                                      .active = view_of(active_),
-                                                      .hits = view_of(now_hits_),
-                                                      .segments = view_of(segments_),
-                                                      .rays = view_of(rays_),
-                                                      .counts = view_of(counts_),
-                                                      .found = view_of(now_found_),
-                                                      .finished = view_of(finished_),
-                                                      .touching = view_of(touching_)});
+                count, stages::Gather<Ray>{view_of(rays_), view_of(active_), view_of(now_rays_)});
+            tools_.trace(scene.bodies, now_rays_, now_hits_);
+            executor_.for_each(count, stages::AdvanceSegment{.bodies = scene.bodies,
+                                                             .directed = directed,
+                                                             .items = view_of(items_),
+                                                             .spans = view_of(spans_),
+                                                             .active = view_of(active_),
+                                                             .hits = view_of(now_hits_),
+                                                             .segments = view_of(segments_),
+                                                             .rays = view_of(rays_),
+                                                             .counts = view_of(counts_),
+                                                             .found = view_of(now_found_),
+                                                             .finished = view_of(finished_),
+                                                             .touching = view_of(touching_)});
             const auto begin = static_cast<std::uint32_t>(found.size());
-            found.resize(begin + tools_.place("chord_scan", counts_, offsets_));
-            executor_.for_each("keep_chords", count,
-                               stages::KeepChord{.counts = view_of(counts_),
-                                                 .offsets = view_of(offsets_),
-                                                 .found = view_of(now_found_),
-                                                 .begin = begin,
-                                                 .chords = view_of(found)});
+            found.resize(begin + tools_.place(ListId::chords, counts_, offsets_));
+            executor_.for_each(count, stages::KeepChord{.counts = view_of(counts_),
+                                                        .offsets = view_of(offsets_),
+                                                        .found = view_of(now_found_),
+                                                        .begin = begin,
+                                                        .chords = view_of(found)});
             const std::uint32_t left = tools_.list(
-                "active_list", count, stages::GoesOn{view_of(active_), view_of(finished_)},
-                places_);
+                ListId::active_segments, count,
+                stages::GoesOn{view_of(active_), view_of(finished_)}, places_);
             next_active_.resize(left);
-            executor_.for_each("follow", left,
+            executor_.for_each(left,
                                stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
                                                              view_of(next_active_)});
             std::swap(active_, next_active_);

@@ -23,7 +23,7 @@ public:
     /// Clears `batch.keep` of candidates that are not inside another part of their own body.
     void test(const Scene& scene, View<const Pair> pairs, RayBatch<E>& batch) {
         const std::uint32_t count = tools_.list(
-            "self_candidates", count_of(batch.candidates),
+            ListId::self_candidates, count_of(batch.candidates),
             stages::IsSelfCandidate{.bodies = scene.bodies,
                                     .pairs = pairs,
                                     .sources = view_of(batch.sources),
@@ -32,7 +32,7 @@ public:
         outward_.resize(count);
         winding_.resize(count);
         active_.resize(count);
-        executor_.for_each("generate_outward_rays", count,
+        executor_.for_each(count,
                            stages::GenerateOutwardRays{.bodies = scene.bodies,
                                                        .rays = view_of(batch.rays),
                                                        .candidates = view_of(batch.candidates),
@@ -42,16 +42,15 @@ public:
                                                        .active = view_of(active_)});
         tools_.update(scene.bodies, outward_);
         while (!active_.empty()) follow(scene);
-        executor_.for_each("keep_self", count,
-                           stages::KeepSelf{.bodies = scene.bodies,
-                                            .rays = view_of(batch.rays),
-                                            .sources = view_of(batch.sources),
-                                            .hits = view_of(batch.hits),
-                                            .meetings = view_of(batch.meetings),
-                                            .candidates = view_of(batch.candidates),
-                                            .listed = view_of(listed_),
-                                            .winding = view_of(winding_),
-                                            .keep = view_of(batch.keep)});
+        executor_.for_each(count, stages::KeepSelf{.bodies = scene.bodies,
+                                                   .rays = view_of(batch.rays),
+                                                   .sources = view_of(batch.sources),
+                                                   .hits = view_of(batch.hits),
+                                                   .meetings = view_of(batch.meetings),
+                                                   .candidates = view_of(batch.candidates),
+                                                   .listed = view_of(listed_),
+                                                   .winding = view_of(winding_),
+                                                   .keep = view_of(batch.keep)});
     }
 
 private:
@@ -61,22 +60,19 @@ private:
         now_rays_.resize(count);
         goes_on_.resize(count);
         executor_.for_each(
-            "gather_outward", count,
-            stages::Gather<Ray>{view_of(outward_), view_of(active_), view_of(now_rays_)});
-        tools_.trace("trace_outward", scene.bodies, now_rays_, now_hits_);
-        executor_.for_each("advance_outward", count,
-                           stages::AdvanceOutward{.bodies = scene.bodies,
-                                                  .hits = view_of(now_hits_),
-                                                  .active = view_of(active_),
-                                                  .outward = view_of(outward_),
-                                                  .winding = view_of(winding_),
-                                                  .goes_on = view_of(goes_on_)});
-        const std::uint32_t left = tools_.list("outward_list", count,
+            count, stages::Gather<Ray>{view_of(outward_), view_of(active_), view_of(now_rays_)});
+        tools_.trace(scene.bodies, now_rays_, now_hits_);
+        executor_.for_each(count, stages::AdvanceOutward{.bodies = scene.bodies,
+                                                         .hits = view_of(now_hits_),
+                                                         .active = view_of(active_),
+                                                         .outward = view_of(outward_),
+                                                         .winding = view_of(winding_),
+                                                         .goes_on = view_of(goes_on_)});
+        const std::uint32_t left = tools_.list(ListId::outward_rays, count,
                                                stages::IsUnderWay{view_of(goes_on_)}, places_);
         next_active_.resize(left);
-        executor_.for_each("gather_active", left,
-                           stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
-                                                         view_of(next_active_)});
+        executor_.for_each(left, stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
+                                                               view_of(next_active_)});
         std::swap(active_, next_active_);
     }
 

@@ -9,7 +9,7 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// After stage 9, for solids that are looked for in themselves: which vertices are inside another
+/// After classify, for solids that are looked for in themselves: which vertices are inside another
 /// part of their own body.
 ///
 /// An inward ray from a vertex of a solid always leaves that solid, so R1 says nothing. What does

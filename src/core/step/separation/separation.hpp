@@ -47,19 +47,17 @@ private:
         const View<const RaySource> from_chords{sources.data + (all - chords.size), chords.size};
         executor_.assign(reached_, pairs.size, 0u);
         executor_.assign(touching_, pairs.size, 0u);
-        executor_.for_each("mark_touching", candidates,
-                           stages::MarkTouching{.sources = sources,
-                                                .candidates = view_of(batch.candidates),
-                                                .keep = view_of(batch.keep),
-                                                .reached = view_of(reached_),
-                                                .touching = view_of(touching_)});
-        executor_.for_each("mark_reached", chords.size,
-                           stages::MarkReached{from_chords, view_of(reached_)});
+        executor_.for_each(candidates, stages::MarkTouching{.sources = sources,
+                                                            .candidates = view_of(batch.candidates),
+                                                            .keep = view_of(batch.keep),
+                                                            .reached = view_of(reached_),
+                                                            .touching = view_of(touching_)});
+        executor_.for_each(chords.size, stages::MarkReached{from_chords, view_of(reached_)});
         test_parts(scene, directed);
         const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords,
                                                                    from_chords);
         const std::uint32_t vertices = tools_.list(
-            "stranded_vertices", candidates,
+            ListId::stranded_vertices, candidates,
             stages::IsStrandedVertex{.pairs = pairs,
                                      .sources = sources,
                                      .candidates = view_of(batch.candidates),
@@ -74,39 +72,34 @@ private:
         gather_.resize(vertices);
         from_.resize(stranded + contained);
         executor_.for_each(
-            "gather_vertices", vertices,
-            stages::Gather<std::uint32_t>{view_of(batch.candidates), view_of(stranded_vertices_),
-                                          view_of(gather_)});
-        executor_.for_each("gather_sources", vertices,
+            vertices, stages::Gather<std::uint32_t>{view_of(batch.candidates),
+                                                    view_of(stranded_vertices_), view_of(gather_)});
+        executor_.for_each(vertices,
                            stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
+        executor_.for_each(stranded - vertices, stages::Gather<RaySource>{from_chords,
+                                                                          view_of(stranded_chords_),
+                                                                          {from_.data() + vertices,
+                                                                           stranded - vertices}});
         executor_.for_each(
-            "gather_sources", stranded - vertices,
-            stages::Gather<RaySource>{from_chords,
-                                      view_of(stranded_chords_),
-                                      {from_.data() + vertices, stranded - vertices}});
-        executor_.for_each(
-            "gather_sources", contained,
+            contained,
             stages::Gather<RaySource>{
                 view_of(part_sources_), view_of(contained_), {from_.data() + stranded, contained}});
         executor_.assign(deep_, pairs.size, 0u);
-        executor_.for_each("mark_deep", stranded + contained,
+        executor_.for_each(stranded + contained,
                            stages::MarkReached{view_of(from_), view_of(deep_)});
-        deep_count_ = tools_.list("deep_list", pairs.size, stages::IsDeep{view_of(deep_)},
+        deep_count_ = tools_.list(ListId::deep_pairs, pairs.size, stages::IsDeep{view_of(deep_)},
                                   deep_pairs_);
         directions_.resize(pairs.size);
-        executor_.for_each("find_separation", deep_count_,
-                           stages::FindSeparation{.bodies = scene.bodies,
-                                                  .pairs = pairs,
-                                                  .deep_pairs = view_of(deep_pairs_),
-                                                  .directions = view_of(directions_)});
+        executor_.for_each(deep_count_, stages::FindSeparation{.bodies = scene.bodies,
+                                                               .pairs = pairs,
+                                                               .deep_pairs = view_of(deep_pairs_),
+                                                               .directions = view_of(directions_)});
 
         const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
         const stages::SeparationRays out = room_for(added, scene, directed, chords, batch, routes);
-        executor_.for_each("generate_stranded_rays", stranded,
-                           stages::GenerateStrandedRays{out, view_of(from_)});
-        executor_.for_each(
-            "generate_contained_rays", contained,
-            stages::GenerateContainedRays{out, {from_.data() + stranded, contained}, stranded});
+        executor_.for_each(stranded, stages::GenerateStrandedRays{out, view_of(from_)});
+        executor_.for_each(contained, stages::GenerateContainedRays{
+                                          out, {from_.data() + stranded, contained}, stranded});
         keep_inside(scene, out.begin, batch);
     }
 
@@ -118,8 +111,7 @@ private:
         if (touches == 0) return;
         const stages::SeparationRays out = room_for(touches, scene, directed, edges.chords(), batch,
                                                     routes);
-        executor_.for_each("generate_touching_rays", touches,
-                           stages::GenerateTouchingRays{out, view_of(from_)});
+        executor_.for_each(touches, stages::GenerateTouchingRays{out, view_of(from_)});
         keep_inside(scene, out.begin, batch);
     }
 
@@ -148,8 +140,8 @@ private:
         const View<Ray> rays{batch.rays.data() + begin, count};
         const View<Hit> hits{batch.hits.data() + begin, count};
         tools_.update(scene.bodies, count, rays);
-        tools_.tracer.closest_hits(executor_, "trace_separation", scene.bodies, count, rays, hits);
-        executor_.emit("test_separation", count,
+        tools_.tracer.closest_hits(executor_, scene.bodies, count, rays, hits);
+        executor_.emit(ListId::separated_rays, count,
                        stages::TestInside{.bodies = scene.bodies,
                                           .rays = rays,
                                           .hits = hits,
@@ -160,15 +152,14 @@ private:
         const auto added = static_cast<std::uint32_t>(separated_.size());
         batch.candidates.resize(candidates + added);
         batch.keep.resize(candidates + added);
-        executor_.for_each("keep_separated", added,
-                           stages::KeepSeparated{.inside = view_of(separated_),
-                                                 .sources = view_of(batch.sources),
-                                                 .meetings = view_of(batch.meetings),
-                                                 .first_ray = begin,
-                                                 .first_candidate = candidates,
-                                                 .candidates = view_of(batch.candidates),
-                                                 .keep = view_of(batch.keep),
-                                                 .touching = view_of(touching_)});
+        executor_.for_each(added, stages::KeepSeparated{.inside = view_of(separated_),
+                                                        .sources = view_of(batch.sources),
+                                                        .meetings = view_of(batch.meetings),
+                                                        .first_ray = begin,
+                                                        .first_candidate = candidates,
+                                                        .candidates = view_of(batch.candidates),
+                                                        .keep = view_of(batch.keep),
+                                                        .touching = view_of(touching_)});
     }
 
     /// Chords of pairs without a contact that are more than rounding.
@@ -177,26 +168,25 @@ private:
                                        View<const Chord> chords,
                                        View<const RaySource> from_chords) {
         const std::uint32_t count = tools_.list(
-            "stranded_chords", chords.size,
+            ListId::stranded_chords, chords.size,
             stages::IsStrandedChord{from_chords, view_of(touching_)}, places_);
         stranded_chords_.clear();
         if (count == 0) return 0;
         part_rays_.resize(2 * std::size_t{count});
-        executor_.for_each("generate_stranded_chord_rays", count,
-                           stages::GenerateStrandedChordRays{.bodies = scene.bodies,
-                                                             .directed = directed,
-                                                             .chords = chords,
-                                                             .stranded = view_of(places_),
-                                                             .sources = from_chords,
-                                                             .rays = view_of(part_rays_)});
+        executor_.for_each(count, stages::GenerateStrandedChordRays{.bodies = scene.bodies,
+                                                                    .directed = directed,
+                                                                    .chords = chords,
+                                                                    .stranded = view_of(places_),
+                                                                    .sources = from_chords,
+                                                                    .rays = view_of(part_rays_)});
         tools_.update(scene.bodies, part_rays_);
-        tools_.trace("trace_stranded_chords", scene.bodies, part_rays_, part_hits_);
+        tools_.trace(scene.bodies, part_rays_, part_hits_);
         const std::uint32_t deep = tools_.list(
-            "deep_chords", count,
+            ListId::deep_chords, count,
             stages::LeavesBoth{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
             deep_chords_);
         stranded_chords_.resize(deep);
-        executor_.for_each("gather_deep_chords", deep,
+        executor_.for_each(deep,
                            stages::Gather<std::uint32_t>{view_of(places_), view_of(deep_chords_),
                                                          view_of(stranded_chords_)});
         return deep;
@@ -205,28 +195,27 @@ private:
     /// Which parts of which bodies are inside the other body of a pair with nothing inside so far.
     void test_parts(const Scene& scene, View<const stages::DirectedPair> directed) {
         counts_.resize(directed.size);
-        executor_.for_each("count_parts", directed.size,
-                           stages::CountParts{.bodies = scene.bodies,
-                                              .directed = directed,
-                                              .reached = view_of(reached_),
-                                              .counts = view_of(counts_)});
-        const std::uint32_t count = tools_.place("part_scan", counts_, offsets_);
+        executor_.for_each(directed.size, stages::CountParts{.bodies = scene.bodies,
+                                                             .directed = directed,
+                                                             .reached = view_of(reached_),
+                                                             .counts = view_of(counts_)});
+        const std::uint32_t count = tools_.place(ListId::parts, counts_, offsets_);
         part_rays_.resize(count);
         part_sources_.resize(count);
-        executor_.for_each("generate_part_rays", directed.size,
+        executor_.for_each(directed.size,
                            stages::GeneratePartRays{.bodies = scene.bodies,
                                                     .directed = directed,
                                                     .counts = view_of(counts_),
                                                     .offsets = view_of(offsets_),
                                                     .rays = view_of(part_rays_),
                                                     .sources = view_of(part_sources_)});
-        inside_tests_ = tools_.list("parts_asked", count, stages::IsTraced{view_of(part_rays_)},
-                                    contained_);
+        inside_tests_ = tools_.list(ListId::asked_parts, count,
+                                    stages::IsTraced{view_of(part_rays_)}, contained_);
         contained_.clear();
         if (inside_tests_ == 0) return;
         tools_.update(scene.bodies, part_rays_);
-        tools_.trace("trace_parts", scene.bodies, part_rays_, part_hits_);
-        tools_.list("contained", count,
+        tools_.trace(scene.bodies, part_rays_, part_hits_);
+        tools_.list(ListId::contained_parts, count,
                     stages::LeavesTarget{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
                     contained_);
     }

@@ -10,7 +10,7 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// After stage 9, with complete coverage: pairs that overlap but have no contact along an inward
+/// After classify, with complete coverage: pairs that overlap but have no contact along an inward
 /// ray, because each ray leaves its own body first, or because one body is all inside the other.
 /// The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {

@@ -176,9 +176,6 @@ struct PlaceGroups {
     View<Slab> slabs;
     View<QuickBox> boxes;
 
-    static constexpr int threads_at_once = 1024;  // measured: with 512 a step of many sheets takes
-                                                  // 0.5 % longer
-
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i),
                             first = group * constants::group_size;

@@ -43,8 +43,6 @@ struct FindAge {
     SheetMemory memory;
     View<std::uint32_t> ages;
 
-    static constexpr int threads_at_once = 1536;  // it waits for memory
-
     PIERCE_HD void operator()(std::uint32_t i) const {
         ages[i] = memory.age(read_whole(features[i]));
     }
@@ -98,8 +96,6 @@ struct FillSheetContact {
     View<SheetRecord> records;
     View<std::uint32_t> deepest;  ///< per pair
     View<Contact> contacts;
-
-    static constexpr int threads_at_once = 768;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t feature = kept[i];

@@ -146,9 +146,6 @@ struct FindFeatures {
     Interleaved<const DriftingTriangle> drifting;
     View<const TrianglePair> triangles;
 
-    static constexpr int threads_at_once = 1280;  // measured: with 1024 a step of many sheets takes
-                                                  // 0.2 % longer
-
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const TrianglePair t = read_whole(triangles[i]);
         return t.separate ? mask(drifting.read(t.first), drifting.read(t.second), pairs[t.pair])

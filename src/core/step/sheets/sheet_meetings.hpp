@@ -62,9 +62,6 @@ struct MeetFeatures {
     View<SheetMeeting> meetings;
     View<Judgement> judgements;
 
-    static constexpr int threads_at_once = searching ? 256 : 512;  // measured: with 384 a quarter
-                                                                   // slower
-
     PIERCE_HD void operator()(std::uint32_t item) const { judge(undecided[item]); }
 
     /// Without searching: true if they are undecided.

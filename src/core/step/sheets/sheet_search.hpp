@@ -164,9 +164,6 @@ struct FindParts {
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
 
-    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes
-                                                  // 0.5 % longer
-
     /// A bit for each.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
@@ -217,8 +214,6 @@ struct FindTriangles {
     View<const GridBoxes> packed;  ///< of triangles, per group
 
     static constexpr std::uint32_t per_group = constants::group_size / 2;  ///< items
-    static constexpr int threads_at_once = 1280;  // measured: with 768 or 1024 a step takes 0.5 %
-                                                  // longer
 
     /// Sixteen bits for the first triangle, and sixteen for the second.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -285,8 +280,6 @@ struct CullTriangles {
     Interleaved<const DriftingTriangle> drifting;
     View<const FlatCorners> flat_corners;
 
-    static constexpr int threads_at_once = 1280;  // measured: with 768 a step of many sheets takes
-                                                  // 0.8 % longer
     static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do
                                                                  ///< not meet
     static_assert(asked_bits == constants::group_size);

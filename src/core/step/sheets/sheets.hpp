@@ -61,7 +61,7 @@ public:
     /// What its contacts add up to.
     void add_up(typename E::template Sum<stages::ContactSums>& sums) {
         executor_.reduce(
-            "count_sheet_contacts", count_of(contacts_),
+            count_of(contacts_),
             stages::CountSheetContact{view_of(now_.keys), view_of(now_.records), now_.bits}, sums);
     }
     std::uint32_t triangle_pairs() const { return executor_.number(count_of(search_.triangles)); }
@@ -78,25 +78,24 @@ private:
         search_.pairs.resize(pair_count);
         search_.links.resize(pair_count);
         if (!is_bound_) executor_.assign(places_.wanted, bodies, 0u);
-        executor_.for_each("plan_sheet_pair", pair_count,
-                           stages::PlanSheetPair{.bodies = scene.bodies,
-                                                 .ids = scene.ids,
-                                                 .pairs = view_of(pairs),
-                                                 .links = links,
-                                                 .forgets = scene.forgets_sides,
-                                                 .last_deepest = view_of(last_.deepest),
-                                                 .sheet_pairs = view_of(search_.pairs),
-                                                 .sheet_links = view_of(search_.links),
-                                                 .wanted = view_of(places_.wanted)});
+        executor_.for_each(pair_count, stages::PlanSheetPair{.bodies = scene.bodies,
+                                                             .ids = scene.ids,
+                                                             .pairs = view_of(pairs),
+                                                             .links = links,
+                                                             .forgets = scene.forgets_sides,
+                                                             .last_deepest = view_of(last_.deepest),
+                                                             .sheet_pairs = view_of(search_.pairs),
+                                                             .sheet_links = view_of(search_.links),
+                                                             .wanted = view_of(places_.wanted)});
         if (!is_bound_) {
             place(scene);
             bound(scene);
         }
-        executor_.emit("find_rows", pair_count,
+        executor_.emit(ListId::section_rows, pair_count,
                        stages::FindRows{view_of(search_.pairs), view_of(places_.section_offsets),
                                         view_of(places_.section_counts)},
                        search_.section_rows);
-        executor_.emit("find_sections", count_of(search_.section_rows),
+        executor_.emit(ListId::section_pairs, count_of(search_.section_rows),
                        stages::FindSections{.pairs = view_of(search_.pairs),
                                             .rows = view_of(search_.section_rows),
                                             .section_offsets = view_of(places_.section_offsets),
@@ -106,7 +105,7 @@ private:
         is_bound_ = false;
         executor_.beside([&] { find_flat_corners(scene); });
 
-        executor_.emit("find_blocks", constants::group_size * count_of(search_.sections),
+        executor_.emit(ListId::block_pairs, constants::group_size * count_of(search_.sections),
                        stages::FindParts{.pairs = view_of(search_.pairs),
                                          .close = view_of(search_.sections),
                                          .parts = {view_of(bounds_.section_begins),
@@ -115,7 +114,7 @@ private:
                                          .packed = view_of(bounds_.in_sections),
                                          .slabs = view_of(bounds_.block_slabs)},
                        search_.blocks);
-        executor_.emit("find_groups", constants::group_size * count_of(search_.blocks),
+        executor_.emit(ListId::group_pairs, constants::group_size * count_of(search_.blocks),
                        stages::FindParts{.pairs = view_of(search_.pairs),
                                          .close = view_of(search_.blocks),
                                          .parts = {},
@@ -123,7 +122,7 @@ private:
                                          .packed = view_of(bounds_.in_blocks),
                                          .slabs = view_of(bounds_.group_slabs)},
                        search_.groups);
-        executor_.emit("find_triangles",
+        executor_.emit(ListId::near_triangles,
                        stages::FindTriangles::per_group * count_of(search_.groups),
                        stages::FindTriangles{.pairs = view_of(search_.pairs),
                                              .close = view_of(search_.groups),
@@ -131,7 +130,7 @@ private:
                                              .packed = view_of(bounds_.in_groups)},
                        search_.near);
         executor_.join();
-        executor_.emit("cull_triangles", count_of(search_.near),
+        executor_.emit(ListId::triangle_pairs, count_of(search_.near),
                        stages::CullTriangles{.pairs = view_of(search_.pairs),
                                              .near = view_of(search_.near),
                                              .drifting = interleaved(view_of(bounds_.triangles)),
@@ -145,23 +144,23 @@ private:
         places_.section_counts.resize(bodies);
         places_.block_counts.resize(bodies);
         places_.vertex_counts.resize(bodies);
-        executor_.for_each("count_sheet_items", bodies,
+        executor_.for_each(bodies,
                            stages::CountSheetItems{.bodies = scene.bodies,
                                                    .wanted = view_of(places_.wanted),
                                                    .sections = view_of(places_.section_counts),
                                                    .blocks = view_of(places_.block_counts),
                                                    .vertices = view_of(places_.vertex_counts)});
         bounds_.vertices.resize(
-            tools_.place("vertex_scan", places_.vertex_counts, places_.vertex_offsets));
+            tools_.place(ListId::sheet_vertices, places_.vertex_counts, places_.vertex_offsets));
         bounds_.section_begins.resize(
-            tools_.place("sheet_section_scan", places_.section_counts, places_.section_offsets));
+            tools_.place(ListId::sheet_sections, places_.section_counts, places_.section_offsets));
         bounds_.block_boxes.resize(
-            tools_.place("sheet_block_scan", places_.block_counts, places_.block_offsets));
+            tools_.place(ListId::sheet_blocks, places_.block_counts, places_.block_offsets));
     }
 
     /// Where they are over the step: vertices, triangles, and bounds of those.
     void bound(const Scene& scene) {
-        executor_.for_each("move_vertices", count_of(bounds_.vertices),
+        executor_.for_each(count_of(bounds_.vertices),
                            stages::MoveVertices{scene.bodies, view_of(places_.vertex_offsets),
                                                 view_of(bounds_.vertices)});
         const Count sections = count_of(bounds_.section_begins),
@@ -173,7 +172,7 @@ private:
         bounds_.in_groups.resize(groups);
         bounds_.group_slabs.resize(groups);
         bounds_.group_boxes.resize(groups);
-        executor_.for_each("place_groups", executor_.in_sixteens(groups),
+        executor_.for_each(executor_.in_sixteens(groups),
                            stages::PlaceGroups{.bodies = bodies_of(scene),
                                                .drifting = interleaved(view_of(bounds_.triangles)),
                                                .triangle_boxes = view_of(bounds_.triangle_boxes),
@@ -182,7 +181,7 @@ private:
                                                .boxes = view_of(bounds_.group_boxes)});
         bounds_.in_blocks.resize(blocks);
         bounds_.block_slabs.resize(blocks);
-        executor_.for_each("bound_blocks", executor_.in_sixteens(blocks),
+        executor_.for_each(executor_.in_sixteens(blocks),
                            stages::BoundBlocks{.groups = view_of(bounds_.group_slabs),
                                                .group_boxes = view_of(bounds_.group_boxes),
                                                .packed = view_of(bounds_.in_blocks),
@@ -191,7 +190,7 @@ private:
         bounds_.in_sections.resize(sections);
         bounds_.section_ends.resize(sections);
         executor_.for_each(
-            "bound_sections", executor_.in_sixteens(sections),
+            executor_.in_sixteens(sections),
             stages::BoundSections{.section_offsets = view_of(places_.section_offsets),
                                   .block_offsets = view_of(places_.block_offsets),
                                   .blocks = view_of(places_.block_counts),
@@ -206,28 +205,28 @@ private:
         const stages::SheetBodies bodies = bodies_of(scene);
         bounds_.flat.resize(count_of(bounds_.vertices));
         bounds_.flat_corners.resize(count_of(bounds_.triangles));
-        executor_.for_each("find_flat_stars", count_of(bounds_.vertices),
+        executor_.for_each(count_of(bounds_.vertices),
                            stages::FindFlatStars{bodies, view_of(bounds_.flat)});
         executor_.for_each(
-            "place_flat_corners", count_of(bounds_.triangles),
+            count_of(bounds_.triangles),
             stages::PlaceFlatCorners{bodies, view_of(bounds_.flat), view_of(bounds_.flat_corners)});
     }
 
     /// Their features, and which of those are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs) {
         executor_.emit(
-            "find_features", count_of(search_.triangles),
+            ListId::feature_triangles, count_of(search_.triangles),
             stages::FindFeatures{view_of(search_.pairs), interleaved(view_of(bounds_.triangles)),
                                  view_of(search_.triangles)},
             features_.triangles);
-        executor_.emit("open_list", count_of(features_.triangles),
+        executor_.emit(ListId::open_triangles, count_of(features_.triangles),
                        stages::IsOpen{view_of(features_.triangles)}, features_.open);
-        executor_.for_each("find_open_features", count_of(features_.open),
+        executor_.for_each(count_of(features_.open),
                            stages::FindOpenFeatures{.bodies = bodies_of(scene),
                                                     .pairs = view_of(search_.pairs),
                                                     .open = view_of(features_.open),
                                                     .triangles = view_of(features_.triangles)});
-        executor_.emit("list_features", count_of(features_.triangles),
+        executor_.emit(ListId::features, count_of(features_.triangles),
                        stages::ListFeatures{.bodies = bodies_of(scene),
                                             .pairs = view_of(search_.pairs),
                                             .triangles = view_of(features_.triangles),
@@ -241,13 +240,13 @@ private:
         order_features(pairs);
         executor_.join();
         const Count kept = tools_.list(
-            "sheet_contact_list", count_of(features_.features),
+            ListId::sheet_contacts, count_of(features_.features),
             stages::IsContact{view_of(features_.judgements), view_of(features_.order)},
             features_.kept);
         now_.keys.resize(kept);
         now_.records.resize(kept);
         contacts_.resize(kept);
-        executor_.for_each("fill_sheet_contact", kept,
+        executor_.for_each(kept,
                            stages::FillSheetContact{.bodies = bodies_of(scene),
                                                     .pairs = view_of(search_.pairs),
                                                     .features = view_of(features_.features),
@@ -267,16 +266,16 @@ private:
     void order_features(const Buffer<Pair>& pairs) {
         const Count count = count_of(features_.features);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
-        tools_.sort("feature_sort", pair_bits + 3 + static_cast<int>(now_.bits), sort_.keys,
-                    sort_.values, features_.keys, features_.order);
-        executor_.for_each("order_ties", count,
+        tools_.sort(pair_bits + 3 + static_cast<int>(now_.bits), sort_.keys, sort_.values,
+                    features_.keys, features_.order);
+        executor_.for_each(count,
                            stages::OrderTies{view_of(features_.features), view_of(features_.keys),
                                              view_of(features_.order)});
         // What is past the last contact's stays: the next step searches in all of it.
         executor_.assign(now_.keys, static_cast<std::uint32_t>(features_.features.size()),
                          ~std::uint64_t{0});
         now_.deepest.resize(count_of(pairs));
-        executor_.for_each("clear_deepest", count_of(pairs), stages::Clear{view_of(now_.deepest)});
+        executor_.for_each(count_of(pairs), stages::Clear{view_of(now_.deepest)});
     }
 
     /// Which features are contacts, and for how long.
@@ -284,7 +283,7 @@ private:
         const Count count = count_of(features_.features);
         features_.meetings.resize(count);
         features_.judgements.resize(count);
-        executor_.emit("meet_features", count,
+        executor_.emit(ListId::undecided_features, count,
                        stages::MeetFeatures<false>{.bodies = bodies_of(scene),
                                                    .pairs = view_of(pairs),
                                                    .sheet_pairs = view_of(search_.pairs),
@@ -294,7 +293,7 @@ private:
                                                    .meetings = view_of(features_.meetings),
                                                    .judgements = view_of(features_.judgements)},
                        features_.undecided);
-        executor_.for_each("search_meetings", count_of(features_.undecided),
+        executor_.for_each(count_of(features_.undecided),
                            stages::MeetFeatures<true>{.bodies = bodies_of(scene),
                                                       .pairs = view_of(pairs),
                                                       .sheet_pairs = view_of(search_.pairs),
@@ -305,8 +304,7 @@ private:
                                                       .judgements = view_of(features_.judgements)});
         features_.ages.resize(count);
         executor_.for_each(
-            "find_age", count,
-            stages::FindAge{view_of(features_.features), memory, view_of(features_.ages)});
+            count, stages::FindAge{view_of(features_.features), memory, view_of(features_.ages)});
     }
 
     stages::SheetBodies bodies_of(const Scene& scene) {

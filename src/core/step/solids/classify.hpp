@@ -8,7 +8,7 @@
 #include "core/step/solids/ray_gen.hpp"
 #include "core/trace/meeting.hpp"
 
-/// Stage 9, classify: which hits are contacts. The rules are those of Hermann, Faure and Raffin
+/// classify: which hits are contacts. The rules are those of Hermann, Faure and Raffin
 /// (2008):
 /// * R1: the ray leaves the target at its first crossing, so the vertex was inside.
 /// * R2: the ray's first crossing of its own body leaves that body. The triangles around the vertex

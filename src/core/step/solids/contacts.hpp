@@ -13,7 +13,7 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/contact.hpp"
 
-/// Stage 10, contacts: writes the contact list in (pair, side, vertex or edge) order and carries
+/// contacts: writes the contact list in (pair, side, vertex or edge) order and carries
 /// ages over.
 namespace pierce::stages {
 

@@ -9,7 +9,7 @@
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"
 
-/// Stage 3, displacement: how far the bodies of a pair have moved relative to each other, and what
+/// displacement: how far the bodies of a pair have moved relative to each other, and what
 /// follows from it.
 namespace pierce::stages {
 

@@ -10,7 +10,7 @@
 #include "core/step/solids/vertex_cull.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 5, ray_gen: one ray per vertex left, along its inward normal.
+/// ray_gen: one ray per vertex left, along its inward normal.
 namespace pierce::stages {
 
 /// The unit inward direction at a vertex, in the body's space; zero where there is none.

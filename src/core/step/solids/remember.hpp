@@ -10,7 +10,7 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 11, remember: what the next step needs to know.
+/// remember: what the next step needs to know.
 namespace pierce::stages {
 
 /// Per full ray from a vertex: writes its record. Reads rays and hits.

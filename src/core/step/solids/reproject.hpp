@@ -7,7 +7,7 @@
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
 
-/// After stage 9, if asked for: contacts move to the closest point of the target's surface. An
+/// After classify, if asked for: contacts move to the closest point of the target's surface. An
 /// inward ray leaves the target where it happens to point, which is never nearer than that. Nothing
 /// of the surface is nearer than its closest point, so the way there is inside the target (R1). It
 /// need not run through its own body: of bodies that touch in a few vertices it often does not, and

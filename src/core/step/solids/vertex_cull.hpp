@@ -14,7 +14,7 @@
 #include "pierce/body.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 4, vertex_cull: drops vertices that cannot be inside the other body: patches first, then
+/// vertex_cull: drops vertices that cannot be inside the other body: patches first, then
 /// vertices.
 namespace pierce::stages {
 

@@ -12,7 +12,7 @@
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
 
-/// Stage 6, walk: answers from last step's triangle; a lost walk becomes a full ray of the same
+/// walk: answers from last step's triangle; a lost walk becomes a full ray of the same
 /// step.
 namespace pierce::stages {
 

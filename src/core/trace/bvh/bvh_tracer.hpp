@@ -22,10 +22,6 @@ struct Trace {
     View<const Candidates> candidates;
     View<Hit> hits;
 
-    static constexpr bool is_uneven = true;
-    static constexpr int threads_at_once = 512;  // measured: 384 and 768 are a tenth and a quarter
-                                                 // slower
-
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Ray ray = rays[i];
         hits[i] = {};
@@ -47,8 +43,6 @@ struct TraceTree {
     View<const Ray> rays;
     View<const Candidates> candidates;
     View<Hit> hits;
-
-    static constexpr int threads_at_once = 1024;  // nearly all threads only look
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         if (candidates[i].count != Candidates::too_many || !(rays[i].t_max >= 0)) return;
@@ -104,16 +98,16 @@ public:
 
     /// Trees of bodies with wanted[body] != 0 fit their positions.
     void update(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
-        if constexpr (E::runs_on_host) {
+        if constexpr (E::traits.host_reads) {
             arrange(executor, bodies);
         }
         if (stale_) return build(executor, bodies);
         executor.for_each(
-            "judge_trees", tree_count(),
+            tree_count(),
             bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
-        executor.for_each("refit", plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
+        executor.for_each(plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
         executor.for_each(
-            "mark_fitted", tree_count(),
+            tree_count(),
             bvh::MarkFitted{
                 .bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
     }
@@ -121,17 +115,17 @@ public:
     /// All trees anew.
     void build(E& executor, View<const BodyView> bodies) {
         builder_.build(executor, bodies, forest());
-        executor.for_each("note_fitted", tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
+        executor.for_each(tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
         executor.assign(work_, tree_count(), bvh::TreeWork{});
         if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
         counts_.builds += tree_count();
         stale_ = false;
     }
 
-    void closest_hits(E& executor, const char* name, View<const BodyView> bodies, Count count,
-                      View<const Ray> rays, View<Hit> hits) {
+    void closest_hits(E& executor, View<const BodyView> bodies, Count count, View<const Ray> rays,
+                      View<Hit> hits) {
         candidates_.resize(count);
-        executor.in_turn(name, count,
+        executor.in_turn(count,
                          bvh::FindCandidates{.bodies = bodies,
                                              .forest = forest(),
                                              .rays = rays,
@@ -148,12 +142,11 @@ public:
                                         .hits = hits});
     }
 
-    void closest_triangles(E& executor, const char* name, View<const BodyView> bodies, Count count,
+    void closest_triangles(E& executor, View<const BodyView> bodies, Count count,
                            View<const Ray> rays, View<std::uint32_t> triangles) {
         executor.for_each(
-            name, count,
-            bvh::Closest{
-                .bodies = bodies, .forest = forest(), .rays = rays, .triangles = triangles});
+            count, bvh::Closest{
+                       .bodies = bodies, .forest = forest(), .rays = rays, .triangles = triangles});
     }
 
     /// True if the next update builds trees.

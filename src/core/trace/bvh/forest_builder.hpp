@@ -29,11 +29,10 @@ public:
         leaves_.resize(leaves);
         sorted_keys_.resize(leaves);
         sorted_leaves_.resize(leaves);
-        executor.for_each("clear_visits", leaves, Fill{forest.visits, no_node});
-        executor.for_each("leaf_keys", leaves,
-                          LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
-        executor.sort("leaf_sort", leaves, 64, view_of(keys_), view_of(leaves_),
-                      view_of(sorted_keys_), view_of(sorted_leaves_));
+        executor.for_each(leaves, Fill{forest.visits, no_node});
+        executor.for_each(leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
+        executor.sort(leaves, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
+                      view_of(sorted_leaves_));
         const auto sorted = view_of(std::as_const(sorted_leaves_));
         const Lbvh lbvh{bodies, forest, view_of(std::as_const(sorted_keys_)), sorted, bits};
         switch (how_) {
@@ -45,10 +44,10 @@ public:
                 break;
             case TreeBuilder::lbvh:
             case TreeBuilder::trbvh:
-                executor.for_each("build_lbvh", leaves, BuildLbvh{lbvh});
+                executor.for_each(leaves, BuildLbvh{lbvh});
         }
         if (how_ == TreeBuilder::trbvh) restructuring_.run(executor, forest, sorted);
-        executor.for_each("clear_visits", leaves, Fill{forest.visits, 0});
+        executor.for_each(leaves, Fill{forest.visits, 0});
     }
 
 private:

@@ -195,18 +195,16 @@ public:
         const std::uint32_t leaves = lbvh.leaves.size;
         cells_.resize(leaves);
         begins_.resize(leaves);
-        executor.for_each("build_cells", leaves, BuildCells{lbvh, view_of(cells_)});
+        executor.for_each(leaves, BuildCells{lbvh, view_of(cells_)});
         const std::uint32_t count = executor.number(
-            executor.select("select_cells", leaves, BeginsCell{lbvh}, view_of(begins_)));
+            executor.select(ListId::tree_cells, leaves, BeginsCell{lbvh}, view_of(begins_)));
         gathered_.resize(count);
         first_cell_.resize(forest.trees.size);
         const View<const std::uint32_t> begins{begins_.data(), count};
-        executor.for_each("gather_cells", count,
-                          GatherCells{lbvh, view_of(std::as_const(cells_)), begins,
-                                      view_of(gathered_), view_of(first_cell_)});
-        executor.for_each(
-            "build_top", forest.trees.size,
-            BuildTop{forest, view_of(gathered_), begins, view_of(std::as_const(first_cell_))});
+        executor.for_each(count, GatherCells{lbvh, view_of(std::as_const(cells_)), begins,
+                                             view_of(gathered_), view_of(first_cell_)});
+        executor.for_each(forest.trees.size, BuildTop{forest, view_of(gathered_), begins,
+                                                      view_of(std::as_const(first_cell_))});
     }
 
 private:

@@ -120,22 +120,19 @@ public:
         joined_.resize(count);
         nearest_.resize(count);
         places_.resize(count);
-        executor.for_each("leaf_clusters", count,
-                          LeafClusters{bodies, forest, leaves, view_of(clusters_)});
+        executor.for_each(count, LeafClusters{bodies, forest, leaves, view_of(clusters_)});
         while (count > forest.trees.size) {
             const auto clusters = view_of(std::as_const(clusters_));
             const auto nearest = view_of(std::as_const(nearest_)),
                        places = view_of(std::as_const(places_));
-            executor.for_each("find_nearest", count,
-                              FindNearest{clusters, count, view_of(nearest_)});
-            count = executor.number(
-                executor.select("select_clusters", count, StaysCluster{nearest}, view_of(places_)));
-            executor.for_each("join_clusters", count,
+            executor.for_each(count, FindNearest{clusters, count, view_of(nearest_)});
+            count = executor.number(executor.select(ListId::tree_clusters, count,
+                                                    StaysCluster{nearest}, view_of(places_)));
+            executor.for_each(count,
                               JoinClusters{forest, clusters, nearest, places, view_of(joined_)});
             std::swap(clusters_, joined_);
         }
-        executor.for_each("root_clusters", count,
-                          RootClusters{forest, view_of(std::as_const(clusters_))});
+        executor.for_each(count, RootClusters{forest, view_of(std::as_const(clusters_))});
     }
 
 private:

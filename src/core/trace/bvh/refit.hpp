@@ -20,8 +20,6 @@ struct Refit {
     View<const std::uint32_t> wanted;  ///< per body
     Forest forest;
 
-    static constexpr bool is_uneven = true;
-
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Tree& tree = forest.trees[forest.tree_of_leaf[i]];
         const BodyView& body = bodies[tree.body];

@@ -185,18 +185,17 @@ public:
     void run(E& executor, const Forest& forest, View<const std::uint32_t> leaves) {
         for (Buffer* buffer : {&nodes_, &next_, &places_}) buffer->resize(leaves.size);
         for (std::uint32_t round = 0; round < constants::treelet_rounds; ++round) {
-            executor.for_each("clear_visits", leaves.size, Fill{forest.visits, 0});
+            executor.for_each(leaves.size, Fill{forest.visits, 0});
             executor.for_each(
-                "find_treelets", leaves.size,
+                leaves.size,
                 FindTreelets{forest, leaves, constants::treelet_parts << round, view_of(next_)});
             bool climbs = false;
             for (std::uint32_t n = keep(executor, leaves.size); n > 0;
                  n = climbs ? 0 : keep(executor, n)) {
                 climbs = n <= constants::treelet_crowd;
                 executor.for_each(
-                    "improve_treelets", n,
-                    ImproveTreelets{forest, view_of(std::as_const(nodes_)),
-                                    view_of(std::as_const(places_)), climbs, view_of(next_)});
+                    n, ImproveTreelets{forest, view_of(std::as_const(nodes_)),
+                                       view_of(std::as_const(places_)), climbs, view_of(next_)});
             }
         }
     }
@@ -208,7 +207,7 @@ private:
     std::uint32_t keep(E& executor, std::uint32_t n) {
         std::swap(nodes_, next_);
         return executor.number(executor.select(
-            "select_treelets", n, HoldsNode{view_of(std::as_const(nodes_))}, view_of(places_)));
+            ListId::treelets, n, HoldsNode{view_of(std::as_const(nodes_))}, view_of(places_)));
     }
 
     Buffer nodes_, next_, places_;

@@ -291,8 +291,8 @@ std::vector<Hit> hits_of(T& tracer, View<const BodyView> bodies, const std::vect
     std::vector<Hit> hits(rays.size());
     const std::vector<std::uint32_t> wanted(bodies.size, 1);
     tracer.update(executor, bodies, view_of(wanted));
-    tracer.closest_hits(executor, "trace", bodies, static_cast<std::uint32_t>(rays.size()),
-                        view_of(rays), view_of(hits));
+    tracer.closest_hits(executor, bodies, static_cast<std::uint32_t>(rays.size()), view_of(rays),
+                        view_of(hits));
     return hits;
 }
 
@@ -301,16 +301,16 @@ struct CountingExecutor : SerialExecutor {
     std::uint32_t stages = 0;
 
     template <class F>
-    void for_each(const char* name, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         ++stages;
-        SerialExecutor::for_each(name, n, stage);
+        SerialExecutor::for_each(n, stage);
     }
 };
 
 /// Runs the items of a stage from the last to the first.
 struct BackwardExecutor : SerialExecutor {
     template <class F>
-    void for_each(const char*, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         while (n > 0) stage(--n);
     }
 };
@@ -320,7 +320,7 @@ struct ThreadsExecutor : SerialExecutor {
     static constexpr std::uint32_t threads = 4;
 
     template <class F>
-    void for_each(const char*, std::uint32_t n, const F& stage) {
+    void for_each(std::uint32_t n, const F& stage) {
         std::vector<std::jthread> running;
         for (std::uint32_t t = 0; t < threads; ++t)
             running.emplace_back([=, &stage] {
@@ -440,9 +440,8 @@ TEST_P(BvhTest, FindsTheClosestTrianglesOfBruteForce) {
         std::vector<std::uint32_t> triangles(rays.size());
         const std::vector<std::uint32_t> wanted(bodies.views().size, 1);
         tracer.update(executor, bodies.views(), view_of(wanted));
-        tracer.closest_triangles(executor, "closest", bodies.views(),
-                                 static_cast<std::uint32_t>(rays.size()), view_of(rays),
-                                 view_of(triangles));
+        tracer.closest_triangles(executor, bodies.views(), static_cast<std::uint32_t>(rays.size()),
+                                 view_of(rays), view_of(triangles));
         return triangles;
     };
     EXPECT_EQ(measure(BvhTracer<SerialExecutor>(GetParam())), measure(BruteForceTracer()));
@@ -476,7 +475,7 @@ TEST_P(BvhTest, RefitsToWhatARebuildHasToo) {
     SerialExecutor executor;
     const std::vector<std::uint32_t> wanted(bodies.views().size, 1);
     for (int repeat = 0; repeat < 2; ++repeat)
-        executor.for_each("refit", static_cast<std::uint32_t>(trees.visits.size()),
+        executor.for_each(static_cast<std::uint32_t>(trees.visits.size()),
                           bvh::Refit{bodies.views(), view_of(wanted), trees.forest()});
     std::ranges::fill(trees.visits, 0u);
     expect_trees(trees, bodies.views());

@@ -19,7 +19,7 @@ struct SheetSettings {
 
 /// What keeping sheets apart took in a step.
 struct SheetReport {
-    std::vector<StepStats::Stage> stages;  ///< of detection, summed over its runs
+    std::vector<StageTime> stages;  ///< of detection, summed over its runs
     double detection_ms = 0, response_ms = 0;
     std::uint32_t detections = 0;    ///< runs of detect()
     std::uint32_t rounds = 0;        ///< runs of the projection

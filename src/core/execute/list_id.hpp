@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace pierce {
+
+/// The lists whose length a step finds out. An executor may size a list by what it came to in
+/// earlier steps, and tells lists apart by this.
+enum class ListId : std::uint8_t {
+    // solids
+    pairs,
+    box_pairs,
+    swept_pairs,
+    pair_blocks,
+    near_patches,
+    near_vertices,
+    walks,
+    full_rays,
+    candidates,
+    contacts,
+    uncertain_rays,
+    // edges
+    edge_patches,
+    edge_groups,
+    edges,
+    near_edges,
+    chords,
+    active_segments,
+    touching_segments,
+    deep_touches,
+    // self_overlap and separation
+    self_candidates,
+    outward_rays,
+    stranded_vertices,
+    stranded_chords,
+    deep_chords,
+    parts,
+    asked_parts,
+    contained_parts,
+    deep_pairs,
+    separated_rays,
+    // sheets
+    sheet_vertices,
+    sheet_sections,
+    sheet_blocks,
+    section_rows,
+    section_pairs,
+    block_pairs,
+    group_pairs,
+    near_triangles,
+    triangle_pairs,
+    feature_triangles,
+    open_triangles,
+    features,
+    undecided_features,
+    sheet_contacts,
+    // trees
+    tree_cells,
+    tree_clusters,
+    treelets,
+    count
+};
+
+inline constexpr std::size_t list_count = static_cast<std::size_t>(ListId::count);
+
+}  // namespace pierce

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/step/sheets/sheet_bounds.hpp"
+#include "core/step/sheets/sheet_contacts.hpp"
+#include "core/step/sheets/sheet_features.hpp"
+#include "core/step/sheets/sheet_meetings.hpp"
+#include "core/step/sheets/sheet_search.hpp"
+#include "core/trace/bvh/bvh_tracer.hpp"
+#include "core/trace/bvh/candidates.hpp"
+#include "core/trace/bvh/refit.hpp"
+
+/// How stages are launched, where a launch like all others was measured to be slower.
+namespace pierce::cuda {
+
+/// A stage's launch.
+struct Launch {
+    int threads_at_once = 0;  ///< how many must fit on a multiprocessor: more hide more waiting,
+                              ///< with fewer registers for each; 0: a block's
+    bool is_uneven = false;   ///< its threads take very different times: a small block makes room
+                              ///< for the next one sooner
+};
+
+template <class Stage>
+inline constexpr Launch launch_of{};
+
+// Measured: with 1280 threads a fifth slower.
+template <>
+inline constexpr Launch launch_of<bvh::FindCandidates>{.threads_at_once = 1024, .is_uneven = true};
+
+// Measured: with 384 threads a tenth slower, with 768 a quarter.
+template <>
+inline constexpr Launch launch_of<bvh::Trace>{.threads_at_once = 512, .is_uneven = true};
+
+// Nearly all threads only look.
+template <>
+inline constexpr Launch launch_of<bvh::TraceTree>{.threads_at_once = 1024};
+
+template <>
+inline constexpr Launch launch_of<bvh::Refit>{.is_uneven = true};
+
+// Measured: with 512 threads a step of many sheets takes 0.5 % longer.
+template <>
+inline constexpr Launch launch_of<stages::PlaceGroups>{.threads_at_once = 1024};
+
+// Measured: with 768 threads a step of many sheets takes 0.5 % longer.
+template <>
+inline constexpr Launch launch_of<stages::FindParts>{.threads_at_once = 1280};
+
+// Measured: with 768 or 1024 threads a step of many sheets takes 0.5 % longer.
+template <>
+inline constexpr Launch launch_of<stages::FindTriangles>{.threads_at_once = 1280};
+
+// Measured: with 768 threads a step of many sheets takes 0.8 % longer.
+template <>
+inline constexpr Launch launch_of<stages::CullTriangles>{.threads_at_once = 1280};
+
+// Measured: with 1024 threads a step of many sheets takes 0.2 % longer.
+template <>
+inline constexpr Launch launch_of<stages::FindFeatures>{.threads_at_once = 1280};
+
+// Measured: with 384 threads a quarter slower.
+template <>
+inline constexpr Launch launch_of<stages::MeetFeatures<false>>{.threads_at_once = 512};
+
+template <>
+inline constexpr Launch launch_of<stages::MeetFeatures<true>>{.threads_at_once = 256};
+
+// It waits for memory.
+template <>
+inline constexpr Launch launch_of<stages::FindAge>{.threads_at_once = 1536};
+
+template <>
+inline constexpr Launch launch_of<stages::FillSheetContact>{.threads_at_once = 768};
+
+/// How many blocks of a stage must fit on a multiprocessor.
+template <class Stage>
+constexpr int blocks_at_once(std::uint32_t threads_of_a_block) {
+    const int threads = launch_of<Stage>.threads_at_once;
+    return threads > 0 ? threads / static_cast<int>(threads_of_a_block) : 1;
+}
+
+}  // namespace pierce::cuda
