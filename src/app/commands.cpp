@@ -42,6 +42,11 @@ std::vector<BodyId> ground_of(const scenes::SceneSetup& scene) {
     return ground;
 }
 
+void write_last_picture(World& world, const scenes::SceneSetup& scene, const fs::path& file) {
+    const std::vector<BodyId> ground = ground_of(scene);
+    write_picture(world, ground, {.around = box_of_bodies(world, ground)}, file);
+}
+
 void require_rays(World* world, const fs::path& png) {
     if (world == nullptr && !png.empty())
         throw InputError("--png needs --method rays: the picture is traced by them");
@@ -97,8 +102,8 @@ int show_plan(const RunOptions& options) {
                plan.traces_own_exits
                    ? "own exits traced for contacts of deforming sources and of edges"
                    : "own exits looked up: they were traced once per mesh");
-    fmt::print("remembers {}\n", plan.temporal == Temporal::off ? "nothing: every step stands alone"
-                                 : plan.temporal == Temporal::paper
+    fmt::print("remembers {}\n", !plan.remembers() ? "nothing: every step stands alone"
+                                 : plan.settings.temporal == Temporal::paper
                                      ? "hits, and walks on from them between full passes"
                                      : "hits and proofs, and leaves out what they make needless");
     for (const std::string& note : plan.notes) fmt::print("note      {}\n", note);
@@ -134,7 +139,7 @@ int run(const RunOptions& options) {
     log.print();
 
     if (!options.record.empty()) scenes::write_recording(recording, options.record);
-    if (!options.png.empty()) write_picture(*simulation.world(), ground_of(scene), options.png);
+    if (!options.png.empty()) write_last_picture(*simulation.world(), scene, options.png);
     if (!options.detection.json.empty()) {
         json settings = detection_json(options.detection);
         settings.update({{"command", "run"},
@@ -158,15 +163,30 @@ int replay(const ReplayOptions& options) {
     if (method == scenes::Method::gjk_epa) add_convex_pieces(scene);
     const auto detector = scenes::make_detector(scene, method, options.detection.rays);
     require_rays(detector->world(), options.png);
+    require_rays(detector->world(), options.pictures);
     check_writable(options.png);
     check_writable(options.detection.json);
 
+    const std::vector<BodyId> ground = ground_of(scene);
+    Shot shot;
+    if (!options.pictures.empty() && recording.frame_count > 0) {
+        // All pictures show the place where the bodies end, which a world of its own finds out.
+        fs::create_directories(options.pictures);
+        const auto ahead = scenes::make_detector(scene, method, options.detection.rays);
+        scenes::put_frame(*ahead, recording, recording.frame_count - 1);
+        shot.deepest = ahead->detect().penetration_max;
+        shot.around = box_of_bodies(*ahead->world(), ground);
+        shot.contacts = true;
+    }
     FrameLog log;
     {
         Progress progress("replaying", recording.frame_count);
         for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
             scenes::put_frame(*detector, recording, f);
             log.add(detector->detect());
+            if (!options.pictures.empty())
+                write_picture(*detector->world(), ground, shot,
+                              options.pictures / fmt::format("{:05}.png", f));
             progress.show(f + 1);
         }
     }
@@ -175,7 +195,7 @@ int replay(const ReplayOptions& options) {
     fmt::print("{}\n", detector->world() != nullptr ? ", " + detector->world()->backend() : "");
     log.print();
 
-    if (!options.png.empty()) write_picture(*detector->world(), ground_of(scene), options.png);
+    if (!options.png.empty()) write_last_picture(*detector->world(), scene, options.png);
     if (!options.detection.json.empty()) {
         json settings = detection_json(options.detection);
         settings.update({{"command", "replay"},
@@ -268,7 +288,7 @@ int demo(const fs::path& png) {
     }
     fmt::print("\nTable 4 of the paper, 100 tori\n");
     print_table_4(rays, gjk);
-    write_picture(*simulation.world(), ground_of(scene), png);
+    write_last_picture(*simulation.world(), scene, png);
     fmt::print("\npicture: {}\n", fs::absolute(png).string());
     return 0;
 }

@@ -31,7 +31,7 @@ struct RunOptions {
 struct ReplayOptions {
     std::filesystem::path folder;
     bool deforming = false;  ///< give rigid motion vertex by vertex
-    std::filesystem::path png;
+    std::filesystem::path png, pictures;
     DetectionOptions detection;
 };
 

@@ -155,6 +155,10 @@ int main(int argc, char** argv) {
     replay_command
         ->add_option("--png", replay_options.png, "write a picture of the last frame to FILE")
         ->type_name("FILE");
+    replay_command
+        ->add_option("--pictures", replay_options.pictures,
+                     "write a picture of every frame, with its contacts, to DIR")
+        ->type_name("DIR");
     add_detection(*replay_command, replay_options.detection);
     replay_command->callback([&] { code = replay(replay_options); });
 

@@ -94,8 +94,7 @@ private:
 
     /// Steps whose course does not depend on what they find.
     bool can_repeat(const Plan& plan) const {
-        return options_.graph && plan.coverage == Coverage::vertices &&
-               plan.temporal == Temporal::off && !plan.meets_itself;
+        return options_.graph && !plan.is_complete() && !plan.remembers() && !plan.meets_itself;
     }
 
     void restart() {

@@ -12,34 +12,16 @@
 
 namespace pierce::cuda {
 
-/// What the host may change about a body from step to step.
-struct BodyChange {
-    Frame space;
-    Frame start_space;
-    const Vec3f* positions = nullptr;  ///< of a deforming body
-    const Vec3f* start = nullptr;      ///< the same when the step began
-    std::uint64_t positions_version = 0;
-    bool active = true;
-};
-
-/// Per body: takes over what the host has changed. Where deforming bodies are is found out by the
+/// Per body: takes over where the caller has put it. Where deforming bodies are is found out by the
 /// step.
-struct ApplyChange {
-    View<const BodyChange> changes;
+struct ApplyInput {
+    View<const BodyInput> inputs;
     View<BodyView> bodies;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BodyChange& change = changes[i];
         BodyView& body = bodies[i];
-        body.active = change.active;
-        if (body.motion == Motion::deforming) {
-            body.positions_version = change.positions_version;
-            body.positions.data = change.positions;
-            body.start.data = change.start;
-        } else if (change.active) {
-            body.fit = body.space = change.space;
-            body.start_space = change.start_space;
-        }
+        static_cast<BodyInput&>(body) = inputs[i];
+        if (body.motion != Motion::deforming && body.active) body.fit = body.space;
     }
 };
 
@@ -52,7 +34,7 @@ public:
     bool update(const Scene& host) {
         const bool is_new = revision_ != host.plan->revision;
         if (is_new) rebuild(host);
-        send_changes(host.bodies);
+        send_inputs(host.bodies);
         if (is_new || sent_forgets_ != host.forgets_sides[0]) {
             sent_forgets_ = host.forgets_sides[0];
             executor_.upload(std::span<const std::uint32_t>(&sent_forgets_, 1), forgets_);
@@ -69,16 +51,7 @@ public:
         std::vector<BodyView> there(bodies_.size());
         executor_.copy_to_host(there.data(), bodies_.data(), there.size());
         executor_.wait();
-        for (std::uint32_t b = 0; b < host.size; ++b) {
-            host[b].fit = there[b].fit;
-            host[b].fit_box = there[b].fit_box;
-            host[b].world_box = there[b].world_box;
-            host[b].deviation = there[b].deviation;
-            host[b].shape_motion = there[b].shape_motion;
-            host[b].touch = there[b].touch;
-            host[b].reach = there[b].reach;
-            host[b].travel = there[b].travel;
-        }
+        for (std::uint32_t b = 0; b < host.size; ++b) static_cast<BodyBounds&>(host[b]) = there[b];
     }
 
     /// Deforming bodies' shapes of the last step, of those that are still there, into the host's.
@@ -200,6 +173,8 @@ private:
             block_items_);
         executor_.upload(std::span<const BlockRange>(host.ranges.begin(), host.ranges.end()),
                          ranges_);
+        positions_of_.resize(views.size());
+        for (std::uint32_t b = 0; b < views.size(); ++b) positions_of_[b] = views[b].positions.data;
         sent_version_.assign(host.bodies.size, 0);
         revision_ = host.plan->revision;
         scene_ = {.bodies = view_of(bodies_),
@@ -209,23 +184,19 @@ private:
                   .blocks = view_of(std::as_const(block_views_)),
                   .patches = view_of(std::as_const(patch_views_)),
                   .seen = view_of(std::as_const(seen_views_)),
-                  .settings = host.settings,
                   .plan = host.plan,
                   .forgets_sides = view_of(std::as_const(forgets_))};
     }
 
-    void send_changes(View<const BodyView> host) {
-        staged_changes_.resize(host.size);
+    void send_inputs(View<const BodyView> host) {
+        staged_inputs_.resize(host.size);
         for (std::uint32_t b = 0; b < host.size; ++b) {
-            staged_changes_[b] = {host[b].space,
-                                  host[b].start_space,
-                                  positions_.data() + first_vertex_[b],
-                                  starts_.data() + first_vertex_[b],
-                                  host[b].positions_version,
-                                  host[b].active};
+            BodyInput& input = staged_inputs_[b] = host[b];
+            input.positions.data = positions_of_[b];
+            input.start.data = starts_.data() + first_vertex_[b];
             if (host[b].device_positions != nullptr) {
-                staged_changes_[b].positions = host[b].device_positions;
-                staged_changes_[b].start = host[b].device_start;
+                input.positions.data = host[b].device_positions;
+                input.start.data = host[b].device_start;
                 continue;
             }
             if (host[b].motion != Motion::deforming ||
@@ -238,8 +209,8 @@ private:
             executor_.copy(starts_.data() + first_vertex_[b], host[b].start.data,
                            host[b].start.size, cudaMemcpyHostToDevice);
         }
-        executor_.upload(std::span<const BodyChange>(staged_changes_), changes_);
-        executor_.for_each(host.size, ApplyChange{view_of(changes_), view_of(bodies_)});
+        executor_.upload(std::span<const BodyInput>(staged_inputs_), inputs_);
+        executor_.for_each(host.size, ApplyInput{view_of(inputs_), view_of(bodies_)});
     }
 
     CudaExecutor& executor_;
@@ -249,10 +220,11 @@ private:
     std::vector<std::uint32_t> first_vertex_;             ///< per deforming body, in positions_
     std::vector<SeenOfBody> seen_of_body_;
     std::vector<std::uint64_t> sent_version_;
-    std::vector<BodyChange> staged_changes_;
+    std::vector<BodyInput> staged_inputs_;
+    std::vector<const Vec3f*> positions_of_;  ///< per body, on the device
     std::uint32_t sent_forgets_ = 0;
     DeviceBuffer<std::uint32_t> forgets_;
-    DeviceBuffer<BodyChange> changes_;
+    DeviceBuffer<BodyInput> inputs_;
     DeviceBuffer<BodyView> bodies_;
     DeviceBuffer<Vec3f> positions_, starts_;
     DeviceBuffer<PatchBlock> blocks_;

@@ -251,7 +251,7 @@ protected:
     void compare(const Crowd& crowd, std::vector<World>& worlds) {
         const Crowd::Overlaps truth = crowd.overlaps();
         for (World& world : worlds) {
-            SCOPED_TRACE(world.plan().temporal == Temporal::off ? "off" : "certified");
+            SCOPED_TRACE(!world.plan().remembers() ? "off" : "certified");
             crowd.put(world);
             world.detect();
             const FoundPairs found(world);

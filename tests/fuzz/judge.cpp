@@ -132,7 +132,8 @@ private:
     /// True for a backend on which certificates do not pay: it casts rays where others have a
     /// proof, or walk.
     bool remembers_less(std::size_t player) {
-        return players_[player].world().plan().temporal != players_[0].world().plan().temporal;
+        return players_[player].world().plan().settings.temporal !=
+               players_[0].world().plan().settings.temporal;
     }
 
     void look_at_step() {

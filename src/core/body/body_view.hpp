@@ -10,24 +10,36 @@
 
 namespace pierce {
 
-/// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed
-/// or rigid body, the world for a deforming one. Its *fit* is the frame in which it looks most like
-/// the mesh's rest shape.
-struct BodyView {
+/// What a body is, until a new plan: set by the plan.
+struct BodyShape {
     MeshView mesh;
-    View<const Vec3f> positions;              ///< in the body's space
-    View<const PatchBlock> blocks;            ///< in the body's space
-    View<const Offsets> patches;              ///< in the body's space
+    std::uint64_t mesh_key = 0;     ///< the mesh's identity, never used twice
+    View<const PatchBlock> blocks;  ///< in the body's space
+    View<const Offsets> patches;    ///< in the body's space
+    double range = 0;               ///< [length] longest ray of an open body
+    Collision collision;
+    Motion motion = Motion::fixed;
+};
+
+/// Where a body is: set by the caller before a step.
+struct BodyInput {
+    View<const Vec3f> positions;  ///< in the body's space
+    View<const Vec3f> start;      ///< positions when the step began; empty for rigid bodies and
+                                  ///< where nobody asks
     const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's
                                               ///< positions, if on the device
     const Vec3f* device_start = nullptr;      ///< and its positions when the step began
-    View<const Vec3f> start;  ///< positions when the step began; empty for rigid bodies and where
-                              ///< nobody asks
-    Frame space;              ///< body's space to world
-    Frame start_space;        ///< of a fixed or rigid body: where its space was when the step began
-    Frame fit;                ///< rest shape to world
-    Frame last_fit;           ///< the fit of the last step, if `seen`
-    Box fit_box;              ///< around the vertices, in `fit`
+    Frame space;                              ///< body's space to world
+    Frame start_space;  ///< of a fixed or rigid body: where its space was when the step began
+    std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
+    bool active = true;                   ///< false: left out of this step (not finite)
+};
+
+/// What a step finds out about where a body is: written by bounds.
+struct BodyBounds {
+    Frame fit;       ///< rest shape to world
+    Frame last_fit;  ///< the fit of the last step, if `seen`
+    Box fit_box;     ///< around the vertices, in `fit`
     Box world_box;
     double deviation = 0;     ///< no vertex is further than this from its place in the rest shape
                               ///< under `fit`
@@ -36,16 +48,15 @@ struct BodyView {
     double touch = 0;         ///< [length] touch tolerance of this body as a target
     double travel = 0;  ///< [length] no point has moved further since the step began, if there is a
                         ///< sheet
-    double range = 0;   ///< [length] longest ray of an open body
-    std::uint64_t mesh_key = 0;           ///< the mesh's identity, never used twice
-    std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
-    Collision collision;
-    Motion motion = Motion::fixed;
-    bool seen = false;   ///< in the last step, too, where steps remember
+    bool seen = false;  ///< in the last step, too, where steps remember
     bool still = false;  ///< rigid or fixed, and where it was in the last step, bit for bit, where
                          ///< steps remember
-    bool active = true;  ///< false: left out of this step (not finite)
+};
 
+/// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed
+/// or rigid body, the world for a deforming one. Its *fit* is the frame in which it looks most like
+/// the mesh's rest shape.
+struct BodyView : BodyShape, BodyInput, BodyBounds {
     /// True if it has an inside that counts.
     PIERCE_HD bool is_solid() const { return mesh.closed && !collision.sheet; }
 

@@ -40,7 +40,6 @@ struct Scene {
     View<const View<Offsets>> patches;    ///< per body, where its vertices' offsets go
     View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept;
                                           ///< empty: nowhere
-    Settings settings;
     const Plan* plan = nullptr;
     View<const std::uint32_t> forgets_sides;  ///< one number; not 0: nothing of the last step is
                                               ///< known to sheets

@@ -93,12 +93,12 @@ public:
     /// What the last step did and found.
     void report(const Plan& plan, StepStats& stats) {
         stats.pairs = executor_.number(count_of(pairs_.pairs));
-        stats.rays = executor_.number(remembers(plan) ? count_of(routes_.full)
-                                                      : count_of(batch_.rays));
+        stats.rays = executor_.number(plan.remembers() ? count_of(routes_.full)
+                                                       : count_of(batch_.rays));
         stats.contacts = executor_.number(count_of(now_.contacts));
         stats.hits = executor_.read(sums_.hits);
         stats.own_rays = executor_.read(sums_.own_rays);
-        if (plan.coverage == Coverage::complete) {
+        if (plan.is_complete()) {
             stats.edges = executor_.number(count_of(edges_.segments()));
             stats.chords = edges_.chords().size;
             stats.inside_tests = separation_.inside_tests();
@@ -127,12 +127,13 @@ public:
         stats.predictions_true = contacts.predictions_true;
         stats.penetration_max = contacts.depth_max;
         if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
-        if (!remembers(plan)) return;
+        if (!plan.remembers()) return;
         const stages::WalkSums walks = executor_.read(sums_.walks);
         stats.walks = executor_.number(count_of(routes_.walks));
         stats.walk_steps = walks.steps;
         stats.lost_walks = walks.lost;
-        if (plan.temporal == Temporal::certified) stats.certified = executor_.read(sums_.skipped);
+        if (plan.settings.temporal == Temporal::certified)
+            stats.certified = executor_.read(sums_.skipped);
         stats.predictions = executor_.read(sums_.predicted);
         stats.full_passes = executor_.read(sums_.full_passes);
         stats.proofs = executor_.number(count_of(routes_.uncertain));
@@ -142,7 +143,7 @@ public:
     void recall(const Scene& scene) {
         std::swap(now_, last_);
         // Contacts are kept in place, unless the next step may take some over.
-        if (!scene.settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
+        if (!scene.plan->settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
         sheets_.recall();
     }
     /// Undoes the last step's bookkeeping, so that step() can be repeated in its place.
@@ -198,7 +199,6 @@ private:
     using Sum = typename E::template Sum<Value>;
     using Count = typename E::Count;
 
-    static bool remembers(const Plan& plan) { return plan.temporal != Temporal::off; }
     /// True if stages between classify and contacts read or change which candidates are contacts.
     static bool others_ask(const Plan& plan) {
         return plan.needs(StageId::self_overlap) || plan.needs(StageId::separation) ||
@@ -207,7 +207,7 @@ private:
 
     /// The rays that are traced: all, or those that neither a proof nor a walk stands in for.
     const Buffer<Ray>& full_rays(const Plan& plan) const {
-        return remembers(plan) ? routes_.full_rays : batch_.rays;
+        return plan.remembers() ? routes_.full_rays : batch_.rays;
     }
 
     /// What an earlier step has left in the lists of stages that may not run in this one: others
@@ -230,16 +230,16 @@ private:
                                stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
         now_.bodies.clear();
-        if (!remembers(*scene.plan)) return;
+        if (!scene.plan->remembers()) return;
         now_.bodies.resize(scene.bodies.size);
         executor_.for_each(scene.bodies.size,
                            stages::CompareWithLast{.bodies = scene.bodies,
                                                    .ids = scene.ids,
                                                    .last = view_of(std::as_const(last_.bodies)),
                                                    .seen = view_of(now_.bodies)});
-        if (scene.plan->temporal == Temporal::paper && scene.settings.predict)
+        if (scene.plan->settings.temporal == Temporal::paper && scene.plan->settings.predict)
             executor_.for_each(scene.bodies.size,
-                               stages::MeasureReach{scene.bodies, scene.settings});
+                               stages::MeasureReach{scene.bodies, scene.plan->settings});
     }
 
     void measure_deformation(const Scene& scene) {
@@ -321,14 +321,14 @@ private:
                                                        .pairs = view_of(pairs_.pairs),
                                                        .links = view_of(pairs_.links),
                                                        .last = view_of(last_.directed),
-                                                       .settings = scene.settings,
+                                                       .settings = scene.plan->settings,
                                                        .memory = view_of(now_.directed)});
     }
 
     // vertex_cull: Patches, then vertices, that may be inside the other body.
     void vertex_cull(const Scene& scene) {
         const View<const BodyView> bodies = scene.bodies;
-        const Temporal temporal = scene.plan->temporal;
+        const Temporal temporal = scene.plan->settings.temporal;
         const Count directed_count = 2 * count_of(pairs_.pairs);
         cull_.directed.resize(directed_count);
         cull_.block_offsets.resize(directed_count);
@@ -338,11 +338,11 @@ private:
                                           .links = view_of(pairs_.links),
                                           .memory = view_of(now_.directed),
                                           .last = view_of(last_.directed),
-                                          .settings = scene.settings,
+                                          .settings = scene.plan->settings,
                                           .directed = view_of(cull_.directed),
                                           .begins = view_of(cull_.block_offsets)},
                        cull_.blocks);
-        const bool records = remembers(*scene.plan);
+        const bool records = scene.plan->remembers();
         if (records) now_.blocks.resize(count_of(cull_.blocks));
         share_out(count_of(cull_.blocks), [&](auto share, Count blocks) {
             executor_.emit(ListId::near_patches, blocks,
@@ -392,7 +392,7 @@ private:
         executor_.for_each(count, stages::GenerateRay{.bodies = scene.bodies,
                                                       .directed = view_of(cull_.directed),
                                                       .sources = view_of(batch_.sources),
-                                                      .settings = scene.settings,
+                                                      .settings = scene.plan->settings,
                                                       .records = view_of(now_.vertices),
                                                       .rays = view_of(batch_.rays),
                                                       .hits = view_of(batch_.hits),
@@ -412,7 +412,7 @@ private:
                                                .rays = view_of(batch_.rays),
                                                .sources = view_of(batch_.sources),
                                                .slots = view_of(routes_.walks),
-                                               .temporal = scene.plan->temporal,
+                                               .temporal = scene.plan->settings.temporal,
                                                .hits = view_of(batch_.hits),
                                                .routes = view_of(routes_.routes),
                                                .records = view_of(now_.vertices),
@@ -438,7 +438,7 @@ private:
 
     // trace: The triangle each ray crosses first.
     void trace(const Scene& scene) {
-        const bool some_walk = remembers(*scene.plan);
+        const bool some_walk = scene.plan->remembers();
         tools_.trace(scene.bodies, full_rays(*scene.plan),
                      some_walk ? routes_.full_hits : batch_.hits);
         if (some_walk) scatter_hits();
@@ -525,12 +525,13 @@ private:
                                                        .keep = view_of(batch_.keep),
                                                        .limited = view_of(reprojected_.aimed.rays),
                                                        .pairs = view_of(pairs_.pairs),
-                                                       .all = scene.settings.reproject});
+                                                       .all = scene.plan->settings.reproject});
         tools_.update(scene.bodies, reprojected_.aimed.rays);
-        tools_.closest(scene.bodies, reprojected_.aimed.rays, closest_);
+        const View<const std::uint32_t> closest = tools_.closest(scene.bodies,
+                                                                 reprojected_.aimed.rays);
         executor_.for_each(count,
                            stages::MoveToClosest{.bodies = scene.bodies,
-                                                 .closest = view_of(closest_),
+                                                 .closest = closest,
                                                  .rays = view_of(reprojected_.aimed.rays),
                                                  .hits = view_of(reprojected_.aimed.hits),
                                                  .meetings = view_of(reprojected_.aimed.meetings),
@@ -553,7 +554,7 @@ private:
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
         tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         const Count total = count_of(now_.contact_keys);
-        if (scene.plan->coverage == Coverage::complete)
+        if (scene.plan->is_complete())
             executor_.for_each(total, stages::OrderChords{.sources = view_of(batch_.sources),
                                                           .candidates = view_of(batch_.candidates),
                                                           .keys = view_of(now_.contact_keys),
@@ -592,12 +593,12 @@ private:
                                                   .directed = view_of(cull_.directed),
                                                   .rays = view_of(batch_.rays),
                                                   .sources = view_of(batch_.sources),
-                                                  .temporal = scene.plan->temporal,
+                                                  .temporal = scene.plan->settings.temporal,
                                                   .hits = view_of(batch_.hits),
                                                   .meetings = view_of(batch_.meetings),
                                                   .slots = view_of(routes_.full),
                                                   .records = view_of(now_.vertices)});
-        if (scene.plan->temporal != Temporal::certified) return;
+        if (scene.plan->settings.temporal != Temporal::certified) return;
 
         const Count uncertain = tools_.list(ListId::uncertain_rays, full,
                                             stages::IsUncertain{.bodies = scene.bodies,
@@ -619,21 +620,21 @@ private:
         executor_.for_each(uncertain,
                            stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits),
                                                       view_of(routes_.full_rays)});
-        tools_.closest(scene.bodies, routes_.full_rays, closest_);
+        const View<const std::uint32_t> closest = tools_.closest(scene.bodies, routes_.full_rays);
         executor_.for_each(uncertain, stages::Certify{.bodies = scene.bodies,
                                                       .directed = view_of(cull_.directed),
                                                       .sources = view_of(batch_.sources),
                                                       .slots = view_of(routes_.full),
                                                       .uncertain = view_of(routes_.uncertain),
                                                       .limited = view_of(routes_.full_rays),
-                                                      .closest = view_of(closest_),
+                                                      .closest = closest,
                                                       .records = view_of(now_.vertices)});
     }
 
     // statistics: What the step did.
     void count(const Plan& plan) {
         if (plan.sheets) sheets_.add_up(sums_.sheet_contacts);
-        if (!remembers(plan)) return;
+        if (!plan.remembers()) return;
         executor_.reduce(count_of(routes_.counts), stages::CountWalk{view_of(routes_.counts)},
                          sums_.walks);
         executor_.reduce(count_of(routes_.routes), stages::CountSkipped{view_of(routes_.routes)},
@@ -667,7 +668,6 @@ private:
     ExitLists<E> exits_;
     ReprojectLists<E> reprojected_;
     SortScratch<E> sort_;
-    Buffer<std::uint32_t> closest_;  ///< scratch of whoever asks for closest triangles
     StepSums<E> sums_;
     TracerCounts reported_;
 };

@@ -13,6 +13,7 @@
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
+#include "core/step/solids/rules.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/world/explain_sheet.hpp"
 #include "core/world/world_state.hpp"
@@ -78,15 +79,12 @@ private:
 
     bool is_culled() {
         const Vec3d p = directed_.to_fit.to_parent(to_double(source_.positions[vertex_]));
-        const double margin = 2 * target_.touch;
-        const double beyond = target_.fit_box.distance(p);
-        const double clearance = target_.mesh.clearance()(p) - target_.deviation;
-        if (beyond > margin)
-            because(Reason::outside_box, beyond);
-        else if (clearance > margin)
-            because(Reason::outside_solid, clearance);
+        const rules::Gap gap = rules::gap_to(target_, p);
+        if (gap.may_be_inside(target_.touch)) return false;
+        if (gap.beyond_box > 2 * target_.touch)
+            because(Reason::outside_box, gap.beyond_box);
         else
-            return false;
+            because(Reason::outside_solid, gap.clearance);
         return true;
     }
 
@@ -108,13 +106,15 @@ private:
         const Meeting meeting = meet(ray, target_.surface(), hit.triangle);
         result_.t = meeting.t;
         result_.triangle = hit.triangle;
-        if (!meeting.exit) {
+        if (!rules::starts_inside(meeting)) {
             because(Reason::entry_first);
             return;
         }
         if (!source_.mesh.closed) {
             result_.own_exit = range;
-            because(meeting.t <= range + target_.touch ? Reason::contact : Reason::beyond_range);
+            because(rules::leaves_target_first(meeting.t, range, target_.touch)
+                        ? Reason::contact
+                        : Reason::beyond_range);
             return;
         }
         const std::optional<double> own = own_exit();
@@ -123,7 +123,9 @@ private:
             return;
         }
         result_.own_exit = *own;
-        because(meeting.t <= *own + target_.touch ? Reason::contact : Reason::own_exit_first);
+        because(rules::leaves_target_first(meeting.t, *own, target_.touch)
+                    ? Reason::contact
+                    : Reason::own_exit_first);
     }
 
     /// Length of the ray inside its own body; nothing if it does not start there.
@@ -143,7 +145,7 @@ private:
             return INFINITY;
         }
         const Meeting exit = meet(ray, source_.surface(), hit.triangle);
-        if (!exit.exit) return std::nullopt;
+        if (!rules::starts_in_own(exit)) return std::nullopt;
         return exit.t;
     }
 
@@ -194,7 +196,7 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
 
     const BodyId a = std::min(body, other), b = std::max(body, other);
     const Side side = body == a ? Side::a : Side::b;
-    if (state_->plan.temporal == Temporal::certified)
+    if (state_->plan.settings.temporal == Temporal::certified)
         result.certificate = state_->backend->certificate(views, {a.index, b.index},
                                                           static_cast<std::uint32_t>(side), vertex);
     if (!of_vertex.empty()) {

@@ -10,8 +10,8 @@ namespace {
 
 bool always(const Plan&) { return true; }
 bool casts_rays(const Plan& plan) { return plan.casts_rays; }
-bool remembers(const Plan& plan) { return plan.temporal != Temporal::off; }
-bool is_complete(const Plan& plan) { return plan.coverage == Coverage::complete; }
+bool remembers(const Plan& plan) { return plan.remembers(); }
+bool is_complete(const Plan& plan) { return plan.is_complete(); }
 
 constexpr StageInfo table[] = {
     {.id = StageId::bounds,

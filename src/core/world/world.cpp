@@ -223,8 +223,6 @@ const StepStats& World::detect() {
     State& s = *state_;
     s.stats = {};
     s.refresh_views();
-    Settings settings = s.settings;
-    settings.temporal = s.plan.temporal;
     const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
     const Scene scene{.bodies = view_of(s.views),
                       .ids = view_of(std::as_const(s.ids)),
@@ -233,7 +231,6 @@ const StepStats& World::detect() {
                       .blocks = view_of(std::as_const(s.blocks)),
                       .patches = view_of(std::as_const(s.patches)),
                       .seen = view_of(std::as_const(s.seen)),
-                      .settings = settings,
                       .plan = &s.plan,
                       .forgets_sides = {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);

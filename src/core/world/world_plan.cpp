@@ -84,6 +84,7 @@ void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
     plan.revision = next_key++;
+    plan.settings = settings;
     block_items.clear();
     ranges.clear();
     views.assign(slots.size(), {});
@@ -106,9 +107,9 @@ void World::State::make_plan() {
     }
     plan.casts_rays = solids || plan.velocity_rays;
     // Where no rays are cast, nothing is to be remembered of them.
-    plan.temporal = plan.casts_rays ? settings.temporal : Temporal::off;
-    if (plan.temporal == Temporal::certified && !backend->certificates_pay())
-        plan.temporal = Temporal::off;
+    if (!plan.casts_rays) plan.settings.temporal = Temporal::off;
+    if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay())
+        plan.settings.temporal = Temporal::off;
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
@@ -135,7 +136,7 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
-            if (plan.temporal != Temporal::off) {
+            if (plan.remembers()) {
                 body.seen.resize(patch_count(view.mesh));
                 seen[i] = view_of(body.seen);
             }
@@ -149,12 +150,11 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
                   (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
-    plan.coverage = solids ? settings.coverage : Coverage::vertices;
+    if (!solids) plan.settings.coverage = Coverage::vertices;
     // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals
     // know nothing of the way.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
-    const bool complete = plan.coverage == Coverage::complete;
-    plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || complete);
+    plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || plan.is_complete());
     for (const StageInfo& stage : stage_table())
         if (stage.needed(plan)) plan.stages.push_back(stage.id);
     planned = true;

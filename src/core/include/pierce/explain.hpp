@@ -15,8 +15,8 @@ enum class Reason : std::uint8_t {
     both_fixed,   ///< two fixed bodies are no pair
     boxes_apart,  ///< the bodies' boxes do not overlap: `distance` is between their world boxes, or
                   ///< 0 if the turned ones part them
-    open_target,     ///< the other body has no inside
-    outside_box,     ///< the vertex is `distance` outside of the other body's box
+    open_target,  ///< the other body has no inside
+    outside_box,  ///< the vertex is `distance` outside of the other body's box
     outside_solid,   ///< the vertex is at least `distance` outside, by the other body's clearance
                      ///< grid
     no_direction,    ///< the triangles around the vertex cancel: there is no inward direction

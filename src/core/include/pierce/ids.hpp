@@ -2,7 +2,7 @@
 
 #include <compare>
 #include <cstdint>
-#include <functional>
+#include <string_view>  // for std::hash, which <functional> has with much more
 
 namespace pierce {
 
@@ -26,9 +26,11 @@ using BodyId = Id<struct BodyTag>;
 
 }  // namespace pierce
 
+/// \cond
 template <class Tag>
 struct std::hash<pierce::Id<Tag>> {
     std::size_t operator()(pierce::Id<Tag> id) const noexcept {
         return std::hash<std::uint64_t>{}((std::uint64_t{id.generation} << 32) | id.index);
     }
 };
+/// \endcond

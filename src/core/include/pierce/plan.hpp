@@ -24,13 +24,14 @@ struct Plan {
     bool sheets = false;             ///< some body is a sheet
     std::uint32_t feature_bits = 0;  ///< as many as the number of a vertex, edge or triangle has at
                                      ///< most
-    bool velocity_rays = false;  ///< some sheet is looked for in itself by rays along velocities
-    bool reprojects = false;     ///< contacts move to the closest point of the target's surface
-    Coverage coverage = Coverage::vertices;
-    Temporal temporal = Temporal::off;
-    std::vector<StageId> stages;     ///< that run, in their order
+    bool velocity_rays = false;   ///< some sheet is looked for in itself by rays along velocities
+    bool reprojects = false;      ///< contacts move to the closest point of the target's surface
+    Settings settings;            ///< in effect: what no body asks for is off
+    std::vector<StageId> stages;  ///< that run, in their order
     std::vector<std::string> notes;  ///< rules that do not apply to some body, and why
 
+    bool remembers() const { return settings.temporal != Temporal::off; }
+    bool is_complete() const { return settings.coverage == Coverage::complete; }
     bool needs(StageId stage) const { return std::ranges::find(stages, stage) != stages.end(); }
 };
 

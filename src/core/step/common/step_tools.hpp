@@ -81,19 +81,19 @@ public:
         tracer.closest_hits(executor, bodies, count_of(rays), view_of(rays), view_of(hits));
     }
 
-    /// The triangle closest to each ray's origin, t_max away at most.
-    void closest(View<const BodyView> bodies, const Buffer<Ray>& rays,
-                 Buffer<std::uint32_t>& triangles) {
-        triangles.resize(count_of(rays));
+    /// The triangle closest to each ray's origin, t_max away at most; holds until the next call.
+    View<const std::uint32_t> closest(View<const BodyView> bodies, const Buffer<Ray>& rays) {
+        closest_.resize(count_of(rays));
         tracer.closest_triangles(executor, bodies, count_of(rays), view_of(rays),
-                                 view_of(triangles));
+                                 view_of(closest_));
+        return view_of(std::as_const(closest_));
     }
 
     E& executor;
     T& tracer;
 
 private:
-    Buffer<std::uint32_t> wanted_;
+    Buffer<std::uint32_t> wanted_, closest_;
 };
 
 }  // namespace pierce

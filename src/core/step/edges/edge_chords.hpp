@@ -94,7 +94,7 @@ public:
         tools_.sort(64, keys_, unsorted_, sorted_keys_, order_);
         chords_.resize(count);
         batch.resize(begin + count);
-        if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
+        if (scene.plan->remembers()) routes.resize(begin + count);
         executor_.for_each(count, stages::GenerateChordRays{.bodies = scene.bodies,
                                                             .directed = directed,
                                                             .items = view_of(items_),

@@ -122,7 +122,7 @@ private:
                                     Buffer<Route>& routes) {
         const auto begin = static_cast<std::uint32_t>(batch.rays.size());
         batch.resize(begin + count);
-        if (scene.plan->temporal != Temporal::off) routes.resize(begin + count);
+        if (scene.plan->remembers()) routes.resize(begin + count);
         return {.bodies = scene.bodies,
                 .chords = chords,
                 .directed = directed,

@@ -95,6 +95,7 @@ struct SheetFeatureLists {
     Buffer<stages::SheetMeeting> meetings;
     Buffer<stages::Judgement> judgements;
     Buffer<std::uint32_t> undecided, ages, kept;
+    Buffer<Contact> contacts;
 };
 
 }  // namespace pierce

@@ -53,15 +53,15 @@ public:
 
     /// There are no sheets in this step.
     void forget() {
-        contacts_.clear();
+        features_.contacts.clear();
         now_.forget();
     }
 
-    const Buffer<Contact>& contacts() const { return contacts_; }
+    const Buffer<Contact>& contacts() const { return features_.contacts; }
     /// What its contacts add up to.
     void add_up(typename E::template Sum<stages::ContactSums>& sums) {
         executor_.reduce(
-            count_of(contacts_),
+            count_of(features_.contacts),
             stages::CountSheetContact{view_of(now_.keys), view_of(now_.records), now_.bits}, sums);
     }
     std::uint32_t triangle_pairs() const { return executor_.number(count_of(search_.triangles)); }
@@ -245,7 +245,7 @@ private:
             features_.kept);
         now_.keys.resize(kept);
         now_.records.resize(kept);
-        contacts_.resize(kept);
+        features_.contacts.resize(kept);
         executor_.for_each(kept,
                            stages::FillSheetContact{.bodies = bodies_of(scene),
                                                     .pairs = view_of(search_.pairs),
@@ -258,7 +258,7 @@ private:
                                                     .keys = view_of(now_.keys),
                                                     .records = view_of(now_.records),
                                                     .deepest = view_of(now_.deepest),
-                                                    .contacts = view_of(contacts_)});
+                                                    .contacts = view_of(features_.contacts)});
     }
 
     /// The order of features, as that of the contacts among them, and room for what is remembered
@@ -324,7 +324,6 @@ private:
     SheetSearchLists<E> search_;
     SheetFeatureLists<E> features_;
     SortScratch<E> sort_;
-    Buffer<Contact> contacts_;
 };
 
 }  // namespace pierce

@@ -6,6 +6,7 @@
 #include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
+#include "core/step/solids/rules.hpp"
 #include "core/trace/meeting.hpp"
 
 /// classify: which hits are contacts. The rules are those of Hermann, Faure and Raffin
@@ -85,7 +86,7 @@ struct TestInside {
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
         // A ray into a sheet is one of its own, and needs no inside.
-        return meetings[i].exit || bodies[rays[i].target].collision.sheet;
+        return rules::starts_inside(meetings[i]) || bodies[rays[i].target].collision.sheet;
     }
     PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
     PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place,
@@ -176,7 +177,8 @@ struct TestOwnExit {
         const std::uint32_t r = candidates[i];
         const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(),
                                  own_hits[i].triangle);
-        keep[i] = own.exit && meetings[r].t <= own.t + bodies[rays[r].target].touch;
+        keep[i] = rules::starts_in_own(own) &&
+                  rules::leaves_target_first(meetings[r].t, own.t, bodies[rays[r].target].touch);
     }
 };
 
