@@ -6,7 +6,6 @@
 
 #include "app/frame_log.hpp"
 #include "app/progress.hpp"
-#include "app/statistics.hpp"
 #include "app/truth_program.hpp"
 #include "scenes/crossing_motion.hpp"
 #include "scenes/detector.hpp"

@@ -4,8 +4,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "app/compare.hpp"
 #include "app/statistics.hpp"
+#include "app/truth_program.hpp"
+#include "scenes/truth_file.hpp"
 
 namespace pierce::app {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "app/compare.hpp"
 #include "app/paper_sections.hpp"
+#include "app/truth_program.hpp"
 
 namespace pierce::app {
 

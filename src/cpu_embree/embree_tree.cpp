@@ -22,7 +22,7 @@ void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
 /// One ray on its way through Embree. The context comes first, so that the leaf callback finds the
 /// rest behind it.
 struct Tree::Query {
-    QueryContext context;
+    QueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init): init_context() does it
     CrossingSearch* search = nullptr;
     double start = 0;  ///< where on our ray Embree's ray begins
     double slack = 0;  ///< how much further than the search's limit Embree looks
@@ -92,7 +92,8 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
         query.start = max_of(search.begin() - query.slack, first);
         const Vec3f origin = to_float(ray.origin + query.start * ray.direction);
         const Vec3f direction = to_float(ray.direction);
-        RTCRayHit embree_ray;
+        // What Embree does not read stays as it is.
+        RTCRayHit embree_ray;  // NOLINT(cppcoreguidelines-pro-type-member-init)
         embree_ray.ray = {origin.x,        origin.y,    origin.z,    0.0f,
                           direction.x,     direction.y, direction.z, 0.0f,
                           query.far_end(), 0xffffffffu, 0,           0};
@@ -114,7 +115,7 @@ struct Tree::PointQuery {
 
 void Tree::show_near(ClosestSearch& search) const {
     PointQuery query{&search, 2.0 * static_cast<double>(margin_)};
-    RTCPointQueryContext context;
+    RTCPointQueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     rtcInitPointQueryContext(&context);
     const Vec3f at = to_float(search.point());
     RTCPointQuery embree_query{at.x, at.y, at.z, 0.0f, query.radius()};

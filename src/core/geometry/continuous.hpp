@@ -84,8 +84,8 @@ public:
 private:
     struct Waiting {
         Features features;
-        double since;
-        int depth;
+        double since = 0;
+        int depth = 0;
     };
 
     /// From the closest point of the second feature to that of the first.

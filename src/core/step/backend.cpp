@@ -1,7 +1,6 @@
 #include "pierce/backend.hpp"
 
 #include "core/body/body_view.hpp"
-#include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 

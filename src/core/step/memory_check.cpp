@@ -8,14 +8,12 @@
 #include "core/mesh/patch.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/records.hpp"
-#include "core/step/sheets/sheet_memory.hpp"
+#include "core/step/sheets/sheet_features.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce {
 namespace {
-
-using stages::no_pair;
 
 void require(bool holds) {
     if (!holds) throw InputError("a saved world's memory of its last step does not fit its bodies");

@@ -10,7 +10,6 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/oriented_box.hpp"
-#include "core/step/solids/classify.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
 #include "core/step/solids/rules.hpp"

@@ -1,7 +1,5 @@
 #include "pierce/stage.hpp"
 
-#include <algorithm>
-
 #include "pierce/plan.hpp"
 #include "pierce/step_stats.hpp"
 

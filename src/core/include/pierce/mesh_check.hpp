@@ -16,7 +16,7 @@ struct MeshCheckOptions {
 
 /// All defects of one kind.
 struct MeshFinding {
-    MeshDefect kind;
+    MeshDefect kind{};
     std::uint32_t count = 0;            ///< of all of them
     std::vector<std::uint32_t> places;  ///< of the first constants::finding_places, see element();
                                         ///< in the caller's numbering
