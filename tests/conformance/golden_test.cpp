@@ -23,14 +23,16 @@ constexpr double dt = 1.0 / 60;
 struct Case {
     const char* scene;
     bool soft;
+    std::uint32_t nodes = 0;  ///< 0: the scene's own number
 };
 
 constexpr Case cases[] = {{"tori", false},       {"tori", true},          {"bunnies", false},
                           {"bunnies", true},     {"cloth-capsule", true}, {"cloth-fold", true},
-                          {"cloth-catch", true}, {"cloth-twist", true},   {"ball-squash", true}};
+                          {"cloth-catch", true}, {"cloth-twist", true},   {"ball-squash", true},
+                          {"layers", true, 8}};
 
 Recording record(const Case& wanted) {
-    const SceneSetup scene = make_scene(wanted.scene, {8, wanted.soft, 3});
+    const SceneSetup scene = make_scene(wanted.scene, {8, wanted.soft, 3, wanted.nodes});
     Simulation simulation(scene, Method::rays, {"embree", 1});
     Recording recording = start_recording(scene, dt);
     for (int i = 0; i < 120; ++i) {

@@ -36,7 +36,9 @@ public:
         require(memory_.directed.empty() || memory_.directed.size() == 2 * pairs);
         require(memory_.ages.size() == memory_.contact_keys.size());
         require(memory_.contacts.empty() || memory_.contacts.size() == memory_.contact_keys.size());
+        require(std::ranges::is_sorted(memory_.contact_keys));
         require(memory_.sheet_records.size() == memory_.sheet_keys.size());
+        require(std::ranges::is_sorted(memory_.sheet_keys));
         require(memory_.deepest.empty() || memory_.deepest.size() == pairs);
         require(memory_.sheet_bits <= 32);
         if (!memory_.directed.empty())
