@@ -29,7 +29,7 @@ struct Case {
 constexpr Case cases[] = {{"tori", false},       {"tori", true},          {"bunnies", false},
                           {"bunnies", true},     {"cloth-capsule", true}, {"cloth-fold", true},
                           {"cloth-catch", true}, {"cloth-twist", true},   {"ball-squash", true},
-                          {"layers", true, 8}};
+                          {"layers", true, 3}};
 
 Recording record(const Case& wanted) {
     const SceneSetup scene = make_scene(wanted.scene, {8, wanted.soft, 3, wanted.nodes});
