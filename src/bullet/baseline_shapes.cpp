@@ -14,7 +14,7 @@
 namespace pierce::bullet {
 namespace {
 
-// GImpact needs one; this is the default of its parts.
+// GImpact needs a margin; this is the default margin of its parts.
 constexpr btScalar gimpact_margin = btScalar(0.01);
 
 std::unique_ptr<btCollisionShape> hull_of(std::span<const Vec3f> points) {
@@ -94,7 +94,7 @@ void BaselineShape::set_positions(std::span<const Vec3f> positions) {
 
 namespace {
 
-/// EPA with a clock.
+/// EPA that measures its time.
 class TimedEpa : public btGjkEpaPenetrationDepthSolver {
 public:
     bool calcPenDepth(btSimplexSolverInterface& simplex, const btConvexShape* a,

@@ -76,7 +76,7 @@ void Dispatcher::State::bind(btCollisionObject& object, btSoftBody* soft, BodyId
     bindings.push_back({&object, soft, body});
 }
 
-/// Takes poses and positions over from Bullet.
+/// Copies poses and positions from Bullet.
 void Dispatcher::State::read_bodies() {
     for (const Binding& binding : bindings) {
         if (binding.soft == nullptr) {
@@ -157,7 +157,7 @@ void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
             ++end;
         const auto a = by_body.find(contacts[begin].a), b = by_body.find(contacts[begin].b);
         if (a == by_body.end() || b == by_body.end())
-            continue;  // a body of the world that Bullet does not know
+            continue;  // one of the bodies is not bound to a Bullet object
         const Binding& binding_a = bindings[a->second];
         const Binding& binding_b = bindings[b->second];
         const std::span<const Contact> of_pair = contacts.subspan(begin, end - begin);
@@ -184,8 +184,8 @@ Dispatcher::Dispatcher(btCollisionConfiguration* configuration, World& world,
                        ReductionSettings reduction)
     : btCollisionDispatcher(configuration),
       state_(new State{world, reduction, {}, {}, {}, {}, {}, 0, 0}) {
-    // Pairs of bound objects are Pierce's. The callback has no user pointer, but it is given this
-    // dispatcher.
+    // Pierce handles pairs of bound objects. The callback has no user pointer, but it gets this
+    // dispatcher as an argument.
     setNearCallback([](btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
                        const btDispatcherInfo& info) {
         const State& state = *static_cast<Dispatcher&>(dispatcher).state_;

@@ -5,9 +5,9 @@
 namespace pierce::bullet {
 namespace {
 
-/// How far a body may be from where it was [way that gravity moves a body in its first step].
-/// Contacts that come and go let a body at rest vibrate by one or two; what falls is further away
-/// within a dozen steps, even around the top of a throw.
+/// How far a calm body may be from its earlier place [way that gravity moves a body in its first
+/// step]. Contacts that come and go let a body at rest vibrate by one or two. A falling body is
+/// further away than this within a dozen steps, even around the top of a throw.
 constexpr btScalar calm_ways = 10;
 
 }  // namespace

@@ -10,7 +10,8 @@ using Cluster = std::vector<std::size_t>;
 
 Vec3d middle(const FramedContact& c) { return 0.5 * (c.point_a + c.point_b); }
 
-/// The deepest contact, then the ones furthest from all that were taken before.
+/// The deepest contact, then again and again the contact that is furthest from all those already
+/// taken.
 Cluster outermost(const std::vector<FramedContact>& contacts, const Cluster& cluster,
                   std::uint32_t count) {
     Cluster taken{cluster.front()};

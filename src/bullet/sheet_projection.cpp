@@ -16,7 +16,8 @@ void SheetProjection::add_terms(const Point& point, double sign, Row& row) {
         const Vec3d lever = cross(row.arm, row.out);
         row.compliance += point.body->inverse_mass +
                           dot(lever, point.body->inverse_inertia * lever);
-        // No direction turns a body more easily than the sum of its principal ones.
+        // About no axis does a body turn more easily than the sum of its principal inverse inertias
+        // says.
         const Matrix3& inertia = point.body->inverse_inertia;
         row.slip_compliance += point.body->inverse_mass +
                                (inertia.row[0].x + inertia.row[1].y + inertia.row[2].z) *
@@ -91,7 +92,7 @@ void SheetProjection::solve(Row& row) {
 
 bool SheetProjection::project() {
     for (std::uint32_t sweep = 0; sweep < settings_.sweeps; ++sweep) {
-        // To and fro, so that a push goes through a stack of layers either way.
+        // Sweeps alternate in direction, so that a push goes through a stack of layers both ways.
         if (sweep % 2 == 0)
             for (std::size_t i = 0; i < rows_.size(); ++i) solve(rows_[i]);
         else

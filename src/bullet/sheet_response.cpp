@@ -17,20 +17,21 @@ double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Pulling back starts gently: a vertex keeps this part of its way to the meeting [1] ...
+/// Pulling back starts gently: at first a vertex keeps this part of its way to the meeting [1].
 constexpr double way_kept = 0.5;
-/// ... for so many detections; then it goes back all the way,
+/// For so many detections a vertex keeps a part of its way; after them it goes back all the way.
 constexpr std::uint32_t gentle_attempts = 3;
-/// then the vertices around it, ring by ring,
+/// After so many detections the vertices around it go back, too, ring by ring.
 constexpr std::uint32_t single_attempts = 8;
-/// then the whole body: twenty rings are further than anything spreads that did not end before.
+/// After so many detections the whole body goes back. By then twenty rings have gone back, which is
+/// further than anything spreads that would still end.
 constexpr std::uint32_t ring_attempts = 28;
 
 struct Sheet {
     btSoftBody* soft = nullptr;
     BodyId body;
     MovingNodes nodes;
-    std::vector<Vec3f> end;  ///< as it is detected: what the next step starts from
+    std::vector<Vec3f> end;  ///< the positions given to detection; the next step starts from them
     std::vector<bool> pulled_back;
 };
 
@@ -39,10 +40,10 @@ struct Obstacle {
     BodyId body;
     Pose start, end;
     MovingBody moving;
-    Vec3d shift, turn, impulse;  ///< over all rounds
+    Vec3d shift, turn, impulse;  ///< summed over all rounds
 };
 
-/// A pose after a small turn about its place, and a shift.
+/// A pose after a small turn about its position, and a shift.
 Pose moved(const Pose& pose, Vec3d shift, Vec3d turn) {
     const Quaternion& q = pose.rotation;
     const Vec3d v{q.x, q.y, q.z};
@@ -62,8 +63,8 @@ struct SheetResponse::State {
     std::unordered_map<BodyId, Sheet*> sheet_of;
     std::unordered_map<BodyId, std::size_t> obstacle_of;
     SheetReport report;
-    /// False as long as nothing can be through anything when a step begins: then what meets is all
-    /// there is to mend.
+    /// False while no sheet is through anything when a step begins. Then only what meets during the
+    /// step has to be repaired.
     bool is_crossed = true;
 
     void read_step();
@@ -96,21 +97,21 @@ BodyId source_of(const Contact& c) { return c.source == Side::a ? c.a : c.b; }
 BodyId target_of(const Contact& c) { return c.source == Side::a ? c.b : c.a; }
 bool is_met(const Contact& c) { return c.of_sheet && c.found == Found::crossing; }
 
-/// Calls visit(body, vertex) for the vertices of a contact.
+/// Calls visit(body, vertex) for every vertex of a contact.
 template <class Visit>
 void each_vertex(const World& world, const Contact& c, const Visit& visit) {
     visit(source_of(c), c.vertex);
     if (c.is_edge()) visit(source_of(c), c.edge_end);
     const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
     for (int k = 0; k < 3; ++k)
-        // A meeting at a corner has no weight elsewhere, but the whole triangle counts. Of an edge,
-        // what lies opposite does not.
+        // A vertex may meet a corner, where the other corners have no weight, but the whole
+        // triangle counts. Where an edge meets an edge, the opposite corner does not count.
         if (!c.is_edge() || c.barycentric[k] != 0) visit(target_of(c), t.vertex[k]);
 }
 
 }  // namespace
 
-/// Where a point of a body that is no sheet was when the step began.
+/// Where a point of a body other than a sheet was when the step began.
 Vec3d SheetResponse::State::start_of(BodyId body, Vec3d end) const {
     const auto found = obstacle_of.find(body);
     if (found == obstacle_of.end()) return end;
@@ -157,7 +158,7 @@ SheetProjection::Point SheetResponse::State::target_point(const Contact& c) {
     return p;
 }
 
-/// Takes over what Bullet's step has done.
+/// Reads where Bullet's step has moved sheets and obstacles.
 void SheetResponse::State::read_step() {
     for (const auto& sheet : sheets) {
         MovingNodes& nodes = sheet->nodes;
@@ -190,8 +191,8 @@ void SheetResponse::State::detect() {
         world.set_motion(sheet->body, sheet->nodes.start, sheet->end);
     }
     for (const Obstacle& o : obstacles) world.set_motion(o.body, o.start, o.end);
-    // What was through at an end that was tried and given up is not, and to look as far as it was
-    // deep takes long.
+    // What was through something at an end that was tried and given up is not through it now. A
+    // search as far as its depth would take long.
     if (!is_crossed) world.forget_sides();
     const StepStats& stats = world.detect();
     for (const StageTime& t : stats.stages) add_time(report.stages, t.stage, t.milliseconds);
@@ -209,14 +210,14 @@ void SheetResponse::State::count_contacts() {
     }
 }
 
-/// True if something has met during the step, or is on its wrong side.
+/// True if features have met during the step, or if one is on its wrong side.
 bool SheetResponse::State::has_violation() const {
     return std::ranges::any_of(world.contacts(), [&](const Contact& c) {
         return concerns_sheet(c) && (is_met(c) || (c.distance < 0 && counts(c)));
     });
 }
 
-/// False for what is only remembered, when it is known that nothing is through.
+/// False for a contact that is only remembered, when it is known that no sheet is through anything.
 bool SheetResponse::State::counts(const Contact& c) const {
     return !c.unknown_side &&
            (is_crossed || !c.of_sheet || c.found == Found::near || c.found == Found::crossing);
@@ -230,8 +231,9 @@ MovingPoint SheetResponse::State::vertex_motion(BodyId body, std::uint32_t verte
     return {start_of(body, end), end};
 }
 
-/// Which way the contact's source is to go. A vertex that meets a triangle goes back to where it
-/// has come from, whatever is remembered of it: near folds, memory may be of another layer.
+/// The direction in which the contact's source must go. A vertex that meets a triangle goes back to
+/// the side it came from, whatever is remembered of it: near folds, the memory may be of another
+/// layer.
 Vec3d SheetResponse::State::out_of(const Contact& c) const {
     const Vec3d out = c.source == Side::a ? -c.normal : c.normal;
     if (is_crossed || !is_met(c) || c.is_edge()) return out;
@@ -268,7 +270,8 @@ bool SheetResponse::State::project() {
         double thickness = std::max(world.collision_of(c.a).thickness,
                                     world.collision_of(c.b).thickness);
         if (c.a == c.b) {
-            // Neighbours of a sheet that is finer than it is thick stay as close as they are made.
+            // In a sheet with edges shorter than its thickness, neighbours may stay as close as
+            // they are at rest.
             const Mesh& mesh = world.mesh(world.mesh_of(c.a));
             const auto rest = [&](std::uint32_t v) { return to_double(mesh.positions()[v]); };
             Vec3d way = c.is_edge() ? c.source_weight(0) * rest(c.vertex) +
@@ -286,7 +289,7 @@ bool SheetResponse::State::project() {
     return true;
 }
 
-/// Takes over what the projection has done to rigid bodies.
+/// Applies what the projection has done to rigid bodies.
 void SheetResponse::State::move_bodies() {
     for (Obstacle& o : obstacles) {
         o.impulse += o.moving.impulse;
@@ -304,7 +307,7 @@ void SheetResponse::State::pull_back(Sheet& sheet, std::uint32_t vertex, double 
     sheet.pulled_back[vertex] = true;
 }
 
-/// All vertices of triangles with a vertex that was pulled back.
+/// Pulls back all vertices of triangles with a vertex that was pulled back before.
 void SheetResponse::State::pull_back_around(Sheet& sheet) {
     const std::vector<bool> before = sheet.pulled_back;
     for (const Triangle& t : world.mesh(world.mesh_of(sheet.body)).triangles())
@@ -312,7 +315,8 @@ void SheetResponse::State::pull_back_around(Sheet& sheet) {
             for (std::uint32_t v : t.vertex) pull_back(sheet, v, 0);
 }
 
-/// Pulls back the vertices of what has met; false if nothing that is left has a way to go back.
+/// Pulls back the vertices of all features that have met; false if none of them can go back any
+/// further.
 bool SheetResponse::State::pull_back(std::uint32_t attempt) {
     bool moved = false;
     report.crossings_left = 0;
@@ -323,13 +327,14 @@ bool SheetResponse::State::pull_back(std::uint32_t attempt) {
             const auto found = sheet_of.find(body);
             if (found == sheet_of.end()) return;
             Sheet& sheet = *found->second;
-            // As it was detected: an earlier contact of this list may have pulled it back since.
+            // The test uses the detected position: an earlier contact of this list may have pulled
+            // the vertex back since.
             if (sheet.end[v] == sheet.nodes.start[v]) return;
             could = true;
             pull_back(sheet, v, attempt < gentle_attempts ? way_kept * c.time : 0.0);
         });
         moved |= could;
-        // What does not move has not met, it is only as close as two things can be told apart.
+        // Things that do not move have not met; they are only too close together to be told apart.
         const auto moves = [&](BodyId body) {
             const auto found = obstacle_of.find(body);
             return found != obstacle_of.end() &&
@@ -354,7 +359,7 @@ void SheetResponse::State::keep_apart() {
     if (report.tangled > 0) is_crossed = true;
     for (std::uint32_t round = 0; round < settings.rounds; ++round) {
         if (round > 0 && !has_violation()) return;
-        // Nothing that contacts could move: what has met is led.
+        // There is nothing that contacts could move: all that has met is led.
         if (!project()) break;
         detect();
     }
@@ -384,7 +389,7 @@ void SheetResponse::State::write_step(double dt) {
             rigid.setCenterOfMassTransform(to_bullet(o.end));
             rigid.setLinearVelocity(rigid.getLinearVelocity() + to_bullet((1 / dt) * o.shift));
             rigid.setAngularVelocity(rigid.getAngularVelocity() + to_bullet((1 / dt) * o.turn));
-            // What Bullet has made of it is where the next step begins.
+            // The next step begins with the pose as Bullet stores it.
             o.end = from_bullet(rigid.getWorldTransform());
         }
         const double speed = length(o.impulse) * static_cast<double>(rigid.getInvMass()) / dt;

@@ -25,7 +25,7 @@ SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RCont
     held_ = node_->m_q;
     if (grip == nullptr) return;
     grip_ = *grip;
-    // Bullet has moved its rigid bodies by now.
+    // Bullet has already moved its rigid bodies.
     held_ = contact.m_cti.m_colObj->getWorldTransform() * grip_.place - carried();
 }
 
@@ -66,7 +66,7 @@ void SoftContactRow::move(const btVector3& way) {
     if (rigid_ != nullptr) {
         const btVector3 impulse = rigid_->m_c0 * way;
         node_->m_x += impulse * rigid_->m_c2;
-        // The solver's own objects are const in its contacts only.
+        // Only the contacts hold the object as const; the solver owns it.
         if (auto* body = const_cast<btRigidBody*>(btRigidBody::upcast(rigid_->m_cti.m_colObj)))
             body->applyImpulse(-impulse, rigid_->m_c1);
         return;
@@ -77,9 +77,10 @@ void SoftContactRow::move(const btVector3& way) {
 }
 
 void SoftContactRow::solve() {
-    const btScalar hardness = rigid_ != nullptr ? rigid_->m_c4 : btScalar(1);  // a soft contact's
-                                                                               // shares have it in
-                                                                               // them
+    const btScalar hardness = rigid_ != nullptr ? rigid_->m_c4 : btScalar(1);  // the shares of a
+                                                                               // soft contact
+                                                                               // include the
+                                                                               // hardness
     const btScalar depth = margin_ - normal_.dot(from_target());
     const btScalar push = btMax(btScalar(0), push_ + hardness * depth);
     move(normal_ * (push - push_));

@@ -12,7 +12,7 @@ namespace {
 Vec3d target_point(const Contact& c) { return c.source == Side::a ? c.point_b : c.point_a; }
 Vec3d source_point(const Contact& c) { return c.source == Side::a ? c.point_a : c.point_b; }
 
-/// A node that a contact's source point hangs on.
+/// A node that carries a contact's source point.
 struct SourceNode {
     btSoftBody::Node* node;
     btScalar weight;
@@ -30,7 +30,8 @@ std::vector<SourceNode> source_nodes(btSoftBody& source, const Contact& c) {
     return nodes;
 }
 
-/// Pushes `node` out of the half space below the plane through `through` with unit normal `normal`.
+/// Pushes `node` out of the half space below the plane through the point `through` with unit normal
+/// `normal`.
 void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisionObject& object,
                        Vec3d normal, Vec3d through, Vec3d anchor, btScalar rigid_share) {
     if (node.m_im <= 0) return;
@@ -40,8 +41,8 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
     const btMatrix3x3 no_inertia(0, 0, 0, 0, 0, 0, 0, 0, 0);
     const btScalar friction = soft.m_cfg.kDF * object.getFriction();
     const btVector3 arm = to_bullet(anchor) - object.getWorldTransform().getOrigin();
-    // Bullet's model: a tangential motion within the friction cone is stopped, a faster one loses
-    // its part.
+    // Bullet's model: a tangential motion within the friction cone is stopped, and a faster one
+    // loses the part that friction takes.
     const btVector3 out = to_bullet(normal);
     const btVector3 carried = rigid != nullptr
                                   ? rigid->getVelocityInLocalPoint(arm) * soft.m_sst.sdt
@@ -84,7 +85,8 @@ void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contac
         soft.m_node = &node;
         soft.m_face = &face;
         soft.m_weights = w;
-        // Along the ray: force and counterforce lie on one line, so angular momentum is kept too.
+        // The contact acts along the ray: force and counterforce lie on one line, so angular
+        // momentum is kept, too.
         soft.m_normal = to_bullet(contact.source == Side::a ? -contact.normal : contact.normal);
         soft.m_margin = static_cast<btScalar>(dot(from_bullet(soft.m_normal), from.offset));
         soft.m_friction = btMax(source.m_cfg.kDF, target.m_cfg.kDF);

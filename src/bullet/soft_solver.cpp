@@ -16,10 +16,11 @@
 namespace pierce::bullet {
 namespace {
 
-/// A node and what it touches; only looked up, so that addresses order nothing that counts.
+/// A node and the object it touches. The key is only used for look-ups, so no result depends on the
+/// order of addresses.
 using Touch = std::pair<const btSoftBody::Node*, const btCollisionObject*>;
 
-/// Which body a face is of.
+/// Finds the body that a face belongs to.
 class FaceOwners {
 public:
     explicit FaceOwners(const btAlignedObjectArray<btSoftBody*>& bodies) {
@@ -55,8 +56,8 @@ void finish(btSoftBody& soft) {
     }
 }
 
-// Islands are made of what moves by itself; what is led wakes what it touches, as it does rigid
-// bodies.
+// True if the body touches an active kinematic object. Bullet's islands hold only bodies that move
+// by themselves, but a led body wakes soft bodies that touch it, as it wakes rigid bodies.
 bool touches_led_body(const btSoftBody& soft) {
     for (int i = 0; i < soft.m_rcontacts.size(); ++i) {
         const btCollisionObject& object = *soft.m_rcontacts[i].m_cti.m_colObj;
@@ -77,8 +78,8 @@ void put_back(btSoftBody& soft) {
 }  // namespace
 
 struct SoftSolver::State {
-    std::map<Touch, Grip> grips;                     ///< of the last step
-    std::map<const btSoftBody*, CalmWatch> watches;  ///< of those that are awake
+    std::map<Touch, Grip> grips;                     ///< the grips of the last step
+    std::map<const btSoftBody*, CalmWatch> watches;  ///< for the bodies that are awake
 
     const Grip* grip_of(const Touch& touch) const {
         const auto found = grips.find(touch);
@@ -89,8 +90,8 @@ struct SoftSolver::State {
 SoftSolver::SoftSolver() : state_(std::make_unique<State>()) {}
 SoftSolver::~SoftSolver() = default;
 
-// Sleeping bodies too, to be put back later: their contacts are found as if they were awake, and
-// waking is no jump.
+// Sleeping bodies are predicted, too, and put back later. So their contacts are found as if they
+// were awake, and a body that wakes does not jump.
 void SoftSolver::predictMotion(btScalar dt) {
     for (int i = 0; i < m_softBodySet.size(); ++i)
         if (m_softBodySet[i]->getActivationState() != DISABLE_SIMULATION)

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The differences between Embree 3.13 and Embree 4, in one place.
+/// This file holds all differences between Embree 3.13 and Embree 4.
 #if PIERCE_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
 #else

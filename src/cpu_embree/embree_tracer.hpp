@@ -11,7 +11,7 @@ namespace pierce {
 
 /// Embree builds, refits and traverses the trees; the triangle test is ours (CrossingSearch), run
 /// from Embree's leaves. Boxes reach beyond their triangles by the rounding of float32 rays, so no
-/// crossing is lost: the answer is brute force's.
+/// crossing is lost: the answer is the same as by brute force.
 ///
 /// One tree per mesh, in its own space, serves all its fixed and rigid bodies. A deforming body has
 /// a tree of its own, refitted when its positions changed and rebuilt when RefitPolicy says so or

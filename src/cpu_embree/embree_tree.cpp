@@ -8,8 +8,8 @@
 namespace pierce::embree {
 namespace {
 
-/// Four floats side by side. Every refit makes a box for every triangle: with scalars it takes a
-/// third longer.
+/// Four floats side by side. Every refit makes a box for every triangle: with scalars a refit takes
+/// a third longer.
 using Float4 = float __attribute__((vector_size(16)));
 
 Float4 load(const Vec3f& p) { return Float4{p.x, p.y, p.z, 0.0f}; }
@@ -19,12 +19,12 @@ void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
 
 }  // namespace
 
-/// One ray on its way through Embree. The context comes first, so that the leaf callback finds the
-/// rest behind it.
+/// One ray on its way through Embree. The context is the first member, so that the leaf callback
+/// can reach the others from it.
 struct Tree::Query {
     QueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init): init_context() does it
     CrossingSearch* search = nullptr;
-    double start = 0;  ///< where on our ray Embree's ray begins
+    double start = 0;  ///< the place on our ray where Embree's ray begins
     double slack = 0;  ///< how much further than the search's limit Embree looks
     std::uint32_t tests = 0;
 
@@ -41,8 +41,8 @@ Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, const Box& b
     rtcSetGeometryIntersectFunction(geometry_, intersect);
     rtcSetGeometryPointQueryFunction(geometry_, test_near);
     if (kind == TreeKind::moving) {
-        // Refitting needs all three; with any other scene quality Embree rebuilds without saying
-        // so.
+        // Refitting needs these three settings. With any other scene quality Embree rebuilds
+        // without reporting it.
         rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC));
         rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
         rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
@@ -52,7 +52,7 @@ Tree::Tree(RTCDevice device, TreeKind kind, const Surface& surface, const Box& b
     }
     rtcCommitGeometry(geometry_);
     rtcAttachGeometry(scene_, geometry_);
-    rtcJoinCommitScene(scene_);  // in the caller's arena, so that its thread count holds
+    rtcJoinCommitScene(scene_);  // runs in the caller's arena and so keeps to its thread count
 }
 
 Tree::~Tree() {
@@ -62,7 +62,7 @@ Tree::~Tree() {
 
 void Tree::set_surface(const Surface& surface, const Box& box) {
     surface_ = surface;
-    // A ray in a triangle's plane touches it from the touch tolerance away.
+    // A ray in a triangle's plane touches the triangle from as far away as the touch tolerance.
     margin_ = round_up(max_of(constants::tree_margin * box.max_coordinate() + surface.touch,
                               constants::least_tree_margin));
     reach_ = box.inflated(static_cast<double>(margin_));
@@ -71,7 +71,7 @@ void Tree::set_surface(const Surface& surface, const Box& box) {
 void Tree::refit(const Surface& surface, const Box& box) {
     set_surface(surface, box);
     rtcCommitGeometry(geometry_);
-    rtcJoinCommitScene(scene_);  // in the caller's arena, so that its thread count holds
+    rtcJoinCommitScene(scene_);  // runs in the caller's arena and so keeps to its thread count
 }
 
 Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
@@ -80,8 +80,7 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     init_context(query.context);
     query.search = &search;
     query.slack = 2.0 * margin_ + surface_.touch;
-    // Embree's float32 ray begins where the surface is near: far away its rounding would not fit
-    // the margin.
+    // Embree's float32 ray begins near the surface: far away its rounding would exceed the margin.
     double first = -std::numeric_limits<double>::infinity();
     if (ray.outward > surface_.touch || !reach_.contains(ray.origin)) {
         const Stretch inside = stretch_inside(reach_, ray.origin, ray.direction);
@@ -92,7 +91,7 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
         query.start = max_of(search.begin() - query.slack, first);
         const Vec3f origin = to_float(ray.origin + query.start * ray.direction);
         const Vec3f direction = to_float(ray.direction);
-        // What Embree does not read stays as it is.
+        // Members that Embree does not read stay uninitialized.
         RTCRayHit embree_ray;  // NOLINT(cppcoreguidelines-pro-type-member-init)
         embree_ray.ray = {origin.x,        origin.y,    origin.z,    0.0f,
                           direction.x,     direction.y, direction.z, 0.0f,
@@ -125,7 +124,7 @@ void Tree::show_near(ClosestSearch& search) const {
 bool Tree::test_near(RTCPointQueryFunctionArguments* arguments) {
     const PointQuery& query = *static_cast<const PointQuery*>(arguments->userPtr);
     query.search->test(arguments->primID);
-    // Shortening the radius is all that Embree needs to know of a find.
+    // To tell Embree about a closer triangle, it is enough to shorten the radius.
     const float before = arguments->query->radius;
     arguments->query->radius = min_of(query.radius(), before);
     return arguments->query->radius < before;
@@ -145,7 +144,7 @@ void Tree::intersect(const RTCIntersectFunctionNArguments* arguments) {
     Query& query = *reinterpret_cast<Query*>(arguments->context);
     query.search->test(arguments->primID);
     ++query.tests;
-    // Shortening the ray is all that Embree needs to know of a hit.
+    // To tell Embree about a hit, it is enough to shorten the ray.
     RTCRayHit& ray = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
     ray.ray.tfar = min_of(query.far_end(), ray.ray.tfar);
 }

@@ -15,7 +15,7 @@ enum class TreeKind { still, moving };
 /// boxes and tests.
 class Tree {
 public:
-    /// `box`: around all positions.
+    /// Builds the tree. `box`: around all positions.
     Tree(RTCDevice device, TreeKind kind, const Surface& surface, const Box& box);
     ~Tree();
     Tree(const Tree&) = delete;
@@ -44,7 +44,7 @@ private:
     void set_surface(const Surface& surface, const Box& box);
 
     Surface surface_;
-    Box reach_;         ///< nothing of the surface is near a point outside
+    Box reach_;         ///< no point outside of this box is near the surface
     float margin_ = 0;  ///< [length] how far boxes reach beyond their triangles
     RTCScene scene_ = nullptr;
     RTCGeometry geometry_ = nullptr;

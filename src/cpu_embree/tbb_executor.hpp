@@ -17,13 +17,14 @@
 
 namespace pierce {
 
-/// Stages on oneTBB's threads, in an arena of its own. Items are independent and every result is
-/// written to its own place, so the answer is the same for any number of threads.
+/// Runs stages on oneTBB's threads, in an arena of its own. Items are independent and every result
+/// has its own place, so results are the same for any number of threads.
 class TbbExecutor : public HostExecutor {
 public:
     explicit TbbExecutor(int threads) : arena_(threads), team_(arena_, threads) {}
 
-    /// Inside the arena, so that whatever libraries do in parallel takes no more threads either.
+    /// Runs the work inside the arena, so that parallel work of libraries takes no more threads
+    /// either.
     template <class Work>
     void run(const Work& work) {
         arena_.execute(work);
@@ -41,26 +42,26 @@ public:
         (for_each(n, stages), ...);
     }
 
-    /// Like for_each, for few items that are work enough for a task each.
+    /// Like for_each, for few items with enough work for a task each.
     template <class F>
     void for_each_task(std::uint32_t n, const F& task) {
         if (n > 0) share(n, 1, task);
     }
 
-    /// Serial: adding up a step's counts takes microseconds.
+    /// Runs serially: adding up a step's counts takes microseconds.
     std::uint32_t exclusive_scan(ListId id, std::uint32_t n, View<const std::uint32_t> in,
                                  View<std::uint32_t> out) {
         return serial_.exclusive_scan(id, n, in, out);
     }
 
-    /// Serial: one or two nanoseconds an item.
+    /// Runs serially: an item takes one or two nanoseconds.
     template <class F>
     std::uint32_t select(ListId id, std::uint32_t n, const F& wanted, View<std::uint32_t> out) {
         return serial_.select(id, n, wanted, out);
     }
 
-    /// Things in the order of the items that they were found by: chunks of items find theirs, and
-    /// then write them.
+    /// Lists things in the order of the items that found them: chunks of items first find their
+    /// things and then write them.
     template <class F, class... T>
     void emit(ListId id, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         if (n <= emitted_chunk) return serial_.emit(id, n, finder, lists...);
@@ -91,15 +92,15 @@ public:
         });
     }
 
-    /// Serial too: keys are few.
+    /// Runs serially: there are few keys.
     void sort(std::uint32_t n, int bits, View<const std::uint64_t> keys,
               View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
               View<std::uint32_t> sorted_values) {
         serial_.sort(n, bits, keys, values, sorted_keys, sorted_values);
     }
 
-    /// Chunks of items, the same for any number of threads, are added up on their own, and then in
-    /// their order.
+    /// Adds up each chunk of items, and then the chunks in their order. The chunks are the same for
+    /// any number of threads.
     template <class F, class T>
     void reduce(std::uint32_t n, const F& term, T& sum) {
         constexpr std::uint32_t chunk_size = is_cheap<F>() ? 8 * cheap_grain : usual_grain;
@@ -119,7 +120,7 @@ public:
     }
 
 private:
-    // Items per task at least; smaller tasks cost more than they balance.
+    // The least number of items per task; smaller tasks cost more than they gain by balance.
     static constexpr std::uint32_t usual_grain = 16;
     static constexpr std::uint32_t cheap_grain = 512;
     static constexpr std::uint32_t emitted_chunk = 32;
@@ -134,8 +135,8 @@ private:
     tbb::task_arena arena_;
     Team team_;
     SerialExecutor serial_;
-    HostBuffer<std::byte> found_;       ///< by items that emit, or sums of chunks
-    HostBuffer<std::uint32_t> places_;  ///< where their chunks write to
+    HostBuffer<std::byte> found_;       ///< what items find while they emit, or sums of chunks
+    HostBuffer<std::uint32_t> places_;  ///< where each chunk begins to write
 };
 
 static_assert(Executor<TbbExecutor>);

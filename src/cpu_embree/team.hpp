@@ -15,27 +15,28 @@
 
 namespace pierce {
 
-/// Threads of oneTBB's that stay together for a while: they take their shares of one stage after
-/// another without being called anew. Measured on two cores: a stage through tbb::parallel_for
-/// costs 10 to 15 microseconds beyond its work, and a step of less than a millisecond has thirty.
+/// Threads of oneTBB that stay together for a while. They take their shares of one stage after
+/// another without a new call. Measured on two cores: a stage through tbb::parallel_for costs 10 to
+/// 15 microseconds beyond its work, and a step of less than a millisecond has thirty stages.
 ///
-/// Every thread has a range of its own, the same part of every stage: what it wrote in one it
-/// mostly reads in the next, and from its own cache. Whoever is done helps the others. The caller
-/// does all that no helper takes, so it never waits for one to come.
+/// Every thread has a range of its own, the same part of every stage. So a thread mostly reads what
+/// it wrote in the stage before, from its own cache. A thread that is done helps the others. The
+/// caller does all that no helper takes, so it never waits for a helper to arrive.
 class Team {
 public:
-    /// Helpers come from `arena`; `size` threads in all, the caller's among them.
+    /// Makes a team of `size` threads in all, the caller's among them; the helpers come from
+    /// `arena`.
     Team(tbb::task_arena& arena, int size) : arena_(arena), board_(size) {}
     Team(const Team&) = delete;
     ~Team() {
         board_.closed.store(true, std::memory_order_relaxed);
-        arena_.execute([&] { helpers_.wait(); });  // those that no thread has begun are over at
-                                                   // once, on this one
+        arena_.execute([&] { helpers_.wait(); });  // tasks that no thread has begun run here and
+                                                   // end at once
         TsanOrder::pass();
     }
 
     /// Calls `work(begin, end)` for ranges that make up [0, count), most of `grain` items or more.
-    /// Throws what the first of them to fail throws, once all are over.
+    /// When all ranges are done, throws what the first range to fail has thrown.
     template <class Work>
     void share(std::uint32_t count, std::uint32_t grain, const Work& work) {
         Board& board = board_;
@@ -47,7 +48,7 @@ public:
         board.grain.store(grain, std::memory_order_relaxed);
         board.done.store(0, std::memory_order_relaxed);
         ++stage_;
-        // From here on helpers may take something.
+        // From here on helpers may take shares.
         for (std::uint32_t k = 0; k < board.size; ++k)
             board.members[k].left.store(
                 std::uint64_t{stage_} << 32 | (board.end_of(k, count) - board.end_of(k - 1, count)),
@@ -64,14 +65,15 @@ public:
     }
 
 private:
-    // A helper that has found nothing to do for as many pauses, 0.2 to 0.8 milliseconds, goes back
-    // to oneTBB: long enough to be there still when steps follow each other. Called anew it comes
-    // 20 to 50 microseconds late; measured on two cores, steps of 0.75 milliseconds took 8 %
-    // longer.
+    // A helper that has found nothing to do for this many pauses, 0.2 to 0.8 milliseconds, goes
+    // back to oneTBB. That is long enough to be still there when steps follow each other. A helper
+    // that is called anew comes 20 to 50 microseconds late. Measured on two cores, steps of 0.75
+    // milliseconds then took 8 % longer.
     static constexpr std::uint32_t patience = 1u << 14;
-    // Whoever has waited for longer may be in the way of the one who is waited for.
+    // A thread that has waited for longer may be in the way of the thread that it waits for.
     static constexpr std::uint32_t pauses_before_yield = 1u << 9;
-    // Of what is left of a range: small shares last, so that all end together.
+    // A share is this part of what is left of a range, at least `grain` items. Small shares come
+    // last, so that all threads end together.
     static constexpr std::uint32_t share_of_rest = 8;
 
     static void pause(std::uint32_t pauses) {
@@ -85,12 +87,12 @@ private:
 
     /// One thread: the caller, or a helper.
     ///
-    /// `left` holds the stage's number and how many items of the thread's range nobody has taken.
-    /// Whoever takes some has read the board before; that `left` was unchanged since, and not zero,
-    /// shows that the stage was not over, and that what stood on the board was its own.
+    /// `left` holds the stage's number and the number of items of the thread's range that are not
+    /// yet taken. A thread reads the board before it takes items. If `left` is unchanged since
+    /// then, and not zero, the stage was not over and the board held this stage's work.
     struct alignas(64) Member {
         std::atomic<std::uint64_t> left = 0;
-        std::atomic<bool> present = false;  ///< or on its way
+        std::atomic<bool> present = false;  ///< in the team, or on its way
     };
 
     /// What the caller and its helpers see.

@@ -6,16 +6,17 @@
 /// The sort of short lists, in one launch.
 namespace pierce::cuda {
 
-/// Lists up to this long are sorted by counting for each key those before it, on all of the GPU at
-/// once, where a sort by passes waits for one launch after the other. Chunks of keys count as a
-/// whole where they can: most of them where a list is nearly sorted, as contacts are.
+/// Lists up to this long are sorted by counting, for each key, the keys that come before it. That
+/// uses the whole GPU at once, where a sort by passes waits for one launch after the other. Chunks
+/// of keys are counted as a whole where possible; in a nearly sorted list, such as contacts, those
+/// are most of them.
 inline constexpr std::uint32_t counted_list = 1u << 14;
 inline constexpr std::uint32_t counted_keys = 64, counted_parts = 16;  ///< keys of a block, and
                                                                        ///< threads that share a key
 inline constexpr std::uint32_t counted_chunk = 64, most_chunks = counted_list / counted_chunk;
 
-/// Keys, and the first and the last of each chunk in their order. A list so short that every thread
-/// has one chunk goes without: it is counted key by key.
+/// Keys, and the smallest and the largest key of each chunk. A list so short that every thread has
+/// one chunk does without the chunks' limits and is counted key by key.
 struct KeyChunks {
     const std::uint64_t* keys;
     std::uint32_t count;
@@ -29,7 +30,7 @@ struct KeyChunks {
         return count == 0 ? 0 : (count + chunk_size() - 1) / chunk_size();
     }
 
-    /// By one warp.
+    /// Finds the limits of a chunk; one warp calls it.
     __device__ void measure(std::uint32_t chunk) const {
         std::uint64_t low = ~std::uint64_t{0}, high = 0;
         const std::uint32_t end = min_of((chunk + 1) * counted_chunk, count);
@@ -46,8 +47,8 @@ struct KeyChunks {
         highest[chunk] = high;
     }
 
-    /// How many of a chunk's keys come before that of place i; of equal ones those at smaller
-    /// places.
+    /// The number of a chunk's keys that come before the key of place i; of equal keys, those at
+    /// smaller places come before it.
     __device__ std::uint32_t before(std::uint32_t chunk, std::uint64_t key, std::uint32_t i) const {
         const std::uint32_t begin = chunk * chunk_size(), end = min_of(begin + chunk_size(), count);
         if (!is_short()) {
@@ -64,8 +65,8 @@ struct KeyChunks {
     }
 };
 
-/// Writes keys and their values to where they belong; stable. What is past the last key becomes the
-/// largest.
+/// Writes keys and their values to their sorted places; the sort is stable. Places past the last
+/// key get the largest key.
 inline __global__ void __launch_bounds__(counted_keys* counted_parts)
     sort_by_counting(const Items items, const std::uint64_t* keys, const std::uint32_t* values,
                      std::uint64_t* sorted_keys, std::uint32_t* sorted_values) {

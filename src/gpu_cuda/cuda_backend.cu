@@ -88,11 +88,11 @@ public:
     }
 
 private:
-    // The first steps after a change come one by one, so that trees are there and buffers large
-    // enough.
+    // The first steps after a change run stage by stage, so that the trees exist and the buffers
+    // are large enough.
     static constexpr std::uint32_t rehearsals = 2;
 
-    /// Steps whose course does not depend on what they find.
+    /// True if the course of steps does not depend on what they find.
     bool can_repeat(const Plan& plan) const {
         return options_.graph && !plan.is_complete() && !plan.remembers() && !plan.meets_itself;
     }
@@ -150,7 +150,7 @@ private:
             stats.device_milliseconds = milliseconds;
             return pipeline_.report(*mirror_.scene().plan, stats);
         }
-        // Something outgrew its bounds: once more, exactly, from the same memory.
+        // A list outgrew its room: the step runs once more as an exact step, from the same memory.
         pipeline_.forget_step(mirror_.scene());
         restart();
         exact_step(stats);

@@ -22,11 +22,12 @@
 #include "pierce/min_max.hpp"
 
 namespace pierce {
-/// Stages on the GPU, one thread an item, on one stream, and a second for what beside() is given.
-/// In exact steps totals come back to the host, which waits for each. In bounded steps they stay on
-/// the device: launches and buffers are sized by what the last exact step came to, with room to
-/// grow, so that the host waits for nothing and the step can be captured as a graph. A step that
-/// would not fit says so. One class, long as it is: all that it does shares its streams and totals.
+/// Runs stages on the GPU, one thread per item, on one stream, with a second stream for the work
+/// given to beside(). In exact steps the totals come back to the host, which waits for each. In
+/// bounded steps the totals stay on the device. Launches and buffers are then sized by the totals
+/// of exact steps, with room to grow. So the host waits for nothing, and the step can be captured
+/// as a graph. finish() reports a step that did not fit. This is one long class, as all its parts
+/// share the streams and totals.
 class CudaExecutor {
 public:
     using Count = cuda::DeviceCount;
@@ -34,8 +35,9 @@ public:
     using Buffer = cuda::DeviceBuffer<T>;
     template <class T>
     using Sum = cuda::SharedValue<T>;
-    // Measured: with more bodies a sweep's launches are sooner over than a look at all pairs; one
-    // item for all partners of a body in the sweep would be the whole step's longest.
+    // Measured: with more than 512 bodies a sweep's launches take less time than a look at all
+    // pairs. With one item for all partners of a body in the sweep, that item would be the longest
+    // of the whole step.
     static constexpr ExecutorTraits traits{
         .host_reads = false, .overlaps_updates = true, .bodies_at_once = 512, .sweep_walks = 8};
 
@@ -68,8 +70,8 @@ public:
 
     cudaStream_t stream() const { return stream_; }
 
-    /// Begins a step, or the repetition of one that was captured. `bank`: 0 or 1, the other one
-    /// than in the last step, whose totals are still read.
+    /// Begins a step, or the repetition of a captured step. `bank`: 0 or 1, not the one of the last
+    /// step, whose totals are still read.
     void begin_exact(std::uint32_t bank) {
         bounded_ = false;
         bank_ = bank;
@@ -77,7 +79,7 @@ public:
     }
     void begin_bounded(std::uint32_t bank) {
         begin_repetition(bank);
-        // Beside what comes before the first list.
+        // The lists begin on the second stream, beside the stages that come before the first list.
         fork();
         std::swap(stream_, side_.stream);
         begin_lists(totals_.data() + bank * most_totals, most_totals);
@@ -90,7 +92,8 @@ public:
         bank_ = bank;
         next_ = 0;
     }
-    /// Ends a step: its totals and whether it overflowed are on their way to the host.
+    /// Ends a step: starts the copy of the step's totals, and of whether it overflowed, to the
+    /// host.
     void end() {
         wait_for_lists();
         copy_to_host(host_totals_, totals_.data(), 2 * most_totals);
@@ -104,9 +107,9 @@ public:
         return false;
     }
 
-    /// Work that is independent of everything issued before join(): in bounded steps on a stream of
-    /// its own, where the GPU has room beside what comes. It is done as a whole, or not at all if a
-    /// list has outgrown its room before.
+    /// Runs work that is independent of everything issued before join(). In bounded steps the work
+    /// has a stream of its own, so that it fills what other stages leave free on the GPU. It is
+    /// done as a whole, or not at all if a list has outgrown its room before.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
@@ -125,7 +128,7 @@ public:
         is_forked_ = false;
     }
 
-    /// Work that consists of stages, as a whole.
+    /// Runs work that consists of stages as a whole.
     template <class Work>
     void run(const Work& work) {
         work();
@@ -178,7 +181,7 @@ public:
         }
         cuda::NoteTotal to = next_total(id, 0xffffffffu);
         if (!bounded_) {
-            // Once to see how much room they need.
+            // The first launch only counts, to see how much room the lists need.
             begin_lists(to.total, 1);
             to.room = 0xffffffffu;
             launch_emit(id, n, finder, to);
@@ -241,7 +244,7 @@ public:
             add_up<cuda::block_threads>(n, term, sum);
     }
 
-    /// What a reduction came to. Waits for the device, as the next ones do.
+    /// The result of a reduction. Waits for the device, like the next functions.
     template <class T>
     T read(const Sum<T>& sum) const {
         wait();
@@ -278,7 +281,7 @@ public:
     void upload(std::span<const T> items, Buffer<T>& buffer) {
         buffer.resize(static_cast<std::uint32_t>(items.size()));
         copy(buffer.data(), items.data(), items.size(), cudaMemcpyHostToDevice);
-        wait();  // the items may go
+        wait();  // the caller may free the items now
     }
 
     template <class T>
@@ -310,7 +313,7 @@ private:
 
     cuda::Items items(const Count& n) const { return {n, overflow_.data() + is_beside_}; }
 
-    // How much more than in the exact step may come, before a bounded step must be repeated.
+    // By how much a total may exceed that of the exact step before a bounded step must be repeated.
     static constexpr std::uint32_t spare_share = 8, spare_items = 1024;
 
     Count next_total_of_nothing(ListId id) {
@@ -319,17 +322,17 @@ private:
         return 0;
     }
 
-    /// Where the next total goes. `most`: what it can be at most.
+    /// The place of the next total. `most`: the largest value that it can have.
     cuda::NoteTotal next_total(ListId id, std::uint32_t most) {
         wait_for_lists();
         if (bounded_ && next_ + 1 == most_totals)
             throw std::logic_error("a step has more totals than there is room for");
-        // Exact steps may have any number of totals: nobody reads them later.
+        // Exact steps may have any number of totals, as their totals are not read later.
         std::uint32_t* const place = totals_.data() + bank_ * most_totals + next_ % most_totals;
         return {bounded_ ? min_of(known_bound(id), most) : most, place, overflow_.data()};
     }
 
-    /// A total that is, or will be, where it belongs.
+    /// The count for a total that has been written, or will be.
     Count noted(ListId id, const cuda::NoteTotal& to) {
         ++next_;
         if (bounded_) return {to.room, to.total, 1};
@@ -340,8 +343,8 @@ private:
         return *host;
     }
 
-    /// What a total may come to in bounded steps: what it has come to so far, in any exact step,
-    /// and some more. A total that is small now and large then does not make every other step come
+    /// The room for a total in bounded steps: the largest total of all exact steps so far, and some
+    /// more. So a total that changes between small and large does not make every other step run
     /// twice.
     std::uint32_t known_bound(ListId id) const {
         const std::uint32_t bound = bounds_[static_cast<std::size_t>(id)];
@@ -360,7 +363,8 @@ private:
                     "clearing device memory");
     }
 
-    /// Before anything is emitted: once in a bounded step, in which every list is emitted once.
+    /// To be called before anything is emitted; once in a bounded step, in which every list is
+    /// emitted once.
     void begin_lists(std::uint32_t* totals, std::uint32_t count) {
         for_each(count, cuda::BeginLists{totals, epoch_.data()});
     }
@@ -394,8 +398,7 @@ private:
         cuda::check(cudaGetLastError(), "a launch");
     }
 
-    /// Sorts keys by half of what they take, as they have no more bits: less for every pass to
-    /// move.
+    /// Sorts keys of no more than 32 bits as 32-bit numbers, so that every pass moves less.
     void sort_narrow(Count n, int bits, View<const std::uint64_t> keys,
                      View<const std::uint32_t> values, View<std::uint64_t> sorted_keys,
                      View<std::uint32_t> sorted_values) {
@@ -409,7 +412,7 @@ private:
         std::size_t bytes = 0;
         sort(nullptr, bytes, nullptr, nullptr);
         constexpr std::size_t word = sizeof(std::uint32_t);
-        const std::size_t begin = (bytes + word - 1) / word;  // of what follows the sort's own
+        const std::size_t begin = (bytes + word - 1) / word;  // the first word after the sort's own
                                                               // scratch memory
         scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound)));
         std::uint32_t* const narrow = reinterpret_cast<std::uint32_t*>(scratch_.data()) + begin;
@@ -418,13 +421,13 @@ private:
         for_each(n.bound, cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
     }
 
-    /// What comes beside follows what has come so far.
+    /// Makes the second stream wait for all that was issued so far.
     void fork() {
         cuda::check(cudaEventRecord(forked_, stream_), "an event");
         cuda::check(cudaStreamWaitEvent(side_.stream, forked_), "an event");
     }
 
-    /// Work beside comes after their begin anyway.
+    /// Waits until the lists have begun. Work beside the rest runs after that on its stream anyway.
     void wait_for_lists() {
         if (!waits_for_lists_ || is_beside_) return;
         cuda::check(cudaStreamWaitEvent(stream_, lists_begun_), "an event");
@@ -448,23 +451,24 @@ private:
     cudaStream_t stream_ = nullptr;
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
-    std::array<std::uint32_t, list_count> bounds_{};  ///< of totals; 0: none is known
+    std::array<std::uint32_t, list_count> bounds_{};  ///< the room for each total; 0: unknown
     std::array<Buffer<std::uint64_t>, list_count> sums_of_blocks_;
     Buffer<std::uint32_t> totals_;
     Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks
-    Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of one beside the rest
-    Buffer<std::uint32_t> overflow_;  ///< has a total overflowed? and, had one when the work beside
-                                      ///< began?
-    std::uint32_t* host_totals_ = nullptr;  ///< and one more: has a total overflowed?
+    Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of a reduction beside the rest
+    Buffer<std::uint32_t> overflow_;  ///< whether a total has overflowed, and whether one had when
+                                      ///< the work beside the rest began
+    std::uint32_t* host_totals_ = nullptr;  ///< the totals of both banks, and whether one has
+                                            ///< overflowed
     Buffer<std::byte> scratch_;
-    /// What work beside the rest has of its own.
+    /// What belongs to the work beside the rest.
     struct {
         cudaStream_t stream = nullptr;
         Buffer<std::byte> scratch;
     } side_;
     cudaEvent_t forked_ = nullptr, joined_ = nullptr, lists_begun_ = nullptr;
     bool is_forked_ = false, is_beside_ = false;
-    bool waits_for_lists_ = false;  ///< they are to begin beside
+    bool waits_for_lists_ = false;  ///< the lists still begin on the second stream
 };
 
 static_assert(Executor<CudaExecutor>);

@@ -13,9 +13,9 @@
 namespace pierce::cuda {
 
 /// An array in device memory, from the device's current memory pool (cudaDeviceSetMemPool chooses
-/// it). It grows and never shrinks, so that steady steps allocate nothing; what is in it stays,
-/// what is new is not initialized. Growing waits for the device, so that all streams may use what
-/// was allocated on the default one.
+/// it). The array grows and never shrinks, so that steady steps allocate nothing. Growing keeps the
+/// items and does not initialize new ones. Growing also waits for the device, so that all streams
+/// may use what was allocated on the default stream.
 template <class T>
 class DeviceBuffer {
     static_assert(std::is_trivially_destructible_v<T>);
@@ -29,14 +29,14 @@ public:
     }
     ~DeviceBuffer() {
         if (data_ == nullptr)
-            return;  // while a step is captured, buffers are exchanged, and CUDA forbids to wait
+            return;  // buffers are exchanged while a step is captured, when CUDA forbids waiting
         cudaDeviceSynchronize();
         cudaFreeAsync(data_, nullptr);
     }
 
     T* data() { return data_; }
     const T* data() const { return data_; }
-    /// At most so many items.
+    /// The largest number of items that the buffer may hold now.
     std::size_t size() const { return count_.bound; }
     bool empty() const { return count_.bound == 0; }
     DeviceCount count() const { return count_; }
@@ -80,8 +80,8 @@ DeviceCount count_of(const DeviceBuffer<T>& buffer) {
     return buffer.count();
 }
 
-/// One value that the device writes and the host reads once the device is done: host memory that
-/// both see.
+/// One value that the device writes, and that the host reads after waiting for the device. It is in
+/// host memory that both can access.
 template <class T>
 class SharedValue {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -97,6 +97,33 @@ public:
 
 private:
     T* data_ = nullptr;
+};
+
+/// An array that the host writes and that the device copies without waiting for the host.
+template <class T>
+class StagingBuffer {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+public:
+    StagingBuffer() = default;
+    StagingBuffer(const StagingBuffer&) = delete;
+    ~StagingBuffer() { cudaFreeHost(data_); }
+
+    /// Room for `count` items; what they are is for the caller to say.
+    T* resize(std::size_t count) {
+        if (count > capacity_) {
+            cudaFreeHost(data_);
+            data_ = nullptr;
+            check(cudaHostAlloc(&data_, count * sizeof(T), cudaHostAllocDefault),
+                  "allocation of pinned memory");
+            capacity_ = count;
+        }
+        return data_;
+    }
+
+private:
+    T* data_ = nullptr;
+    std::size_t capacity_ = 0;
 };
 
 }  // namespace pierce::cuda

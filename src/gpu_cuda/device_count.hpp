@@ -6,7 +6,8 @@
 
 namespace pierce::cuda {
 
-/// How many items there are: a number, or one that only the device knows, with a bound.
+/// How many items there are: a number that the host knows, or a number that only the device knows,
+/// with a bound.
 struct DeviceCount {
     std::uint32_t bound = 0;
     const std::uint32_t* exact = nullptr;  ///< device memory; null: `bound` is the number
@@ -17,7 +18,7 @@ struct DeviceCount {
     DeviceCount(std::uint32_t most, const std::uint32_t* number, std::uint32_t times)
         : bound(most), exact(number), factor(times) {}
 
-    /// For parts of a step that cannot do without the number. Throws std::logic_error where the
+    /// The number, for parts of a step that cannot do without it. Throws std::logic_error where the
     /// host does not know it.
     operator std::uint32_t() const {
         if (exact != nullptr)

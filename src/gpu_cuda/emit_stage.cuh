@@ -6,21 +6,21 @@
 /// Lists of what stages find, found and written in one launch.
 namespace pierce::cuda {
 
-/// Items from which those who emit a list come in large blocks: small ones would wait for each
-/// other.
+/// From this many items on, a stage that emits a list runs in large blocks: small blocks would wait
+/// for each other.
 inline constexpr std::uint32_t many_emitting = 1u << 15;
 
-/// What the blocks of a launch add up to, a word for each: its own sum at first, then that of all
-/// up to it. A word is read and written whole. `epoch` differs from launch to launch, so that words
-/// of earlier ones need not be cleared.
+/// The sums of the blocks of a launch, one word per block. A word first holds the block's own sum,
+/// then the sum of all blocks up to it. A word is read and written whole. `epoch` differs from
+/// launch to launch, so that words of earlier launches need not be cleared.
 struct BlockSums {
     std::uint64_t* words;
     const std::uint32_t* epoch;
 
-    /// By a whole warp: what the blocks before this one add up to, whose own sum is `sum`. They are
-    /// looked back for, a warp of them at a time, until one knows the sum of all before it (Merrill
-    /// and Garland 2016, decoupled look-back). Blocks start in their order, so those waited for are
-    /// under way.
+    /// The sum of all blocks before this one, whose own sum is `sum`; a whole warp calls it. The
+    /// warp looks back at earlier blocks, as many at a time as it has threads, until one knows the
+    /// sum of all blocks up to it (Merrill and Garland 2016, decoupled look-back). Blocks start in
+    /// their order, so the blocks that it waits for are already running.
     __device__ std::uint32_t before(std::uint32_t sum) const {
         const std::uint32_t block = blockIdx.x, lane = threadIdx.x % warp_threads, now = *epoch;
         if (lane == 0) write(block, now, block == 0, sum);
@@ -51,8 +51,8 @@ private:
     }
 };
 
-/// Per total: none so far. Begins a launch that emits a list, or several with words and totals of
-/// their own. No epoch is zero, which is what new words are.
+/// Sets each total to zero. It begins a launch that emits a list, or several launches with words
+/// and totals of their own. An epoch is never zero, as new words are zero.
 struct BeginLists {
     std::uint32_t* totals;
     std::uint32_t* epoch;
@@ -63,8 +63,8 @@ struct BeginLists {
     }
 };
 
-/// How much room there is for what items find, and where it is said how many things there are: also
-/// if there is not room.
+/// The room for what items find, and the place for the total, which is written even if there is not
+/// enough room.
 struct Emitted {
     std::uint32_t room;
     std::uint32_t* total;  ///< zero at first
@@ -73,19 +73,19 @@ struct Emitted {
     bool in_order;
 };
 
-/// Blocks up to which what they find is listed in order, also where nobody asks: contacts of a list
-/// that is nearly sorted are sooner sorted. A block waits for those before it, which takes longer
-/// than the work where they are many.
+/// Up to this many blocks, lists are in the order of items even if the stage does not ask for it,
+/// as a nearly sorted list of contacts is sorted faster. A block waits for the blocks before it;
+/// with many blocks, that takes longer than the work.
 inline constexpr std::uint32_t few_blocks = 512;
 
-/// True for a stage that says what is in its lists past the last thing.
+/// True for a stage that fills its lists past the last thing.
 template <class F, class... T>
 constexpr bool pads() {
     return requires(const F& finder, T*... lists) { finder.pad(0u, lists...); };
 }
 
-/// Writes what items find; nothing by a block for which there is not room enough. Without lists
-/// things are only counted.
+/// Writes what items find. A block without enough room writes nothing. Without lists, things are
+/// only counted.
 template <class F, class... T>
 __global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads))
     emit_stage(const __grid_constant__ F finder, const Items items, const Emitted to,
@@ -125,8 +125,8 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads
     if constexpr (sizeof...(T) > 0)
         if (is_item && sum > 0 && begin + sum <= to.room)
             finder.write(i, found, begin + place, lists...);
-    // A function, as nvcc 13.0 answers a `requires` of a pack once, for the launch without lists,
-    // and never asks again.
+    // pads() is a function, as nvcc 13.0 evaluates a `requires` with a pack only once, for the
+    // launch without lists.
     if constexpr (pads<F, T...>()) {
         static_assert(in_order<F>(), "the last block knows where the list ends");
         if (blockIdx.x + 1 == gridDim.x)

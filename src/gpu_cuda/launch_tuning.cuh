@@ -9,15 +9,16 @@
 #include "core/trace/bvh/candidates.hpp"
 #include "core/trace/bvh/refit.hpp"
 
-/// How stages are launched, where a launch like all others was measured to be slower.
+/// How stages are launched that were measured to be slower with the usual launch.
 namespace pierce::cuda {
 
-/// A stage's launch.
+/// How a stage is launched.
 struct Launch {
-    int threads_at_once = 0;  ///< how many must fit on a multiprocessor: more hide more waiting,
-                              ///< with fewer registers for each; 0: a block's
-    bool is_uneven = false;   ///< its threads take very different times: a small block makes room
-                              ///< for the next one sooner
+    int threads_at_once = 0;  ///< how many threads must fit on a multiprocessor: more threads hide
+                              ///< more waiting, but have fewer registers each; 0: as many as a
+                              ///< block has
+    bool is_uneven = false;  ///< the stage's threads take very different times: a small block makes
+                             ///< room for the next one sooner
 };
 
 template <class Stage>
@@ -31,7 +32,7 @@ inline constexpr Launch launch_of<bvh::FindCandidates>{.threads_at_once = 1024, 
 template <>
 inline constexpr Launch launch_of<bvh::Trace>{.threads_at_once = 512, .is_uneven = true};
 
-// Nearly all threads only look.
+// Nearly all threads only check whether they have work.
 template <>
 inline constexpr Launch launch_of<bvh::TraceTree>{.threads_at_once = 1024};
 
@@ -65,7 +66,7 @@ inline constexpr Launch launch_of<stages::MeetFeatures<false>>{.threads_at_once 
 template <>
 inline constexpr Launch launch_of<stages::MeetFeatures<true>>{.threads_at_once = 256};
 
-// It waits for memory.
+// This stage waits for memory.
 template <>
 inline constexpr Launch launch_of<stages::FindAge>{.threads_at_once = 1536};
 

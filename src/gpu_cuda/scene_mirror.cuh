@@ -12,8 +12,8 @@
 
 namespace pierce::cuda {
 
-/// Per body: takes over where the caller has put it. Where deforming bodies are is found out by the
-/// step.
+/// Copies, per body, where the caller has put it. The step itself finds out where deforming bodies
+/// are.
 struct ApplyInput {
     View<const BodyInput> inputs;
     View<BodyView> bodies;
@@ -25,12 +25,13 @@ struct ApplyInput {
     }
 };
 
-/// A scene in device memory: all of it once per plan, and in every step what the host has changed.
+/// A scene in device memory. All of it is copied once per plan, and in every step what the host has
+/// changed.
 class SceneMirror {
 public:
     explicit SceneMirror(CudaExecutor& executor) : executor_(executor) {}
 
-    /// Brings the mirror up to date; true if everything is new.
+    /// Brings the mirror up to date; returns true if everything is new.
     bool update(const Scene& host) {
         const bool is_new = revision_ != host.plan->revision;
         if (is_new) rebuild(host);
@@ -46,7 +47,7 @@ public:
     /// The scene for a step on the device.
     const Scene& scene() const { return scene_; }
 
-    /// What the device found out about where bodies are, into the host's views.
+    /// Copies what the device found out about where bodies are into the host's views.
     void fetch(View<BodyView> host) const {
         std::vector<BodyView> there(bodies_.size());
         executor_.copy_to_host(there.data(), bodies_.data(), there.size());
@@ -54,7 +55,8 @@ public:
         for (std::uint32_t b = 0; b < host.size; ++b) static_cast<BodyBounds&>(host[b]) = there[b];
     }
 
-    /// Deforming bodies' shapes of the last step, of those that are still there, into the host's.
+    /// Copies deforming bodies' shapes of the last step into the host's, for bodies that still
+    /// exist.
     void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> host) const {
         for (std::uint32_t b = 0; b < host.size && b < seen_of_body_.size(); ++b) {
             const SeenOfBody& known = seen_of_body_[b];
@@ -71,7 +73,7 @@ private:
         std::uint32_t first = 0, count = 0;
     };
 
-    /// Device copies of arrays that stay as they are.
+    /// Device copies of arrays that do not change.
     class Arrays {
     public:
         template <class T>
@@ -189,9 +191,9 @@ private:
     }
 
     void send_inputs(View<const BodyView> host) {
-        staged_inputs_.resize(host.size);
+        BodyInput* const staged = staged_inputs_.resize(host.size);
         for (std::uint32_t b = 0; b < host.size; ++b) {
-            BodyInput& input = staged_inputs_[b] = host[b];
+            BodyInput& input = staged[b] = host[b];
             input.positions.data = positions_of_[b];
             input.start.data = starts_.data() + first_vertex_[b];
             if (host[b].device_positions != nullptr) {
@@ -209,7 +211,9 @@ private:
             executor_.copy(starts_.data() + first_vertex_[b], host[b].start.data,
                            host[b].start.size, cudaMemcpyHostToDevice);
         }
-        executor_.upload(std::span<const BodyInput>(staged_inputs_), inputs_);
+        // The last step is over, so that nothing reads the inputs any more.
+        inputs_.resize(host.size);
+        executor_.copy(inputs_.data(), staged, host.size, cudaMemcpyHostToDevice);
         executor_.for_each(host.size, ApplyInput{view_of(inputs_), view_of(bodies_)});
     }
 
@@ -220,7 +224,7 @@ private:
     std::vector<std::uint32_t> first_vertex_;             ///< per deforming body, in positions_
     std::vector<SeenOfBody> seen_of_body_;
     std::vector<std::uint64_t> sent_version_;
-    std::vector<BodyInput> staged_inputs_;
+    StagingBuffer<BodyInput> staged_inputs_;
     std::vector<const Vec3f*> positions_of_;  ///< per body, on the device
     std::uint32_t sent_forgets_ = 0;
     DeviceBuffer<std::uint32_t> forgets_;

@@ -12,29 +12,30 @@
 #include "gpu_cuda/launch_tuning.cuh"
 #include "pierce/min_max.hpp"
 
-/// What the executor launches: a thread an item, lists continued past their end for CUB, sums, and
-/// short lists scanned and selected from by one block. Lists that stages emit are in
-/// emit_stage.cuh, short sorts in counting_sort.cuh.
+/// What the executor launches: stages with a thread per item, lists continued past their end for
+/// CUB, sums, and scans of and selections from short lists by one block. Lists that stages emit are
+/// in emit_stage.cuh, short sorts are in counting_sort.cuh.
 namespace pierce::cuda {
 
-/// Threads of a block. Few items spread over more multiprocessors in small blocks; of many, small
-/// ones would keep the GPU waiting for the next block to start: one starts in about 0.7 ns.
+/// Threads of a block. Few items run in small blocks, which spread over more multiprocessors. Many
+/// items run in large blocks: with small ones the GPU would wait for blocks to start, as starting a
+/// block takes about 0.7 ns.
 inline constexpr std::uint32_t few_threads = 64, block_threads = block_warps * warp_threads,
                                many_items = 1u << 18;
 
-/// So few items have their stages in one launch: it takes their thread all registers that one of
-/// them asks for, but all items are under way at once all the same.
+/// Up to this many items have several stages in one launch. Each thread then takes as many
+/// registers as the largest of the stages needs, but all items still run at once.
 inline constexpr std::uint32_t few_items = 1u << 15;
 
-/// Groups of sixteen up to which a thread each of the sixteen pays: they all run at once.
+/// Up to this many groups of sixteen, a thread for each of the sixteen pays: they all run at once.
 inline constexpr std::uint32_t few_sixteens = 1u << 13;
 
-/// Lists up to this long are scanned and selected from by one block: launches cost more than the
-/// work.
+/// For lists up to this long, one block does scans and selections: more launches would cost more
+/// than the work.
 inline constexpr std::uint32_t short_list = 1u << 14;
 
-/// The number of items, on the device; none once a list of the step has outgrown its room, so that
-/// nobody writes past it.
+/// The number of items, on the device; it is zero after a list of the step has outgrown its room,
+/// so that nothing is written past the room.
 struct Items {
     std::uint32_t bound = 0;
     const std::uint32_t* exact = nullptr;
@@ -49,7 +50,7 @@ struct Items {
     }
 };
 
-/// Stages one after the other, by the same thread.
+/// Runs stages one after the other in the same thread.
 template <class First, class... Rest>
 struct InTurn {
     First first;
@@ -76,7 +77,7 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads
     if (i < items.count()) stage(i);
 }
 
-/// Keys past the last one go last in a sort.
+/// Makes the keys past the last one the largest, so that a sort puts them last.
 struct PadKey {
     Items items;
     std::uint64_t* keys;
@@ -86,7 +87,8 @@ struct PadKey {
     }
 };
 
-/// A key of no more than 32 bits as such; past the last one the largest, which goes last.
+/// Makes a 32-bit key of a key of no more than 32 bits. Keys past the last one become the largest,
+/// so that a sort puts them last.
 struct NarrowKey {
     Items items;
     const std::uint64_t* keys;
@@ -97,7 +99,7 @@ struct NarrowKey {
     }
 };
 
-/// And back again.
+/// Makes a 64-bit key of a 32-bit one.
 struct WidenKey {
     Items items;
     const std::uint32_t* narrow;
@@ -126,7 +128,7 @@ struct WantedAt {
     __device__ bool operator()(std::uint32_t i) const { return i < items.count() && wanted(i); }
 };
 
-/// What is listed of an item that is wanted.
+/// What a selection lists for an item that is wanted.
 template <class F>
 struct ListedAt {
     F wanted;
@@ -142,8 +144,8 @@ struct FillWith {
     __device__ void operator()(std::uint32_t i) const { items[i] = value; }
 };
 
-/// A total: of a scan, or how many a selection has listed. No more than there is room for is kept;
-/// `overflow` says if there was not.
+/// Writes a total: the sum of a scan, or the number of items that a selection has listed. The total
+/// is limited to the room; `overflow` says whether it was larger.
 struct NoteTotal {
     std::uint32_t room;
     std::uint32_t* total;
@@ -156,7 +158,7 @@ struct NoteTotal {
     __device__ void operator()(std::ptrdiff_t, std::uint32_t sum) const { note(sum); }
 };
 
-/// Where a scan writes to; with the last place it notes the total.
+/// Writes the offsets of a scan; with the last offset it also writes the total.
 struct WriteOffset {
     CountAt counts;
     std::uint32_t* out;
@@ -178,9 +180,9 @@ struct Plus {
     }
 };
 
-/// Adds up the terms of all items, in an order that depends on nothing but the launch: every block
-/// those of its threads, and the last one to be done the sums of all blocks. `done`: how many
-/// blocks are; zero before and after.
+/// Adds up the terms of all items, in an order that depends on nothing but the launch. Every block
+/// adds up the terms of its threads, and the last block to finish adds up the sums of all blocks.
+/// `done`: the number of blocks that have finished; zero before and after.
 template <std::uint32_t threads, class F, class T>
 __global__ void __launch_bounds__(threads) add_up(const __grid_constant__ F term, const Items items,
                                                   T* sums, std::uint32_t* done, T* total) {
@@ -210,7 +212,7 @@ __global__ void __launch_bounds__(threads) add_up(const __grid_constant__ F term
 
 inline constexpr std::uint32_t scan_threads = 1024, scan_items = 8;
 
-/// An exclusive scan by one block, which notes the total, too.
+/// An exclusive scan by one block, which also writes the total.
 inline __global__ void __launch_bounds__(scan_threads)
     scan_short_list(const CountAt in, std::uint32_t* out, const NoteTotal to) {
     using Scan = cub::BlockScan<std::uint32_t, scan_threads, cub::BLOCK_SCAN_WARP_SCANS>;
@@ -219,7 +221,8 @@ inline __global__ void __launch_bounds__(scan_threads)
     std::uint32_t sum = 0;
     for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
         const std::uint32_t first = begin + threadIdx.x * scan_items;
-        std::uint32_t items[scan_items];  // read without asking for the list's length each time
+        std::uint32_t items[scan_items];  // loaded first, without reading the list's length each
+                                          // time
         for (std::uint32_t k = 0; k < scan_items; ++k)
             items[k] = first + k < count ? in.in[first + k] : 0;
         std::uint32_t part = 0;
@@ -232,7 +235,7 @@ inline __global__ void __launch_bounds__(scan_threads)
     if (threadIdx.x == 0) to.note(sum);
 }
 
-/// Lists the wanted items by one block, and notes how many they are.
+/// Lists the wanted items by one block, and writes their number as the total.
 template <class F>
 __global__ void __launch_bounds__(scan_threads)
     select_from_short_list(const __grid_constant__ WantedAt<F> wanted, std::uint32_t* out,
@@ -243,7 +246,7 @@ __global__ void __launch_bounds__(scan_threads)
     std::uint32_t sum = 0;
     for (std::uint32_t begin = 0; begin < count; begin += scan_threads * scan_items) {
         const std::uint32_t first = begin + threadIdx.x * scan_items;
-        std::uint32_t takes = 0;  // a bit an item
+        std::uint32_t takes = 0;  // one bit per item
         for (std::uint32_t k = 0; k < scan_items; ++k)
             takes |= static_cast<std::uint32_t>(first + k < count && wanted.wanted(first + k)) << k;
         std::uint32_t place = 0, part = 0;

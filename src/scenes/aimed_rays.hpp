@@ -12,8 +12,9 @@ namespace pierce::scenes {
 /// Where rays look for holes in a surface.
 enum class Aim : std::uint8_t { vertices, edges };
 
-/// Makes rays from points no further than `spread` from `center`, in each coordinate, to vertices
-/// of a mesh or points of its edges: as exact as double is. Each ends where it is aimed.
+/// Makes rays to vertices of a mesh or to points of its edges, as exact as double is. They start at
+/// points that are no further than `spread` from `center` in each coordinate. Each ray ends at the
+/// point it is aimed at.
 class AimedRays {
 public:
     AimedRays(const MeshData& mesh, Vec3d center, double spread, Aim aim, std::uint32_t seed);

@@ -25,9 +25,9 @@ void register_baseline(btCollisionDispatcher& dispatcher);
 /// Whether the margin that Bullet puts around a mesh belongs to the body.
 enum class Margin { counts, left_out };
 
-/// What a step of Bullet's own detection took and found. Objects are told by their user index, into
-/// `shapes`; a point counts as a contact if the bodies, with or without Bullet's margins, overlap
-/// there.
+/// How long a step of Bullet's own detection took and what it found. An object's user index is its
+/// index in `shapes`. A point counts as a contact if the bodies, with or without Bullet's margins,
+/// overlap there.
 FrameResult bullet_result(TimedDispatcher& dispatcher,
                           const std::vector<bullet::BaselineShape>& shapes, Margin margins,
                           double detection_ms, double refit_ms, double epa_ms);

@@ -12,7 +12,7 @@
 namespace pierce::scenes {
 namespace {
 
-/// Where made data lies: the build's folder, or PIERCE_DATA_DIR of the environment.
+/// The folder of generated data: the build's folder, or PIERCE_DATA_DIR of the environment.
 std::filesystem::path data_folder() {
     if (const char* given = std::getenv("PIERCE_DATA_DIR")) return given;
     return PIERCE_DEFAULT_DATA_DIR;

@@ -5,8 +5,8 @@
 namespace pierce::scenes {
 
 /// The Stanford bunny of 453 vertices and 902 triangles with its convex pieces, about 4 units tall,
-/// in its principal frame. Made when the project is built from the mesh in Debian's libcgal-demo.
-/// Throws InputError, naming the file, if it was not.
+/// in its principal frame. The build makes it from the mesh in Debian's libcgal-demo. Throws
+/// InputError, naming the file, if the build did not make it.
 SceneMesh bunny_mesh();
 
 }  // namespace pierce::scenes

@@ -13,22 +13,22 @@ namespace {
 
 using std::numbers::pi;
 
-/// Thickness of a sheet [distance of its vertices]: as thick as it can be without its own folds
-/// being in its way.
+/// Thickness of a sheet [distance of its vertices]: as thick as a sheet can be without its own
+/// folds being in its way.
 constexpr double thickness_share = 0.1;
 
 /// Vertices along a side of the sheets, unless others are asked for.
 constexpr std::uint32_t plain_nodes = 20, plain_rings = 24;
 
-/// A step in which what falls or is led comes as far, in distances of vertices, as in the scene's
-/// own sheet in 1/60 s: about a third of one. In longer steps many layers would be passed at once.
-/// What a round over the links passes on is one link further: of finer sheets, more steps with as
-/// many rounds keep it as stiff.
+/// The step for a sheet of `nodes` vertices a side [s]. In such a step, what falls or is led moves
+/// as many distances of vertices as with the scene's own sheet in 1/60 s: about a third of one. In
+/// longer steps many layers would be passed at once. A round over the links passes a motion on by
+/// one link. So a finer sheet needs more steps, with as many rounds each, to be as stiff.
 double step_for(std::uint32_t nodes, std::uint32_t plain) {
     return SceneSetup{}.dt * std::min(1.0, (plain - 1.0) / (nodes - 1.0));
 }
 
-/// As much velocity is lost in a second, whatever the step.
+/// A material that loses the same share of velocity in a second, whatever the step.
 SheetMaterial material_for(double dt) {
     SheetMaterial material;
     material.damping = 1 - std::pow(1 - material.damping, dt / SceneSetup{}.dt);
@@ -153,7 +153,7 @@ namespace {
 MeshData grooved_ball(std::uint32_t around) {
     constexpr double lip = 0.32, groove_radius = 0.35;
     const double step = 2 * pi / around;
-    std::vector<std::pair<double, double>> upper;  // radius and height from the pole to the bottom
+    std::vector<std::pair<double, double>> upper;  // radius and height, from the pole to the bottom
                                                    // of the groove
     const double lip_angle = std::asin(lip);
     const auto arc = static_cast<int>(std::lround((0.5 * pi - lip_angle) / step));

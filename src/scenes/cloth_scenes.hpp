@@ -8,7 +8,7 @@ namespace pierce::scenes {
 /// onto itself (the paper's section 6.6). More vertices make it finer, not larger.
 SceneSetup cloth_capsule(const SceneParameters& parameters);
 
-/// One edge of a sheet that lies on the ground is led over to the other one, and let go.
+/// One edge of a sheet that lies on the ground is led over to the opposite edge, and let go.
 SceneSetup cloth_fold(const SceneParameters& parameters);
 
 /// Solids fall into a sheet that is held at its corners.

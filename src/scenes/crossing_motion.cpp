@@ -13,7 +13,7 @@
 namespace pierce::scenes {
 namespace {
 
-/// Thickness of a surface that has none of its own [mean edge length].
+/// Thickness of a surface for which no thickness is given [mean edge length].
 constexpr double thickness_share = 0.1;
 
 std::uint32_t step_count(const CrossingMotionParameters& p) {
@@ -21,7 +21,7 @@ std::uint32_t step_count(const CrossingMotionParameters& p) {
     return static_cast<std::uint32_t>(std::max(1L, std::lround(p.seconds / p.dt)));
 }
 
-/// Makes every deforming body a sheet that is looked for in itself.
+/// Makes every deforming body a sheet whose contacts with itself are looked for.
 void look_for_itself(Recording& recording) {
     for (RecordedBody& body : recording.bodies) {
         if (body.motion != Motion::deforming) continue;
@@ -34,7 +34,7 @@ void look_for_itself(Recording& recording) {
     }
 }
 
-/// Sheets kept off other bodies, but not off themselves.
+/// Simulates sheets that are kept off other bodies, but not off themselves.
 Recording simulated(const std::string& name, const CrossingMotionParameters& parameters) {
     SceneSetup scene = make_scene(name, {.seed = parameters.seed, .nodes = parameters.nodes});
     for (SceneBody& body : scene.bodies) body.collision.self = SelfCollision::off;
@@ -48,7 +48,7 @@ Recording simulated(const std::string& name, const CrossingMotionParameters& par
     return recording;
 }
 
-/// A stack of small sheets every other one of which sinks through its neighbour and comes back.
+/// A stack of small sheets, in which every other sheet sinks through its neighbour and comes back.
 Recording crossing_layers(const CrossingMotionParameters& parameters) {
     constexpr std::uint32_t nodes = 16, sheets = 8;
     constexpr double sinks = 2.4, period = 2;  // [thickness], [s]

@@ -8,7 +8,7 @@
 
 namespace pierce::scenes {
 
-/// What a crossing motion can be asked for.
+/// Parameters of a crossing motion.
 struct CrossingMotionParameters {
     double seconds = 4;
     double dt = 1.0 / 60;     ///< [s]
@@ -21,8 +21,8 @@ std::span<const std::string> crossing_motion_names();
 
 /// A scene of cloth simulated without self-contact, so that there is something to find; in layers,
 /// every other sheet sinks through its neighbour and comes back. Every deforming body of the
-/// recording is a sheet that is looked for in itself. Throws InputError for an unknown name or a
-/// time that is not positive.
+/// recording is a sheet whose contacts with itself are looked for. Throws InputError for an unknown
+/// name or a time that is not positive.
 Recording crossing_motion(const std::string& name, const CrossingMotionParameters& parameters = {});
 
 }  // namespace pierce::scenes

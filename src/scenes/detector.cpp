@@ -137,7 +137,7 @@ private:
     double refit_ms_ = 0;
 };
 
-/// Bullet's clusters of nodes: of every sheet with itself, and nothing else.
+/// Bullet's clusters of nodes. It finds contacts of every sheet with itself, and nothing else.
 class ClusterDetector : public Detector {
 public:
     explicit ClusterDetector(const SceneSetup& scene)

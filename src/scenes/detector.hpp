@@ -9,8 +9,8 @@
 
 namespace pierce::scenes {
 
-/// Contacts of a scene's bodies wherever they are put, by any method: the open loop, in which all
-/// see the same frames.
+/// Finds contacts of a scene's bodies wherever they are put, by any method. This is the open loop,
+/// in which all methods see the same frames.
 class Detector {
 public:
     virtual ~Detector() = default;
@@ -19,17 +19,17 @@ public:
     virtual void set_pose(std::uint32_t body, const Pose& pose) = 0;
     virtual void set_positions(std::uint32_t body, std::span<const Vec3f> positions) = 0;
     virtual FrameResult detect() = 0;
-    /// Of the last detect().
+    /// The contacts of the last detect().
     virtual std::vector<MethodContact> contacts() const = 0;
-    /// The world behind it, if the method is rays; else null.
+    /// The detector's world, if the method is rays; else null.
     virtual World* world() { return nullptr; }
 };
 
-/// Throws InputError if the method cannot serve the scene.
+/// Makes a detector for a method. Throws InputError if the method cannot handle the scene.
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method,
                                         const RaySettings& rays = {});
 
-/// One that sends rays by any backend.
+/// Makes a detector that uses rays, with any backend.
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr<Backend> backend,
                                         const Settings& settings);
 

@@ -13,7 +13,7 @@ using std::numbers::sqrt2, std::numbers::sqrt3;
 
 MeshData cube() { return box({0, 0, 0}, {1, 1, 1}); }
 
-/// `scale` and `by` are such that no coordinate is rounded.
+/// The mesh scaled, then moved; `scale` and `by` must be such that no coordinate is rounded.
 MeshData placed(MeshData mesh, float scale, Vec3f by) {
     for (Vec3f& p : mesh.positions) p = scale * p + by;
     return mesh;
@@ -31,8 +31,8 @@ MeshData octahedron() {
              {{0, 3, 5}}}};
 }
 
-/// The triangle a, b, c, clockwise seen against `along`, and everything it passes on its way along
-/// it.
+/// The prism that the triangle a, b, c covers on its way along `along`. The triangle must be
+/// clockwise seen against `along`.
 MeshData prism(Vec3f a, Vec3f b, Vec3f c, Vec3f along) {
     return {{a, b, c, a + along, b + along, c + along},
             {{{0, 1, 2}},

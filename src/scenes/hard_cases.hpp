@@ -9,7 +9,7 @@
 
 namespace pierce::scenes {
 
-/// How a ray meets the surface it meets first.
+/// How a ray meets a surface at its first crossing.
 enum class Meets : std::uint8_t {
     nothing,
     entry,     ///< from outside
@@ -17,7 +17,7 @@ enum class Meets : std::uint8_t {
     touching,  ///< the origin lies on the surface: an exit at distance zero
 };
 
-/// What a ray meets first in a mesh.
+/// A ray, a mesh, and what the ray meets first in the mesh.
 struct HardRay {
     MeshData mesh;
     Vec3d origin, direction;  ///< the direction need not be unit
@@ -26,7 +26,7 @@ struct HardRay {
     bool differs = false;  ///< from the exact answer: see HardCase::differs
 };
 
-/// What two bodies' contacts are under one coverage.
+/// The contacts of two bodies under one coverage.
 struct HardContacts {
     int vertices_a = 0, vertices_b = 0;  ///< contacts of the first body's vertices, and of the
                                          ///< second's
@@ -40,15 +40,15 @@ struct HardContacts {
     bool any() const { return separated || vertices_a + vertices_b + edges_a + edges_b > 0; }
 };
 
-/// Two meshes, their positions as they stand, how far they overlap, and their contacts.
+/// Two meshes at their places, how far they overlap, and their contacts.
 struct HardBodies {
     std::string situation;
     MeshData a, b;
     double parting = 0;  ///< exact: the shortest move that parts them [length]; zero: they touch;
                          ///< negative: they are apart
     HardContacts vertices, complete;
-    double reprojected = -1;  ///< the deepest once contacts are re-projected, by vertices [length];
-                              ///< negative: not part of it
+    double reprojected = -1;  ///< the deepest contact of a vertex after re-projection [length];
+                              ///< negative: not part of the answer
 };
 
 /// What the check of a mesh must find.
@@ -58,7 +58,7 @@ struct HardFinding {
     std::uint32_t count = 0;
 };
 
-/// One of the twenty-five hard cases: what is asked and the exact answers.
+/// One of the twenty-five hard cases: the questions and the exact answers.
 struct HardCase {
     int number = 0;
     std::string name;
@@ -70,7 +70,7 @@ struct HardCase {
                           ///< why; mostly empty
 };
 
-/// All of them, by number.
+/// All hard cases, by number.
 std::vector<HardCase> hard_cases();
 
 }  // namespace pierce::scenes

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 
-// Waves all sheets share, and what each has of its own. [length] unless said otherwise
+// The waves that all sheets share, and the motion that each sheet has of its own; [length] unless
+// said otherwise.
 constexpr double common_height = 0.25, wave_length = 3.0;
 constexpr double common_period = 2.0;                 // [s]
 constexpr double slide = 0.3, slide_period = 1.6;     // [s]
@@ -20,9 +21,10 @@ constexpr double middle_gap = 1.2, gap_change = 0.6;  // [thickness]
 
 }  // namespace
 
-// The waves all sheets share are functions of where a point is above the ground plane, not of which
-// vertex it is: a sheet that slides follows the same surface as its neighbours, and the gap along z
-// is the difference of the own parts alone, to the second order in the size of a triangle.
+// The waves that all sheets share are functions of a point's place above the ground plane, not of
+// its vertex. So a sheet that slides follows the same surface as its neighbours. The gap along z is
+// then the difference of the sheets' own parts alone, to the second order in the size of a
+// triangle.
 void Layers::positions(std::uint32_t sheet, double time, std::span<Vec3f> positions) const {
     const double way = sheet % 2 == 0 ? 1.0 : -1.0;
     const double shift = way * slide * std::sin(turn * time / slide_period);
@@ -56,10 +58,10 @@ SceneSetup Layers::scene() const {
 Layers layers_with(std::uint32_t nodes) {
     Layers layers;
     if (nodes == 0) return layers;
-    // As long as 50 by 95 quads, and never less than one quad.
+    // The sheet has about the proportions of 50 by 95 quads, and at least one quad.
     layers.across = std::max(nodes, 2u);
     layers.along = std::max(2 * nodes, 8u) - 6;
-    // Triangles keep their size: the waves are made for it.
+    // Triangles keep their size, as the waves are made for it.
     layers.width *= (layers.along - 1) / 95.0;
     layers.depth *= (layers.across - 1) / 50.0;
     return layers;

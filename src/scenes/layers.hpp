@@ -6,8 +6,8 @@
 
 namespace pierce::scenes {
 
-/// Sheets one above the other that swing and slide as a formula says: neighbours come close to each
-/// other, to about their thickness, and never meet.
+/// Sheets one above the other that swing and slide by a formula. Neighbours come as close to each
+/// other as about their thickness, and never meet.
 struct Layers {
     std::uint32_t sheets = 50;
     std::uint32_t along = 96, across = 51;  ///< vertices of a sheet
@@ -23,7 +23,8 @@ struct Layers {
     SceneSetup scene() const;
 };
 
-/// With `nodes` vertices along the shorter side; 50 sheets of 9500 triangles if that is not given.
+/// Layers with `nodes` vertices along the shorter side of a sheet; 50 sheets of 9500 triangles if
+/// `nodes` is 0.
 Layers layers_with(std::uint32_t nodes);
 
 }  // namespace pierce::scenes

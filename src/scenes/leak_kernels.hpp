@@ -5,9 +5,9 @@
 
 #include "core/geometry/triangle.hpp"
 
-/// Small ray-triangle tests to compare with the library's: does the ray meet the closed triangle
-/// ahead? In float32, from the same rays; `fma` contracts products and sums as compilers do unless
-/// told not to.
+/// Small ray-triangle tests to compare with the library's. Each says whether the ray meets the
+/// closed triangle ahead. They work in float32, from the same rays. `fma` contracts products and
+/// sums, as compilers do by default.
 namespace pierce::leaks {
 
 /// a b - c d.
@@ -89,7 +89,7 @@ bool watertight(const RayF& ray, Vec3f v0, Vec3f v1, Vec3f v2) {
     return static_cast<double>(sz) * dot(e, to_double({a.z, b.z, c.z})) / det >= 0;
 }
 
-/// The library's.
+/// The library's own test.
 inline bool pierce_test(const RayF& ray, Vec3f v0, Vec3f v1, Vec3f v2) {
     const Crossing crossing = cross_triangle({to_double(ray.origin), to_double(ray.direction)},
                                              to_double(v0), to_double(v1), to_double(v2));

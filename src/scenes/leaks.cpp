@@ -43,7 +43,7 @@ MeshData ball_at(double radius, Vec3d center) {
 }
 
 /// True if the closed surface goes around the point once (Van Oosterom and Strackee 1983): rounding
-/// may have crushed it.
+/// may have crushed the surface.
 bool is_inside(Vec3d p, const MeshData& mesh) {
     double sum = 0;
     for (const Triangle& t : mesh.triangles) {
@@ -54,7 +54,7 @@ bool is_inside(Vec3d p, const MeshData& mesh) {
                        dot(v[0], cross(v[1], v[2])),
                        a * b * c + dot(v[0], v[1]) * c + dot(v[1], v[2]) * a + dot(v[2], v[0]) * b);
     }
-    return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.25;  // whole numbers, but 1/2 on the
+    return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.25;  // a whole number, except 1/2 on the
                                                                // surface
 }
 
@@ -108,8 +108,8 @@ std::vector<LeakCount> count_kernel_leaks(double offset, Aim aim, std::size_t ra
                 return kernels[k].kernel(ray, ball.positions[v[0]], ball.positions[v[1]],
                                          ball.positions[v[2]]);
             };
-            // Nearly all rays meet what they are aimed at; only the others need a look at
-            // everything.
+            // Nearly all rays meet the triangles that they are aimed at; only the others are tested
+            // against all triangles.
             bool met = std::ranges::any_of(around[aimed.vertex[0]], meets);
             for (std::uint32_t t = 0; t < ball.triangles.size() && !met; ++t) met = meets(t);
             counts[k].leaks += !met;

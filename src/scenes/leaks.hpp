@@ -12,7 +12,7 @@ namespace pierce::scenes {
 struct LeakCount {
     double offset = 0;   ///< of the mesh from the origin, along all axes [length]
     std::string kernel;  ///< the triangle test
-    bool fma = false;    ///< products and sums contracted, as compilers do unless told not to
+    bool fma = false;    ///< products and sums are contracted, as compilers do by default
     Aim aim = Aim::vertices;
     std::size_t rays = 0, leaks = 0;
 
@@ -21,14 +21,14 @@ struct LeakCount {
     }
 };
 
-/// The library's tracer, from exact rays in double, in a ball of radius 1.
+/// Counts leaks of the library's tracer, with exact rays in double, in a ball of radius 1.
 LeakCount count_tracer_leaks(double offset, Aim aim, std::size_t rays);
 
-/// Single triangle tests, all from the same float32 rays, in a ball of radius 16 rounded to
-/// float32. No rays where rounding has crushed the ball.
+/// Counts leaks of single triangle tests, all with the same float32 rays, in a ball of radius 16
+/// rounded to float32. Where rounding has crushed the ball, there are no rays.
 std::vector<LeakCount> count_kernel_leaks(double offset, Aim aim, std::size_t rays);
 
-/// Offsets to look at: 0 and 2^0 to 2^24.
+/// The offsets that are measured: 0 and 2^0 to 2^24.
 std::vector<double> leak_offsets();
 
 }  // namespace pierce::scenes

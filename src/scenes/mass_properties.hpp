@@ -5,7 +5,7 @@
 
 namespace pierce::scenes {
 
-/// Of a solid of density 1 bounded by a closed mesh.
+/// The mass properties of a solid of density 1 bounded by a closed mesh.
 struct MassProperties {
     double mass = 0;  ///< the volume
     Vec3d center;

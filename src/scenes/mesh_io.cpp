@@ -20,9 +20,9 @@ namespace {
 
 using Kernel = OpenMesh::PolyMesh_ArrayKernelT<>;
 
-/// Collects what OpenMesh's readers read as it stands in the file. OpenMesh's own meshes would drop
-/// or split what is not manifold, and renumber; telling the user about that is our mesh check's
-/// task.
+/// Collects what OpenMesh's readers read, unchanged from the file. OpenMesh's own meshes would drop
+/// or split what is not manifold, and would renumber. It is the task of our mesh check to tell the
+/// user about that.
 class Collector : public OpenMesh::IO::ImporterT<Kernel> {
 public:
     explicit Collector(Kernel& unused) : ImporterT(unused) {}
@@ -70,19 +70,19 @@ public:
     void finish() override {}
 
     MeshData mesh;
-    std::uintmax_t most = 0;  ///< vertices, or triangles: a file has no more than bytes
+    std::uintmax_t most = 0;  ///< the most vertices, or triangles, of a file: its size in bytes
     int faces = 0;
     std::size_t declared_vertices = 0, declared_faces = 0;  ///< by the file's header, zero if it
                                                             ///< has none
 
 private:
-    /// Readers believe a header's counts, and go on at the end of the file.
+    /// Readers trust a header's counts, and go on past the end of the file.
     void check(std::size_t count) const {
         if (count >= most) throw std::runtime_error("it promises more than it holds");
     }
 };
 
-/// As long as it is there, OpenMesh keeps its complaints to itself.
+/// While an object of this type exists, OpenMesh prints no errors.
 struct Silence {
     Silence() { omerr().disable(); }
     ~Silence() { omerr().enable(); }
@@ -90,7 +90,8 @@ struct Silence {
     Silence& operator=(const Silence&) = delete;
 };
 
-/// Reads what streams refuse, too: nan, inf, and what is too large for a float, as infinite.
+/// Also reads what streams refuse: nan, inf, and a number that is too large for a float, which
+/// becomes infinite.
 class AnyNumber : public std::num_get<char> {
 protected:
     iter_type do_get(iter_type in, iter_type end, std::ios_base&, std::ios_base::iostate& state,
@@ -122,7 +123,7 @@ private:
 };
 
 /// Throws InputError for an OBJ file with a vertex whose numbers cannot be read: OpenMesh would
-/// leave it out, and all later ones would change their ids.
+/// leave the vertex out, and all later vertices would change their ids.
 void check_obj_vertices(const std::filesystem::path& file, std::size_t vertices) {
     std::ifstream in(file);
     std::string line, word;
@@ -142,8 +143,8 @@ void check_obj_vertices(const std::filesystem::path& file, std::size_t vertices)
                          "': " + std::to_string(found - vertices) + " vertices are beyond float32");
 }
 
-/// Throws std::runtime_error for a PLY header that OpenMesh's reader does not survive: it trusts
-/// that properties come after their element.
+/// Throws std::runtime_error for a PLY header that would crash OpenMesh's reader, which trusts that
+/// properties come after their element.
 void check_ply_header(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string line;
@@ -187,8 +188,8 @@ bool is_obj_corner(const std::string& word) {
     return false;
 }
 
-/// Throws std::runtime_error for an OBJ face that OpenMesh's reader does not survive: it trusts
-/// that corners are numbers.
+/// Throws std::runtime_error for an OBJ face that would crash OpenMesh's reader, which trusts that
+/// corners are numbers.
 void check_obj_faces(const std::filesystem::path& file) {
     std::ifstream in(file);
     std::string line, word;
@@ -220,12 +221,12 @@ MeshData read_mesh(const std::filesystem::path& file) {
         if (kind == ".ply") check_ply_header(file);
         if (kind == ".obj") check_obj_faces(file);
         if (kind == ".off" || kind == ".ply") {
-            // These readers know how much there should be, but do not notice its end. The stream
-            // does.
+            // These readers know how much data there should be, but do not notice the end of the
+            // file. The stream notices it.
             std::ifstream in(file, std::ios::binary);
             in.imbue(std::locale(in.getloc(), new AnyNumber));
-            // They go on for ever, or for as long as a number in the file says, where there is
-            // nothing left to read.
+            // Where there is nothing left to read, the readers would go on for ever, or for as long
+            // as a number in the file says.
             in.exceptions(std::ios::failbit | std::ios::badbit);
             read = OpenMesh::IO::IOManager().read(in, kind.substr(1), collector, options);
             ran_out = in.fail();

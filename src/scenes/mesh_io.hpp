@@ -8,8 +8,8 @@ namespace pierce::scenes {
 
 /// Reads a triangle mesh from an OBJ, PLY, STL or OFF file, keeping the file's vertex and triangle
 /// order; polygons are cut into fans. Throws InputError, naming the file, if it cannot be read, is
-/// cut short, or holds no triangles. Numbers and indices are handed on as they stand, NaN and out
-/// of range among them: a Mesh refuses them, check_mesh lists them.
+/// cut short, or holds no triangles. Numbers and indices are passed on unchanged, also NaN and
+/// indices out of range: a Mesh refuses them, and check_mesh lists them.
 MeshData read_mesh(const std::filesystem::path& file);
 
 /// Writes an OBJ file with enough digits to read the same positions back.

@@ -15,13 +15,13 @@
 
 namespace pierce::scenes {
 
-/// Who finds the contacts.
+/// The method that finds the contacts.
 enum class Method : std::uint8_t {
     rays,
     gjk_epa,
     gjk_hull,
     gimpact,
-    bullet_clusters,  ///< for sheets: what Bullet has for soft bodies that meet themselves
+    bullet_clusters,  ///< for sheets: Bullet's own method for soft bodies that meet themselves
 };
 
 inline constexpr std::array<std::pair<const char*, Method>, 5> method_names = {
@@ -34,24 +34,24 @@ inline constexpr std::array<std::pair<const char*, Method>, 5> method_names = {
 /// Throws InputError for an unknown name.
 Method method_named(const std::string& name);
 
-/// What runs the rays.
+/// The backend that traces the rays.
 struct RaySettings {
     std::string backend = "embree";  ///< or "automatic", "cuda", "bvh" or "reference"
-    int threads = 0;                 ///< 0: all there are
+    int threads = 0;                 ///< 0: all threads of the machine
     Settings world = {};
 };
 
 /// Throws InputError for an unknown backend or negative threads.
 std::unique_ptr<Backend> make_backend(const RaySettings& settings);
 
-/// What part of a frame took how long, as its method names it.
+/// How long a part of a frame took; the method names the part.
 struct NamedTime {
     std::string name;
     double milliseconds = 0;
 };
 
-/// What one frame's detection took and found, in the same terms for every method: counts that a
-/// method knows nothing of are zero.
+/// How long one frame's detection took and what it found, in the same terms for every method.
+/// Counts that a method does not have are zero.
 struct FrameResult : StepStats {
     std::vector<NamedTime> times;
     double update_ms = 0;    ///< boxes, pairs, acceleration structures
@@ -63,16 +63,16 @@ struct FrameResult : StepStats {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> penetrating;  ///< of these, with a contact
                                                                        ///< of some depth
     std::uint64_t hash = 0;
-    // Of sheets.
-    std::uint32_t rounds = 0;          ///< of moving them apart
+    // Results of sheets.
+    std::uint32_t rounds = 0;          ///< rounds of moving sheets apart
     std::uint32_t pulled_back = 0;     ///< vertices that had to go back to where the step began, or
                                        ///< towards it
-    std::uint32_t crossings_left = 0;  ///< with what moves as told
+    std::uint32_t crossings_left = 0;  ///< meetings left with bodies whose motion is given
     std::uint32_t self_crossings = 0;  ///< edges of a simulated sheet through triangles of its own
                                        ///< at the end of the step
     double self_penetration = 0;       ///< [length] the deepest of these; 0 if there are none
 
-    /// Takes over the stages of a step, by their names.
+    /// Appends the times of a step's stages to `times`, by their names.
     void name_stages(const std::vector<StageTime>& its_stages);
 };
 

@@ -11,9 +11,9 @@
 namespace pierce::scenes {
 namespace {
 
-/// Throws unless the file is as long as its header says: xtensor makes room for what the header
-/// says before it reads. The format: six bytes of magic, two of version, the header's length in two
-/// or four, and the header, a Python dictionary.
+/// Throws unless the file is as long as its header says: xtensor allocates what the header says
+/// before it reads. The format: six bytes of magic, two of version, the header's length in two or
+/// four, and the header, a Python dictionary.
 void check_size(std::ifstream& in, std::uintmax_t file_size) {
     char start[8] = {}, length_bytes[4] = {};
     in.read(start, sizeof start);
@@ -36,7 +36,7 @@ void check_size(std::ifstream& in, std::uintmax_t file_size) {
         std::uintmax_t extent = 0;
         const auto [end, error] = std::from_chars(at, header.data() + close, extent);
         if (error == std::errc::invalid_argument) {
-            ++at;  // what stands between numbers
+            ++at;  // skips what is between two numbers
             continue;
         }
         if (error != std::errc() || (extent > 0 && size > file_size / extent))

@@ -9,7 +9,7 @@
 
 namespace pierce::scenes {
 
-/// How a ray meets a mesh first.
+/// The first meeting of a ray with a mesh.
 struct Met {
     Meets how = Meets::nothing;
     double t = 0;  ///< [length]
@@ -21,7 +21,7 @@ class RayProbe {
 public:
     explicit RayProbe(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
 
-    /// What each ray meets first in a body of the mesh. The rays' targets are set to it.
+    /// What each ray meets first in a body of the mesh. The rays' targets are set to that body.
     std::vector<Met> meet(const MeshData& mesh, std::vector<Ray> rays,
                           Motion motion = Motion::fixed);
     /// What a ray without an end meets first.

@@ -27,7 +27,7 @@ std::size_t frame_size(const Recording& recording, const RecordedBody& body) {
     return 3 * recording.meshes[body.mesh].data.positions.size();
 }
 
-/// A file name inside the folder: no way out of it.
+/// The path of a file that must be inside the folder.
 fs::path inside(const fs::path& folder, const std::string& name, const std::string& where) {
     const fs::path file(name);
     if (name.empty() || file.is_absolute() || std::ranges::find(file, fs::path("..")) != file.end())

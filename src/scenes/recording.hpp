@@ -19,15 +19,16 @@ struct RecordedBody {
     Collision collision = {};  ///< as in SceneBody
 };
 
-/// Bodies over time, the same for every method that looks at them. On disk a folder;
-/// docs/recordings.md has the format.
+/// Bodies over time, the same for every method. On disk a folder; docs/recordings.md has the
+/// format.
 struct Recording {
     double dt = 0;  ///< [s] from frame to frame
     std::uint32_t frame_count = 0;
     std::vector<SceneMesh> meshes;
     std::vector<RecordedBody> bodies;
 
-    /// Where a fixed or rigid body is in a frame. A body recorded for one frame only stays there.
+    /// Where a fixed or rigid body is in a frame. A body that is recorded for a single frame stays
+    /// at that place.
     Pose pose(std::uint32_t body, std::uint32_t frame) const;
     /// Where a deforming body's vertices are in a frame.
     std::span<const Vec3f> positions(std::uint32_t body, std::uint32_t frame) const;
@@ -45,7 +46,8 @@ void write_recording(const Recording& recording, const std::filesystem::path& fo
 /// Throws InputError, naming the file and what is wrong in it, for anything but a sound recording.
 Recording read_recording(const std::filesystem::path& folder);
 
-/// A recording of rigid bodies with their motion given vertex by vertex, for comparing the two.
+/// The recording with the motion of its rigid bodies given vertex by vertex, so that the two can be
+/// compared.
 Recording as_deforming(const Recording& recording);
 
 }  // namespace pierce::scenes

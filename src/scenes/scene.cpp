@@ -57,13 +57,14 @@ double radius_of(const MeshData& mesh) {
     return r;
 }
 
-/// A scene of one mesh, `count` times, let go above the ground in loose layers with random
+/// A scene of `count` bodies of one mesh, let go above the ground in loose layers with random
 /// rotations. The column is narrow, so that the bodies land on each other.
 SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& parameters) {
     const double spacing = 2.1 * radius_of(mesh.data);
     const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(parameters.count / 2.0)));
     std::mt19937 random(parameters.seed);
-    // The engine's numbers are the same everywhere; the standard's distributions are not.
+    // The random engine's numbers are the same on every platform; those of the standard's
+    // distributions are not.
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
 
     SceneSetup scene{std::move(name),

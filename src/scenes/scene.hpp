@@ -21,7 +21,7 @@ struct SceneMesh {
                                                     ///< may be empty
 };
 
-/// What a sheet is made of, as Bullet understands it.
+/// The material of a sheet, in Bullet's terms.
 struct SheetMaterial {
     double area_density = 0.2;  ///< [kg/m^2]
     double stretch = 1.0;       ///< of links along edges [0..1]
@@ -30,11 +30,11 @@ struct SheetMaterial {
     int iterations = 16;        ///< over all links in a step
 };
 
-/// Vertices that are led.
+/// Vertices whose motion is given.
 struct Guide {
     std::vector<std::uint32_t> vertices;
-    /// Where a vertex is [s] after the start, given where it was then; nothing: it is let go for
-    /// good.
+    /// Where a vertex is at `time` [s] after the start; `start`: its place at the start. Nothing:
+    /// the vertex is let go for good.
     std::function<std::optional<Vec3d>(Vec3d start, double time)> place;
 };
 
@@ -44,33 +44,33 @@ struct SceneBody {
     std::uint32_t mesh = 0;  ///< index into Scene::meshes
     Motion motion = Motion::rigid;
     Pose pose;            ///< of a deforming body: where its rest shape is placed at the start
-    bool ground = false;  ///< nothing gets below or beside it: Bullet's own methods may take the
+    bool ground = false;  ///< no body gets below or beside it, so Bullet's own methods may use the
                           ///< plane through its top
     Collision collision = {};     ///< of a deforming body
     double shape_matching = 0.3;  ///< of a deforming solid: how fast it goes back to its shape [1 /
                                   ///< step]
     SheetMaterial material = {};  ///< of a sheet
     std::vector<Guide> guides = {};              ///< of a sheet
-    std::function<Pose(double time)> path = {};  ///< of a fixed body: it is led along this
+    std::function<Pose(double time)> path = {};  ///< of a fixed body: the path along which it is
+                                                 ///< led
     std::function<void(double time, std::span<Vec3f> positions)> motion_of = {};  ///< of a
                                                                                   ///< deforming
-                                                                                  ///< body: all
-                                                                                  ///< there is to
-                                                                                  ///< it
+                                                                                  ///< body: its
+                                                                                  ///< whole motion
 };
 
-/// What is simulated: meshes and bodies at their start. Lengths in metres, density 1.
+/// The input of a simulation: meshes and bodies at their start. Lengths in metres, density 1.
 struct SceneSetup {
     std::string name;
     std::vector<SceneMesh> meshes;
     std::vector<SceneBody> bodies;
     double gravity = 9.81;  ///< [m/s^2] along -z
-    double dt = 1.0 / 60;   ///< [s] the time step it is made for
+    double dt = 1.0 / 60;   ///< [s] the time step that the scene is made for
 };
 
-/// What a named scene can be asked for.
+/// Parameters of a named scene.
 struct SceneParameters {
-    std::uint32_t count = 100;  ///< falling bodies
+    std::uint32_t count = 100;  ///< number of falling bodies
     bool soft = false;          ///< falling bodies deform
     std::uint32_t seed = 1;
     std::uint32_t nodes = 0;  ///< of a sheet, along a side; 0: as many as the scene was made for

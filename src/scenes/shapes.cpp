@@ -35,8 +35,8 @@ MeshData box(Vec3d lower, Vec3d upper) {
     for (int k = 0; k < 8; ++k)
         mesh.positions.push_back(to_float(
             {k & 1 ? upper.x : lower.x, k & 2 ? upper.y : lower.y, k & 4 ? upper.z : lower.z}));
-    // Bit k of a corner's number says lower or upper; each face as two triangles, counter-clockwise
-    // from outside.
+    // Bit k of a corner's number says whether its coordinate k is lower or upper. Each face is two
+    // triangles, counter-clockwise seen from outside.
     mesh.triangles = {{{0, 2, 3}}, {{0, 3, 1}}, {{4, 5, 7}}, {{4, 7, 6}}, {{0, 1, 5}}, {{0, 5, 4}},
                       {{2, 6, 7}}, {{2, 7, 3}}, {{0, 4, 6}}, {{0, 6, 2}}, {{1, 3, 7}}, {{1, 7, 5}}};
     return mesh;
@@ -122,7 +122,8 @@ MeshData capsule(double radius, double half_length, std::uint32_t around, std::u
         const double a = 2 * std::numbers::pi * turn / around;
         mesh.positions.push_back(to_float({x, r * std::cos(a), r * std::sin(a)}));
     };
-    // A pole, the rings of a half sphere, those of the other one, its pole.
+    // In order: a pole, the rings of its half sphere, the rings of the other half sphere, and that
+    // one's pole.
     add(-half_length - radius, 0, 0);
     for (int side : {-1, 1})
         for (std::uint32_t j = 0; j < rings; ++j) {

@@ -18,8 +18,8 @@ MeshData box(Vec3d lower, Vec3d upper);
 /// A sphere around the origin: an icosahedron split `levels` times, 20 * 4^levels triangles.
 MeshData sphere(double radius, int levels);
 
-/// A flat sheet at z = 0 around the origin: `along` by `across` vertices in rows along x, the quads
-/// cut in two, every other one the other way, so that no direction is preferred.
+/// A flat sheet at z = 0 around the origin: `along` by `across` vertices in rows along x, each quad
+/// is cut in two, every other one along its other diagonal, so that no direction is preferred.
 MeshData grid(double width, double depth, std::uint32_t along, std::uint32_t across);
 
 /// An open tube around the z axis: `rings` rings of `around` vertices, ring after ring, from
@@ -30,7 +30,7 @@ MeshData tube(double radius, double height, std::uint32_t around, std::uint32_t 
 /// at its ends.
 MeshData capsule(double radius, double half_length, std::uint32_t around, std::uint32_t rings);
 
-/// Two meshes as one: the second's vertices and triangles after the first's.
+/// Two meshes as one: the second mesh's vertices and triangles come after the first's.
 MeshData joined(MeshData first, const MeshData& second);
 
 /// All positions shifted by `by`.

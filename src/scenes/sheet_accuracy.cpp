@@ -64,7 +64,7 @@ Vec3d SheetJudge::place(std::uint32_t body, std::uint32_t vertex, std::uint32_t 
         .to_parent(to_double(recording_.meshes[b.mesh].data.positions[vertex]));
 }
 
-/// Of both features at a time of the step to `frame`.
+/// The corners of both features at a time of the step that leads to `frame`.
 SheetJudge::Corners SheetJudge::corners(const FeatureMeeting& m, std::uint32_t frame,
                                         double time) const {
     const auto at = [&](std::uint32_t body, std::uint32_t vertex) {
@@ -82,7 +82,8 @@ SheetJudge::Corners SheetJudge::corners(const FeatureMeeting& m, std::uint32_t f
     return {at(m.a, m.item), at(m.b, t.vertex[0]), at(m.b, t.vertex[1]), at(m.b, t.vertex[2])};
 }
 
-/// True if at that time they are as close as counts as a meeting (constants::meeting_tolerance).
+/// True if at that time the two features are close enough to count as a meeting
+/// (constants::meeting_tolerance).
 bool SheetJudge::is_near(const FeatureMeeting& m, std::uint32_t frame, double time) const {
     double size = 0, coordinate = 0;
     for (const double end : {0.0, 1.0}) {

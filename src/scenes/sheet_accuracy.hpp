@@ -11,7 +11,7 @@
 
 namespace pierce::scenes {
 
-/// Which meetings are counted.
+/// The meetings that are counted.
 enum class SheetPairs : std::uint8_t {
     self,    ///< of a sheet with itself
     others,  ///< of a sheet with another body
@@ -21,22 +21,23 @@ enum class SheetPairs : std::uint8_t {
 struct SheetAccuracy {
     std::uint64_t vertex_meetings = 0, missed_vertex_meetings = 0;  ///< a vertex and a triangle
     std::uint64_t edge_meetings = 0, missed_edge_meetings = 0;
-    /// Vertices that go from one side of a triangle that they meet to the other, per step, and
-    /// those of them that have no contact at all. What slides or rests in a triangle's plane goes
-    /// nowhere.
+    /// Vertices that go from one side to the other of a triangle that they meet, per step, and
+    /// those of them that have no contact at all. A vertex that slides or rests in a triangle's
+    /// plane does not count.
     std::uint64_t vertices = 0, missed_vertices = 0;
-    std::uint64_t leaving = 0;    ///< meetings that are not missed: a vertex leaves a solid, which
-                                  ///< its ray reports if any does
-    std::uint64_t crossings = 0;  ///< contacts that say that the two meet in the step
-    std::uint64_t near = 0;   ///< of these, what does not meet, but comes within half a float32 ulp
-                              ///< of it
-    std::uint64_t wrong = 0;  ///< of these, all others that do not meet
+    std::uint64_t leaving = 0;  ///< meetings that do not count as missed: a vertex leaves a solid;
+                                ///< if anything reports that, it is the vertex's ray
+    std::uint64_t crossings = 0;  ///< contacts which say that the two features meet in the step
+    std::uint64_t near = 0;       ///< of these, features that do not meet, but come within half a
+                                  ///< float32 ulp of a meeting
+    std::uint64_t wrong = 0;      ///< of these, all others that do not meet
 
     std::uint64_t meetings() const { return vertex_meetings + edge_meetings; }
     std::uint64_t missed() const { return missed_vertex_meetings + missed_edge_meetings; }
-    /// Of what meets, the part that was found [0..1]; 1 if nothing meets.
+    /// The part of the true meetings that was found [0..1]; 1 if nothing meets.
     double recall() const;
-    /// Of what was said to meet, the part that does, or nearly does [0..1]; 1 if nothing was said.
+    /// The part of the reported meetings that are true, or nearly so [0..1]; 1 if none was
+    /// reported.
     double precision() const;
     SheetAccuracy& operator+=(const SheetAccuracy& other);
 };
@@ -44,11 +45,11 @@ struct SheetAccuracy {
 /// Compares contacts with what truly meets in the steps of a recording.
 class SheetJudge {
 public:
-    /// The recording must stay.
+    /// The recording must outlive the judge.
     explicit SheetJudge(const Recording& recording);
 
-    /// The contacts after the step to the frame of `truth`, which is not the first; they name
-    /// bodies by their index in the recording.
+    /// Compares the contacts after the step that leads to the frame of `truth`, which must not be
+    /// the first frame. The contacts name bodies by their index in the recording.
     SheetAccuracy judge(const TrueSheetFrame& truth, std::span<const Contact> contacts,
                         SheetPairs pairs) const;
 

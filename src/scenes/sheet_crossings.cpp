@@ -14,7 +14,7 @@ struct Segment {
     std::uint32_t from, to;
 };
 
-/// Every edge once.
+/// The edges of a surface, each once.
 std::vector<Segment> edges_of(std::span<const Triangle> triangles) {
     std::vector<Segment> edges;
     for (const Triangle& t : triangles)

@@ -6,7 +6,7 @@
 
 namespace pierce::scenes {
 
-/// Where surfaces go through each other as they stand, whatever came before.
+/// Where surfaces go through each other at one moment, whatever came before.
 struct SurfaceCrossings {
     std::uint32_t count = 0;  ///< edges through triangles
     /// The deepest of them [length]: of each, the smaller distance of the edge's two ends from the

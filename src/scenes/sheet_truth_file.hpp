@@ -35,8 +35,8 @@ struct TrueSheetFrame {
     double self_penetration() const;
 };
 
-/// Reads what pierce_truth --sheets wrote about a recording. Throws InputError, naming the file, if
-/// it is not that.
+/// Reads what pierce_truth --sheets wrote about a recording. Throws InputError, naming the file,
+/// for any other content.
 std::vector<TrueSheetFrame> read_sheet_truth(const std::filesystem::path& file);
 
 }  // namespace pierce::scenes

@@ -84,7 +84,7 @@ SceneSetup rigid_part(SceneSetup scene) {
     return scene;
 }
 
-/// A step's result, with what all detections of the step took together.
+/// A step's result, with the times of all detections of the step added up.
 FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) {
     result.times.clear();
     result.name_stages(report.stages);
@@ -106,8 +106,8 @@ struct Simulation::State {
     SceneSetup scene;
     Method method;
     std::unique_ptr<SceneWorld> rays;    ///< null for Bullet's own methods
-    std::unique_ptr<SceneWorld> solids;  ///< the rigid bodies alone, where there are sheets, too,
-                                         ///< and rigid bodies move
+    std::unique_ptr<SceneWorld> solids;  ///< the rigid bodies alone; set where there are sheets and
+                                         ///< rigid bodies that move
     bullet::TimedConfiguration rigid_configuration;
     btSoftBodyRigidBodyCollisionConfiguration soft_configuration;
     std::unique_ptr<btCollisionDispatcher> dispatcher;
@@ -115,14 +115,14 @@ struct Simulation::State {
     btSequentialImpulseConstraintSolver solver;
     std::vector<bullet::BaselineShape> shapes;
     std::vector<std::unique_ptr<btRigidBody>> rigid;  ///< by body, null if soft
-    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null if it is no solid that
+    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null unless it is a solid that
                                                       ///< deforms
     std::vector<std::unique_ptr<SoftSheet>> sheets;   ///< by body, null if it is no sheet
     std::vector<std::vector<Vec3f>> given;            ///< by body, empty unless its motion is given
     std::unique_ptr<bullet::SheetResponse> apart;     ///< null if there are no sheets
-    std::vector<std::vector<Vec3f>> tried;  ///< by body: of sheets, where Bullet has put them
-    double time = 0;                        ///< [s] since the start
-    std::vector<double> mass;               ///< by body
+    std::vector<std::vector<Vec3f>> tried;            ///< by body: where Bullet has put a sheet
+    double time = 0;                                  ///< [s] since the start
+    std::vector<double> mass;                         ///< by body
     bullet::SoftSolver soft_solver;
     std::unique_ptr<ClockedWorld> world;
     FrameResult result;
@@ -147,7 +147,7 @@ void Simulation::State::add_rigid(std::uint32_t index) {
     const SceneBody& body = scene.bodies[index];
     const SceneMesh& mesh = scene.meshes[body.mesh];
     const bool fixed = body.motion == Motion::fixed;
-    // With rays the shape only gives Bullet's broad phase its box.
+    // With rays, Bullet's broad phase uses only the box of the shape.
     const bullet::Baseline kind = method == Method::rays || method == Method::bullet_clusters
                                       ? bullet::Baseline::gjk_hull
                                       : baseline_of(method);
@@ -202,7 +202,7 @@ void Simulation::State::add_given(std::uint32_t index) {
     rays->world.set_motion(rays->bodies[index], given[index], given[index]);
 }
 
-/// Moves what is led to where it is to be at the end of the step.
+/// Moves all that is led to its place at the end of the step.
 void Simulation::State::lead(double dt) {
     for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) {
         const SceneBody& body = scene.bodies[i];
@@ -226,7 +226,7 @@ void Simulation::State::note_tried() {
         if (sheets[i]) tried[i] = node_positions(sheets[i]->soft());
 }
 
-/// How the simulated sheets run through themselves, if they do.
+/// Measures how the simulated sheets run through themselves.
 void Simulation::State::measure_sheets() {
     for (std::size_t i = 0; i < sheets.size(); ++i) {
         if (!sheets[i]) continue;
@@ -250,7 +250,7 @@ void Simulation::State::add_soft(std::uint32_t index) {
     std::vector<int> indices;
     for (const Triangle& t : mesh.triangles)
         for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
-    // Not randomised: node and face numbers are vertex and triangle numbers.
+    // The body is not randomised, so that node and face numbers are vertex and triangle numbers.
     soft[index].reset(btSoftBodyHelpers::CreateFromTriMesh(
         world->getWorldInfo(), coordinates.data(), indices.data(),
         static_cast<int>(mesh.triangles.size()), false));

@@ -10,18 +10,18 @@
 
 namespace pierce::scenes {
 
-/// A scene simulated by Bullet with contacts found by a method: the closed loop.
+/// A scene that Bullet simulates with contacts that a method finds: the closed loop.
 class Simulation {
 public:
-    /// Throws InputError if the method cannot serve the scene: Bullet's own methods take rigid
+    /// Throws InputError if the method cannot handle the scene: Bullet's own methods take rigid
     /// bodies only.
     Simulation(const SceneSetup& scene, Method method, const RaySettings& rays = {});
     ~Simulation();
 
-    /// One time step of `dt` seconds; throws InputError unless it is positive.
+    /// Runs one time step of `dt` seconds; throws InputError unless `dt` is positive.
     const FrameResult& step(double dt);
 
-    /// Adds the bodies as they stand to a recording of the same scene.
+    /// Adds the bodies at their present places to a recording of the same scene.
     void record(Recording& recording) const;
     /// The same with sheets where Bullet had put them in the last step, before contacts moved them;
     /// with rays only.
@@ -31,9 +31,9 @@ public:
     double kinetic_energy_per_mass() const;
     /// The world position of a vertex.
     Vec3d vertex_position(std::uint32_t body, std::uint32_t vertex) const;
-    /// Volume of a body as it stands over that of its rest shape; 1 for rigid bodies.
+    /// Present volume of a body over the volume of its rest shape; 1 for rigid bodies.
     double volume_ratio(std::uint32_t body) const;
-    /// The world behind it, if the method is rays; else null.
+    /// The simulation's world, if the method is rays; else null.
     World* world();
 
 private:

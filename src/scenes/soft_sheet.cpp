@@ -36,7 +36,8 @@ SheetLinks links_of(const MeshData& mesh) {
             else
                 links.across.emplace_back(edge->second, corner);
         }
-    // Bullet solves links one after another: in the order of a grid, corrections would run one way.
+    // Bullet solves links one after another. In the order of a grid, corrections would all run one
+    // way.
     std::mt19937 random(1);
     for (auto* list : {&links.along, &links.across})
         for (std::size_t i = list->size(); i > 1; --i)
@@ -83,19 +84,19 @@ SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const Mes
 void SoftSheet::collide_by_bullet() {
     soft_->generateClusters(soft_->m_nodes.size() / nodes_per_cluster);
     soft_->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
-    // Bullet's own margin is a quarter of a metre, whatever is in it.
+    // Bullet's own margin is a quarter of a metre, whatever the size of the body.
     soft_->getCollisionShape()->setMargin(static_cast<btScalar>(thickness_));
 }
 
-// With CL_SS and CL_SELF, Bullet 3.24 comes to no contact: the mask it looks at its flags through
-// holds both bits, and the case it compares with holds one. This is what that case does.
+// With CL_SS and CL_SELF, Bullet 3.24 finds no contact: it masks its flags with both bits, and
+// compares the result with a case that has one bit. This function does what that case does.
 void SoftSheet::meet_itself() {
     btSoftColliders::CollideCL_SS clusters;
     clusters.ProcessSoftSoft(soft_.get(), soft_.get());
 }
 
 std::uint32_t SoftSheet::meetings_at(std::span<const Vec3f> positions) {
-    // What Bullet's step begins with: here there is none.
+    // This prepares what Bullet's step would prepare, as there is no step here.
     btSoftBody::SolverState& step = soft_->m_sst;
     step.sdt = btScalar(1) / steps_per_second;
     step.isdt = steps_per_second;
@@ -121,8 +122,8 @@ void SoftSheet::lead(double time, double dt) {
         for (std::uint32_t v : guide.vertices) {
             btSoftBody::Node& node = soft_->m_nodes[static_cast<int>(v)];
             const std::optional<Vec3d> place = guide.place(start_[v], time);
-            // Not by setMass(), after which Bullet takes links to be as long at rest as they are
-            // now.
+            // The mass is not set by setMass(): after that, Bullet would take the links' present
+            // lengths as their rest lengths.
             const btScalar inverse = place ? btScalar(0) : 1 / static_cast<btScalar>(node_mass_[v]);
             changed |= node.m_im != inverse;
             node.m_im = inverse;

@@ -10,23 +10,24 @@
 
 namespace pierce::scenes {
 
-/// A sheet as Bullet simulates it: a node per vertex, a link per edge and one across it, a face per
-/// triangle. Bullet's collisions are off.
+/// A sheet as Bullet simulates it: a node per vertex, a link per edge and another link across it,
+/// and a face per triangle. Bullet's collisions are off.
 class SoftSheet {
 public:
     SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh);
 
     btSoftBody& soft() const { return *soft_; }
     double mass() const { return mass_; }
-    /// Switches Bullet's nodes against rigid bodies on, and makes clusters for meet_itself().
+    /// Switches on Bullet's contacts of nodes with rigid bodies, and makes clusters for
+    /// meet_itself().
     void collide_by_bullet();
-    /// Bullet's own self-collision, convex clusters of nodes against each other: contacts for its
+    /// Runs Bullet's own self-collision of convex clusters of nodes, which makes contacts for its
     /// next step.
     void meet_itself();
-    /// How many contacts that makes with the nodes standing at `positions`.
+    /// The number of contacts that meet_itself() makes with the nodes at `positions`.
     std::uint32_t meetings_at(std::span<const Vec3f> positions);
-    /// Sends the nodes that are led to where they are to be at `time`, the end of the next step of
-    /// `dt` [s].
+    /// Gives the nodes that are led the velocity to reach their places at `time`, the end of the
+    /// next step of `dt` [s].
     void lead(double time, double dt);
 
 private:

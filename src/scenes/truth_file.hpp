@@ -25,8 +25,8 @@ struct TrueFrame {
     std::vector<TrueVertex> inside;  ///< by source, target, vertex
 };
 
-/// Reads what pierce_truth wrote about a recording. Throws InputError, naming the file, if it is
-/// not that.
+/// Reads what pierce_truth wrote about a recording. Throws InputError, naming the file, for any
+/// other content.
 std::vector<TrueFrame> read_truth(const std::filesystem::path& file);
 
 }  // namespace pierce::scenes

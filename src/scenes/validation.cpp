@@ -107,8 +107,9 @@ struct Judge::State {
             state.world.set_positions(id, positions);
         }
 
-        /// Takes the steps before `frame` alone: the frame that is fitted to a deforming body goes
-        /// on from step to step, and with it the last digit of where a part of an edge begins.
+        /// Takes the steps before `frame` with this body alone. The fit of a deforming body depends
+        /// on the steps before, and the last digit of where a part of an edge begins depends on the
+        /// fit.
         void follow(std::uint32_t frame) {
             for (std::uint32_t f = 0; deforms() && f < frame; f += state.every) {
                 put(f);
@@ -126,7 +127,7 @@ struct Judge::State {
         }
     };
 
-    /// Contacts of the bodies as they stand; they are the only ones.
+    /// Contacts of the two bodies where they are now; the world holds no others.
     std::vector<Contact> detect(BodyPair pair) {
         world.detect();
         std::vector<Contact> list(world.contacts().begin(), world.contacts().end());
@@ -170,7 +171,8 @@ Judgement Judge::judge(std::uint32_t frame, std::uint32_t a, std::uint32_t b) {
 
 namespace {
 
-/// Has the pairs judged of which the lists differ, and notes what is wrong in which list.
+/// Lets the judge decide about the pairs for which the lists differ, and notes what is wrong in
+/// which list.
 void judge_frame(Judge& judge, std::uint32_t frame, std::span<const std::span<const Contact>> lists,
                  Validation& validation) {
     std::set<BodyPair> disputed;
@@ -211,7 +213,8 @@ Validation validate(const Recording& recording, std::vector<Candidate> candidate
         result.name = candidate.name;
         result.description = detectors.back()->world()->backend();
     }
-    std::optional<Judge> judge;  // its meshes are made when there is something to judge
+    std::optional<Judge> judge;  // made only when there is something to judge, as it has to make
+                                 // the meshes
     for (std::uint32_t f = 0; f < recording.frame_count; f += every) {
         std::set<std::uint64_t> hashes;
         std::vector<std::span<const Contact>> lists;

@@ -16,12 +16,12 @@
 
 namespace pierce::scenes {
 
-/// What two contact lists say about the same vertex, or part of an edge, where they differ; one of
-/// them may say nothing.
+/// The contacts of the same vertex, or of the same part of an edge, in two lists that differ there;
+/// one of the lists may have none.
 struct ContactDifference {
     std::optional<Contact> found, right;
 
-    /// Whichever there is: which vertex or edge it is about.
+    /// The contact that exists: it says which vertex or edge the difference is about.
     const Contact& subject() const { return found ? *found : *right; }
 };
 
@@ -29,26 +29,26 @@ struct ContactDifference {
 std::vector<ContactDifference> differences(std::span<const Contact> found,
                                            std::span<const Contact> right);
 
-/// What is right about two bodies.
+/// The right answer for two bodies.
 struct Judgement {
     std::vector<Contact> contacts;
-    std::array<std::vector<Contact>, 6> moved;  ///< with body b further on by the touch tolerance,
-                                                ///< in six directions
+    std::array<std::vector<Contact>, 6> moved;  ///< the contacts with body b moved by the touch
+                                                ///< tolerance, in six directions
 
     /// True if such a move changes the answer to another one, or to another triangle.
     bool is_near_tie(const ContactDifference& difference) const;
 };
 
-/// The definition of a right answer, pair by pair: two bodies alone, by brute force, nothing
-/// remembered.
+/// The definition of a right answer, pair by pair: two bodies alone, by brute force, without
+/// memory.
 class Judge {
 public:
-    /// The recording must outlive the judge. `every`: the steps it judges take every so many of its
-    /// frames.
+    /// The recording must outlive the judge. `every`: the steps that it judges use every so many of
+    /// the recording's frames.
     Judge(const Recording& recording, Settings settings, std::uint32_t every);
     ~Judge();
 
-    /// Bodies a < b in a frame.
+    /// Judges two bodies a < b in a frame.
     Judgement judge(std::uint32_t frame, std::uint32_t a, std::uint32_t b);
 
 private:
@@ -62,15 +62,17 @@ struct Candidate {
     std::unique_ptr<Backend> backend;
 };
 
-/// A contact that a candidate has and should not have, or the other way round, or has otherwise.
+/// A contact that a candidate has but should not have, lacks but should have, or has with other
+/// values.
 struct WrongContact {
     std::uint32_t frame = 0;
     std::uint32_t candidate = 0;
     ContactDifference difference;
-    bool near_tie = false;  ///< it is wrong all the same: backends settle ties by one rule
+    bool near_tie = false;  ///< the contact is wrong nevertheless: all backends settle ties by one
+                            ///< rule
 };
 
-/// What came of a validation.
+/// The result of a validation.
 struct Validation {
     struct Result {
         std::string name, description;
@@ -81,12 +83,12 @@ struct Validation {
     std::vector<Result> results;  ///< one per candidate
     std::vector<WrongContact> wrong;
     std::uint32_t frames = 0;
-    std::uint32_t differing_frames = 0;  ///< in which not all lists are the same
+    std::uint32_t differing_frames = 0;  ///< frames in which not all lists are the same
 };
 
-/// Gives every `every`-th frame to all candidates, in turns, and has the pairs judged of which
-/// their lists differ. `progress` is told how many frames are done. Throws InputError unless there
-/// are two candidates at least.
+/// Gives every `every`-th frame to all candidates, in turns. The judge decides about the pairs for
+/// which their lists differ. `progress` gets the number of frames that are done. Throws InputError
+/// unless there are two candidates at least.
 Validation validate(const Recording& recording, std::vector<Candidate> candidates,
                     const Settings& settings, std::uint32_t every = 1,
                     const std::function<void(std::uint32_t)>& progress = {});

@@ -11,15 +11,15 @@
 #include "pierce/error.hpp"
 #include "pierce/vec3.hpp"
 
-/// Bytes that things are saved as: numbers as they are in memory, least significant byte first,
-/// lists behind their length. For every type one function, `transfer(archive, thing)`, says what it
-/// consists of; it writes or reads, as the archive does.
+/// The bytes of a saved world: numbers as they are in memory, least significant byte first, and
+/// lists after their length. For every type one function, `transfer(archive, thing)`, lists the
+/// type's parts. It writes with an ArchiveWriter and reads with an ArchiveReader.
 namespace pierce {
 
 static_assert(std::endian::native == std::endian::little,
               "archives are written as numbers are in memory");
 
-/// Archives what it is given.
+/// Appends what it is given to an archive.
 class ArchiveWriter {
 public:
     static constexpr bool reads = false;
@@ -33,8 +33,8 @@ private:
     std::string bytes_;
 };
 
-/// Fills what it is given from an archive that anybody may have written: throws InputError where it
-/// ends too soon or holds what there cannot be. Makes nothing larger than the archive.
+/// Fills what it is given from an archive that is not trusted. Throws InputError where the archive
+/// ends too soon or holds an impossible value. Makes nothing larger than the archive.
 class ArchiveReader {
 public:
     static constexpr bool reads = true;
@@ -68,7 +68,7 @@ void transfer(Archive& archive, bool& value) {
     if constexpr (Archive::reads) value = byte != 0;
 }
 
-/// A choice, of which `last` is the last.
+/// Transfers a value of an enumeration whose last value is `last`.
 template <class Archive, class Enum>
 requires std::is_enum_v<Enum>
 void transfer(Archive& archive, Enum& value, Enum last) {
@@ -91,7 +91,8 @@ void transfer(Archive& archive, T (&values)[size]) {
     for (T& value : values) transfer(archive, value);
 }
 
-/// A list's length, from a reader no more than there may be: every element takes a byte at least.
+/// Transfers a list's length. A reader refuses a length above the bytes that are left, as every
+/// element takes at least one byte.
 template <class Archive>
 std::uint64_t transfer_length(Archive& archive, std::uint64_t length) {
     transfer(archive, length);
@@ -118,7 +119,7 @@ void transfer(Archive& archive, std::vector<T>& list) {
     }
 }
 
-/// Several things, one after the other.
+/// Transfers several things, one after the other.
 template <class Archive, class... T>
 void transfer_all(Archive& archive, T&... things) {
     (transfer(archive, things), ...);

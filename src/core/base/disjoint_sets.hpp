@@ -17,7 +17,7 @@ public:
         std::iota(parent_.begin(), parent_.end(), 0u);
     }
 
-    /// The same for all numbers of a set.
+    /// The number that stands for the set of `i`: the same for all numbers of the set.
     std::uint32_t root(std::uint32_t i) {
         while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
         return i;
@@ -29,7 +29,7 @@ private:
     std::vector<std::uint32_t> parent_;
 };
 
-/// The vertices in sets that triangles connect.
+/// The vertices, joined to sets by the triangles that connect them.
 inline DisjointSets connected_vertices(std::span<const Triangle> triangles,
                                        std::size_t vertex_count) {
     DisjointSets sets(vertex_count);

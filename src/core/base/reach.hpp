@@ -10,7 +10,7 @@
 
 namespace pierce {
 
-/// True if no coordinate is beyond constants::largest_coordinate, nor NaN.
+/// True if no coordinate is NaN or beyond constants::largest_coordinate.
 template <class T>
 bool is_within_reach(Vec3<T> p) {
     const T most = static_cast<T>(constants::largest_coordinate);

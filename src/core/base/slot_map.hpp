@@ -9,8 +9,8 @@
 
 namespace pierce {
 
-/// Things by handle: slots are reused, generations tell a new thing from the one that was there
-/// before.
+/// Finds things by handle. Slots are reused, and a generation tells a new thing from an earlier one
+/// in the same slot.
 template <class Tag, class Thing>
 class SlotMap {
 public:
@@ -37,7 +37,7 @@ public:
         ++slot.generation;
     }
 
-    /// Throws InputError, naming `what`, for a handle of nothing.
+    /// Throws InputError, naming `what`, for a handle that names no thing.
     Thing& get(Id<Tag> id, const char* what) {
         if (!id) throw InputError(std::string(what) + " handle is null");
         if (id.index >= slots_.size() || !slots_[id.index].used ||

@@ -10,7 +10,7 @@
 
 namespace pierce {
 
-/// What a body is, until a new plan: set by the plan.
+/// What a body is; the plan sets it, and it stays until the next plan.
 struct BodyShape {
     MeshView mesh;
     std::uint64_t mesh_key = 0;     ///< the mesh's identity, never used twice
@@ -21,21 +21,22 @@ struct BodyShape {
     Motion motion = Motion::fixed;
 };
 
-/// Where a body is: set by the caller before a step.
+/// Where a body is; the caller sets it before a step.
 struct BodyInput {
     View<const Vec3f> positions;  ///< in the body's space
-    View<const Vec3f> start;      ///< positions when the step began; empty for rigid bodies and
-                                  ///< where nobody asks
+    View<const Vec3f> start;  ///< positions when the step began; empty for rigid bodies and where
+                              ///< they are not needed
     const Vec3f* device_positions = nullptr;  ///< where the caller keeps a deforming body's
                                               ///< positions, if on the device
-    const Vec3f* device_start = nullptr;      ///< and its positions when the step began
-    Frame space;                              ///< body's space to world
+    const Vec3f* device_start = nullptr;  ///< where the caller keeps the positions when the step
+                                          ///< began, if on the device
+    Frame space;                          ///< body's space to world
     Frame start_space;  ///< of a fixed or rigid body: where its space was when the step began
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
     bool active = true;                   ///< false: left out of this step (not finite)
 };
 
-/// What a step finds out about where a body is: written by bounds.
+/// What a step finds out about where a body is; the stage bounds writes it.
 struct BodyBounds {
     Frame fit;       ///< rest shape to world
     Frame last_fit;  ///< the fit of the last step, if `seen`
@@ -43,24 +44,26 @@ struct BodyBounds {
     Box world_box;
     double deviation = 0;     ///< no vertex is further than this from its place in the rest shape
                               ///< under `fit`
-    double shape_motion = 0;  ///< no vertex has moved further in `fit` since the last step
+    double shape_motion = 0;  ///< no vertex has moved further than this in `fit` since the last
+                              ///< step
     double reach = 0;         ///< [length] how far predictions look
     double touch = 0;         ///< [length] touch tolerance of this body as a target
-    double travel = 0;  ///< [length] no point has moved further since the step began, if there is a
-                        ///< sheet
-    bool seen = false;  ///< in the last step, too, where steps remember
-    bool still = false;  ///< rigid or fixed, and where it was in the last step, bit for bit, where
-                         ///< steps remember
+    double travel = 0;   ///< [length] no point has moved further than this since the step began, if
+                         ///< there is a sheet
+    bool seen = false;   ///< the body took part in the last step, too; set where steps remember
+    bool still = false;  ///< the body is rigid or fixed and stands where it did in the last step,
+                         ///< bit for bit; set where steps remember
 };
 
 /// A body as stages see it. The *space* of a body is where its positions live: its own for a fixed
 /// or rigid body, the world for a deforming one. Its *fit* is the frame in which it looks most like
 /// the mesh's rest shape.
 struct BodyView : BodyShape, BodyInput, BodyBounds {
-    /// True if it has an inside that counts.
+    /// True if the body has an inside that counts.
     PIERCE_HD bool is_solid() const { return mesh.closed && !collision.sheet; }
 
-    /// True if its vertices look for it along their velocities.
+    /// True if the body's vertices send rays along their velocities to find contacts with the body
+    /// itself.
     PIERCE_HD bool sends_velocity_rays() const {
         return collision.sheet && (collision.self == SelfCollision::rays ||
                                    collision.self == SelfCollision::published);
@@ -68,11 +71,11 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
 
     PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
 
-    /// How far beyond its box and its touch tolerance others may matter to it.
+    /// How far beyond its box and its touch tolerance another body may matter to this one.
     PIERCE_HD double outreach() const { return reach + travel + collision.thickness; }
 
-    /// True if it is certain that every point is outside of this body or inside, once: then no ray
-    /// from an outside point can leave the body before it enters. A deforming body may cross
+    /// True if it is certain that the surface goes around every point once or not at all. Then no
+    /// ray from an outside point can leave the body before it enters. A deforming body may cross
     /// itself.
     PIERCE_HD bool is_simple() const { return mesh.simple && motion != Motion::deforming; }
 };

@@ -29,8 +29,8 @@ struct BlockRange {
     std::uint32_t last = 0;
 };
 
-/// All that a step reads of a world, and what it keeps up to date there: bounds and fitted frames
-/// of its bodies.
+/// All that a step reads of a world, and what the step keeps up to date there: bounds and fits of
+/// the bodies.
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
@@ -41,8 +41,8 @@ struct Scene {
     View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept;
                                           ///< empty: nowhere
     const Plan* plan = nullptr;
-    View<const std::uint32_t> forgets_sides;  ///< one number; not 0: nothing of the last step is
-                                              ///< known to sheets
+    View<const std::uint32_t> forgets_sides;  ///< one number; if it is not 0, sheets forget the
+                                              ///< last step
 };
 
 }  // namespace pierce

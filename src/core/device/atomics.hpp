@@ -4,12 +4,12 @@
 
 #include "pierce/host_device.hpp"
 
-/// The few atomic operations that items of a stage need, on host and device; on integers only, so
-/// that the order of items reaches no result. What a thread wrote before one of 32 bits is seen by
-/// whoever reads its result.
+/// The few atomic operations that items of a stage need, on host and device. They work on integers
+/// only, so that no result depends on the order of items. What a thread wrote before an operation
+/// on 32 bits is visible to every thread that reads the operation's result.
 namespace pierce {
 
-/// Adds, and returns what was there before.
+/// Adds `value` and returns the previous value.
 PIERCE_HD inline std::uint32_t atomic_add(std::uint32_t& target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
     __threadfence();
@@ -30,8 +30,8 @@ PIERCE_HD inline std::uint64_t atomic_add(std::uint64_t& target, std::uint64_t v
 #endif
 }
 
-/// Adds to a counter that neighbouring items share, in no order with anything else: threads of a
-/// warp add up first.
+/// Adds to a counter that neighbouring items share: the threads of a warp add up first. It orders
+/// no other memory access.
 PIERCE_HD inline void atomic_count(std::uint32_t& counter, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
 #if __CUDA_ARCH__ >= 800
@@ -48,7 +48,7 @@ PIERCE_HD inline void atomic_count(std::uint32_t& counter, std::uint32_t value) 
 #endif
 }
 
-/// Writes, and returns what was there before.
+/// Writes `value` and returns the previous value.
 PIERCE_HD inline std::uint32_t atomic_exchange(std::uint32_t& target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
     __threadfence();
@@ -60,7 +60,7 @@ PIERCE_HD inline std::uint32_t atomic_exchange(std::uint32_t& target, std::uint3
 #endif
 }
 
-/// Writes the larger of the two.
+/// Writes the larger of `target` and `value`.
 PIERCE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
     atomicMax(&target, value);

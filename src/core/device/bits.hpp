@@ -5,7 +5,7 @@
 
 #include "pierce/host_device.hpp"
 
-/// Bits of masks, on host and device: the standard library's functions are the host's alone.
+/// Bits of masks, on host and device: the standard library's functions run on the host only.
 namespace pierce {
 
 /// How many bits are set.

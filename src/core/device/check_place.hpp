@@ -3,7 +3,7 @@
 #include <cstddef>
 
 /// PIERCE_CHECK_PLACE(place, size): with PIERCE_CHECKED_VIEWS, ends the program and says where,
-/// unless place < size. Without it, and on a device, it does nothing.
+/// unless place < size. Without PIERCE_CHECKED_VIEWS, and on a device, it does nothing.
 #if defined(PIERCE_CHECKED_VIEWS) && !defined(__CUDA_ARCH__)
 #include <cstdio>
 #include <cstdlib>

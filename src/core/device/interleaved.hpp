@@ -7,11 +7,11 @@
 namespace pierce {
 
 /// Items in groups of constants::group_size. On a GPU the words of a group's items lie side by
-/// side, so that threads that read items of one group share memory accesses; elsewhere items lie
-/// one after the other. The same buffer for both.
+/// side, so that threads that read items of one group share memory accesses; on the host items lie
+/// one after the other. The buffer is the same for both.
 template <class T>
 struct Interleaved {
-    View<T> items;  ///< of whole groups
+    View<T> items;  ///< a whole number of groups
 
     template <class Const>
     requires std::is_same_v<Const, const T> PIERCE_HD operator Interleaved<Const>() const {

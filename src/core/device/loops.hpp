@@ -9,7 +9,7 @@
 #endif
 
 /// Put before a loop of fixed length that should become vector instructions: GCC would unroll it
-/// first and then cannot.
+/// first and could then no longer make them.
 #if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
 #define PIERCE_VECTOR_LOOP _Pragma("GCC unroll 1")
 #else

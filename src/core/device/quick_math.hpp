@@ -9,8 +9,8 @@
 /// float32 arithmetic in the instructions that a device is fastest at.
 namespace pierce {
 
-/// The smaller and the larger of two numbers that are not NaN: one instruction on a GPU, where the
-/// ones above are two. Of zeros of different sign, any.
+/// The smaller and the larger of two numbers that are not NaN. They take one instruction on a GPU,
+/// where min_of and max_of take two. Of two zeros with different signs, either may be the result.
 PIERCE_HD inline float quick_min(float a, float b) {
 #if defined(__CUDA_ARCH__)
     return fminf(a, b);
@@ -26,8 +26,8 @@ PIERCE_HD inline float quick_max(float a, float b) {
 #endif
 }
 
-/// What is below 0 becomes 0, what is above 1 becomes 1, and what is not a number one of the two:
-/// on a GPU as part of another instruction, elsewhere without a branch.
+/// The number limited to [0, 1]; NaN becomes 0 or 1. On a GPU this is part of another instruction,
+/// elsewhere it takes no branch.
 PIERCE_HD inline float quick_clamp(float a) {
 #if defined(__CUDA_ARCH__)
     return __saturatef(a);

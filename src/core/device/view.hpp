@@ -9,8 +9,8 @@
 
 namespace pierce {
 
-/// A pointer and a count; the form in which stages see arrays, on host and device alike. Owns
-/// nothing.
+/// A pointer and a count: the form in which stages see arrays, on host and device alike. A view
+/// owns nothing.
 template <class T>
 struct View {
     T* data = nullptr;

@@ -7,19 +7,19 @@
 #include "core/device/whole.hpp"
 #include "pierce/host_device.hpp"
 
-/// What the threads of a warp do better together. On the host each item is alone.
+/// Work that the threads of a warp share. On the host each item works alone.
 namespace pierce {
 
 /// Threads of a warp, and warps of the largest block on a GPU.
 inline constexpr std::uint32_t warp_threads = 32, block_warps = 8;
 
-/// Bits of a mask that is asked about.
+/// The most bits of a mask that ask_bits() can test.
 inline constexpr std::uint32_t asked_bits = 16;
 
 #if defined(__CUDA_ARCH__)
 namespace detail {
 /// The set bits of a warp's masks, one after the other, so that its threads have equally many to
-/// see to.
+/// process.
 template <std::uint32_t bits>
 struct WarpBits {
     struct Job {
@@ -28,7 +28,8 @@ struct WarpBits {
     Job jobs[warp_threads * bits];
     std::uint32_t items[warp_threads];
 
-    /// By a whole warp: lists the bits of its masks; returns how many they are.
+    /// Lists the bits of the masks of a warp and returns their number; all threads of the warp must
+    /// call it.
     __device__ std::uint32_t list(std::uint32_t mask, std::uint32_t item) {
         const std::uint32_t lane = threadIdx.x % warp_threads, count = bit_count(mask);
         std::uint32_t end = count;
@@ -48,10 +49,10 @@ struct WarpBits {
 }  // namespace detail
 #endif
 
-/// Asks test(item, bit) for every bit of `mask`, which are the lowest `bits` at most; the answer
-/// has two bits. Returns the first ones in the low half, the second ones in the high half. The test
-/// may depend on nothing but its arguments: on a GPU the bits of a warp's items are shared out
-/// evenly, as a warp would otherwise wait for the item with the most.
+/// Calls test(item, bit) for every set bit of `mask`; only the lowest `bits` may be set. Each
+/// answer has two bits. Returns the answers' first bits in the low half and their second bits in
+/// the high half. The test may depend on nothing but its arguments. On a GPU the bits of a warp's
+/// items are shared out evenly, as a warp would otherwise wait for the item with the most bits.
 template <std::uint32_t bits = asked_bits, class Test>
 PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const Test& test) {
     static_assert(bits <= asked_bits);
@@ -85,10 +86,10 @@ PIERCE_HD std::uint32_t ask_bits(std::uint32_t mask, std::uint32_t item, const T
     return answers;
 }
 
-/// Calls write(item, mask, bit, place) for every set bit among the lowest `bits` of `mask`, the
-/// lowest first and at `place`, the others at the places after it, where the bits of the next item
-/// follow. On a GPU a warp shares out its items' bits, so that threads side by side write to places
-/// side by side.
+/// Calls write(item, mask, bit, place) for every set bit among the lowest `bits` of `mask`. The
+/// lowest bit gets `place`, and the others get the places after it. The places of the next item
+/// must follow. On a GPU a warp shares out its items' bits, so that threads side by side write to
+/// places side by side.
 template <std::uint32_t bits, class Write>
 PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t place,
                           const Write& write) {
@@ -114,22 +115,24 @@ PIERCE_HD void write_bits(std::uint32_t mask, std::uint32_t item, std::uint32_t 
         write(item, mask, lowest_bit(left), place++);
 }
 
-/// How the sixteen things of a group are shared out: an item of a stage sees to all of them.
+/// How the sixteen things of a group are shared out: here an item of a stage handles all of them.
 struct AllOfSixteen {
-    static constexpr std::uint32_t count = 16;  ///< that an item sees to
+    static constexpr std::uint32_t count = 16;  ///< things that an item handles
     PIERCE_HD static std::uint32_t first() { return 0; }
     PIERCE_HD static std::uint32_t group_of(std::uint32_t item) { return item; }
 
-    /// Those bits of a mask that are this item's.
+    /// The bits of a mask that belong to this item.
     PIERCE_HD static std::uint32_t mine(std::uint32_t mask) { return mask; }
-    /// The bits that items say of their own; all items of a group have to say them.
+    /// Joins the bits that the items of a group found for their own things; all items of the group
+    /// must call it.
     PIERCE_HD static std::uint32_t of_all(std::uint32_t bits) { return bits; }
-    /// Likewise, the least.
+    /// The least of the items' numbers; all items of the group must call it.
     PIERCE_HD static float least_of_all(float least) { return least; }
 };
 
 #if defined(__CUDACC__)
-/// Likewise: an item sees to one of them, so that few groups are sooner done on a GPU.
+/// The same with an item that handles one of the sixteen things, so that few groups take less time
+/// on a GPU.
 struct OneOfSixteen {
     static constexpr std::uint32_t count = 1;
     static __device__ std::uint32_t first() { return threadIdx.x % AllOfSixteen::count; }
@@ -153,8 +156,8 @@ private:
 using OneOfSixteen = AllOfSixteen;
 #endif
 
-/// Sixteen things that a stage sees to as a group: on the host an item of the stage is a group, on
-/// a GPU one of the things, so that threads side by side share the work.
+/// Sixteen things that a stage handles as a group. On the host an item of the stage is a group. On
+/// a GPU an item is one of the things, so that threads side by side share the work.
 template <class T>
 class Sixteen {
 public:
@@ -162,7 +165,8 @@ public:
 
 #if defined(__CUDA_ARCH__)
     PIERCE_HD static std::uint32_t group_of(std::uint32_t item) { return item / count; }
-    /// True for one of those who see to a group: what is said of it as a whole is written once.
+    /// True for one of the items that handle a group, so that results for the whole group are
+    /// written once.
     PIERCE_HD static bool is_first() { return threadIdx.x % count == 0; }
 
     /// Calls see(k, thing).
@@ -170,16 +174,16 @@ public:
     PIERCE_HD void each(const See& see) {
         see(threadIdx.x % count, mine_);
     }
-    /// The k-th, for each().
+    /// The k-th thing, for use within each().
     PIERCE_HD const T& at(std::uint32_t) const { return mine_; }
 
-    /// Waits until what the others of a group wrote can be read.
+    /// Waits until what the other threads of the group wrote can be read.
     PIERCE_HD static void settle() { __syncwarp(group()); }
 
-    /// What part(k, thing) comes to for all of them, joined by join(all, part): each of the first
-    /// eight with the one eight places on, then each of the first four with the one four places on,
-    /// and so on. On a GPU all sixteen get it, the same if a join does not depend on which of two
-    /// comes first.
+    /// The results of part(k, thing) for all sixteen, joined by join(all, part). First each of the
+    /// first eight is joined with the one eight places on, then each of the first four with the one
+    /// four places on, and so on. On a GPU all sixteen threads get a result; the results are the
+    /// same if a join does not depend on the order of its two arguments.
     template <class All, class Part, class Join>
     PIERCE_HD All joined(const Part& part, const Join& join) const {
         All all = part(threadIdx.x % count, mine_);
@@ -191,7 +195,7 @@ public:
     }
 
 private:
-    /// All threads of the group; all of them are active.
+    /// The mask of all threads of the group; all of them must be active.
     PIERCE_HD static unsigned group() { return 0xffffu << (threadIdx.x & count); }
 
     template <class All>
@@ -230,9 +234,9 @@ private:
 #endif
 };
 
-/// Writes items[i], where threads side by side write items side by side. On a GPU a warp brings its
-/// items into order first and writes them word after word: an item at a time, every word is a
-/// memory access that reaches a small part of a line.
+/// Writes items[i], where threads side by side write items side by side. On a GPU a warp first puts
+/// its items in order and then writes them word after word. If each thread wrote its own item,
+/// every word would be a memory access that reaches a small part of a line.
 template <class T>
 PIERCE_HD void write_side_by_side(T* items, std::uint32_t i, const T& value) {
 #if defined(__CUDA_ARCH__)

@@ -6,11 +6,11 @@
 
 #include "pierce/host_device.hpp"
 
-/// Reading and writing items in words of sixteen bytes on a GPU. Members one by one, in places far
-/// apart for threads side by side, cost a memory access each.
+/// Reading and writing items in words of sixteen bytes on a GPU. Threads side by side have their
+/// items far apart, so that single members would cost a memory access each.
 ///
-/// Per-item structs use explicit padding: nvcc copies structs with room at their end byte by byte
-/// (measured: seven times slower for a list of rays).
+/// Per-item structs use explicit padding: nvcc copies structs with implicit padding at their end
+/// byte by byte (measured: seven times slower for a list of rays).
 namespace pierce {
 
 namespace detail {

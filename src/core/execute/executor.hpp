@@ -35,45 +35,46 @@ struct AnyTerm {
 }  // namespace detail
 
 /// Runs stages over independent items and provides the few collective operations the step needs.
-/// Results never depend on how work is spread.
+/// Results never depend on how the work is shared out.
 template <class E>
 concept Executor = requires(E executor, typename E::Count n, View<const std::uint32_t> in,
                             View<std::uint32_t> out, View<std::uint64_t> keys,
                             typename E::template Buffer<float> list,
                             typename E::template Sum<detail::AnySum> sum) {
-    // How many items there are: a number, or something that stands for one known elsewhere. Buffers
-    // are resized to a count, and count_of(buffer) is that.
+    // How many items there are: a number, or something that stands for a number known elsewhere.
+    // Buffers are resized to a count, and count_of(buffer) returns it.
     typename E::Count;
     typename E::template Buffer<float>;
     { E::traits } -> std::convertible_to<ExecutorTraits>;
     executor.for_each(n, detail::AnyStage{});
-    // Stages of the same items, one after the other. A stage may read an earlier one's output only
-    // at its own index.
+    // Runs stages over the same items, one after the other. A stage may read an earlier one's
+    // output only at its own index.
     executor.in_turn(n, detail::AnyStage{}, detail::AnyStage{});
     { executor.exclusive_scan(ListId{}, n, in, out) } -> std::same_as<typename E::Count>;
     { executor.select(ListId{}, n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
-    // A list of what a stage finds, or several lists side by side: of each item `count(find(item))`
-    // things, which `write(item, found, place, lists...)` puts at places from `place` on. What
-    // comes first in the list nobody knows, unless the stage says that things are to be in the
-    // order of their items: `static constexpr bool in_order = true`. It may then say, too, what is
-    // to be in the lists past the last thing, where they have more room: `pad(place, lists...)`. An
-    // item may be asked twice what it finds: what it writes meanwhile is the same then.
+    // Makes a list of what a stage finds, or several lists side by side. Each item adds
+    // `count(find(item))` things, which `write(item, found, place, lists...)` puts at places from
+    // `place` on. The order of things in a list is unspecified unless the stage asks for the order
+    // of their items: `static constexpr bool in_order = true`. Such a stage may also fill the lists
+    // past the last thing, where they have more room: `pad(place, lists...)`. `find` may be called
+    // twice for an item; what it writes must be the same both times.
     executor.emit(ListId{}, n, detail::AnyFinder{}, list);
     executor.sort(n, 64, keys, in, keys, out);
-    // A sum of what a stage says of its items; the stage is asked once about each.
+    // Adds up a term for every item; the stage is called once for each.
     executor.reduce(n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
-    // True for so few groups of sixteen that threads are left for a thread each of the sixteen.
+    // True for so few groups of sixteen that there are enough threads for each of the sixteen.
     { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
     executor.settle();
-    // Independent of everything issued before join(); may run concurrently.
+    // Runs work that is independent of everything issued before join(); the work may run
+    // concurrently.
     executor.beside(detail::AnyWork{});
     executor.join();
-    // Work that consists of stages, as a whole: a step, or rays outside of one.
+    // Runs work that consists of stages as a whole: a step, or rays outside of a step.
     executor.run(detail::AnyWork{});
-    // Lists as a whole: filled with a value, and from and to the host.
+    // Fill a list with a value, copy a list from the host, and copy it to the host.
     executor.assign(list, std::uint32_t{}, 0.0f);
     executor.upload(std::span<const float>{}, list);
     { executor.download(list) } -> std::same_as<std::vector<float>>;

@@ -10,7 +10,8 @@
 
 namespace pierce {
 
-/// A vector whose new elements are left as they are: every stage writes all it reads.
+/// Leaves the new elements of a vector uninitialized: every element is written before a stage reads
+/// it.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
     template <class U>
@@ -35,7 +36,7 @@ std::uint32_t count_of(const HostBuffer<T>& buffer) {
     return static_cast<std::uint32_t>(buffer.size());
 }
 
-/// What executors on the host have in common: counts are numbers, buffers are vectors, sums are
+/// The common part of executors on the host: counts are numbers, buffers are vectors, sums are
 /// values.
 class HostExecutor {
 public:
@@ -46,16 +47,16 @@ public:
     using Sum = T;
     static constexpr ExecutorTraits traits{};
 
-    /// What a reduction came to.
+    /// The result of a reduction.
     template <class T>
     T read(const T& sum) const {
         return sum;
     }
 
-    /// How many items has a stage that sees to so many groups (Sixteen).
+    /// The number of items of a stage that handles so many groups (Sixteen).
     std::uint32_t in_sixteens(std::uint32_t groups) const { return groups; }
 
-    /// An item of the host sees to all of a group.
+    /// False, as an item on the host handles a whole group.
     bool are_few_sixteens(std::uint32_t) const { return false; }
 
     /// A count as a number.
@@ -66,16 +67,16 @@ public:
         buffer.assign(count, value);
     }
 
-    /// Work that consists of stages, as a whole.
+    /// Runs work that consists of stages as a whole.
     template <class Work>
     void run(const Work& work) {
         work();
     }
 
-    /// Stages are over when their call is.
+    /// Does nothing, as a stage is over when its call returns.
     void settle() const {}
 
-    /// Independent of everything issued before join(); may run concurrently.
+    /// Runs work that is independent of everything issued before join().
     template <class Work>
     void beside(const Work& work) {
         work();

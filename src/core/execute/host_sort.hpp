@@ -8,9 +8,9 @@
 
 namespace pierce {
 
-/// The stable sort of every host executor. Keys that are nearly sorted, as contacts are, are put
-/// right one by one; others are sorted by bytes, least significant first, leaving out bytes in
-/// which all keys agree. Keeps its memory.
+/// The stable sort of every host executor. Nearly sorted keys, such as those of contacts, are
+/// sorted by insertion. Others are sorted by bytes, least significant first, without the bytes in
+/// which all keys agree. The object keeps its memory from call to call.
 class HostSort {
 public:
     void operator()(View<std::uint64_t> keys, View<std::uint32_t> values) {
@@ -18,8 +18,8 @@ public:
     }
 
 private:
-    /// Sorts by insertion; gives up, the order still stable, when that takes more than a few moves
-    /// a key.
+    /// Sorts by insertion. Gives up when that takes more than a few moves per key; the order is
+    /// still stable then.
     static bool insert(View<std::uint64_t> keys, View<std::uint32_t> values) {
         std::uint64_t moves_left = std::uint64_t{moves_per_key} * keys.size;
         for (std::uint32_t i = 1; i < keys.size; ++i) {

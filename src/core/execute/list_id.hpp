@@ -5,8 +5,8 @@
 
 namespace pierce {
 
-/// The lists whose length a step finds out. An executor may size a list by what it came to in
-/// earlier steps, and tells lists apart by this.
+/// The lists whose length a step finds out. An executor tells lists apart by this, and may size a
+/// list by its length in earlier steps.
 enum class ListId : std::uint8_t {
     // solids
     pairs,

@@ -10,8 +10,8 @@
 
 namespace pierce {
 
-/// One item after the other, on the calling thread: the reference the other executors are compared
-/// with.
+/// Runs one item after the other on the calling thread; the other executors are compared with this
+/// one.
 class SerialExecutor : public HostExecutor {
 public:
     template <class F>
@@ -43,14 +43,14 @@ public:
         std::uint32_t count = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const bool take = wanted(i);
-            out[count] = listed(wanted, i);  // before it is known whether it stays: no branch to
-                                             // predict
+            out[count] = listed(wanted, i);  // written whether or not it is wanted, so that there
+                                             // is no branch to predict
             count += take;
         }
         return count;
     }
 
-    /// Things in the order of the items that they were found by.
+    /// Lists things in the order of the items that found them.
     template <class F, class... T>
     void emit(ListId, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
         std::uint32_t place = 0, end = 0;
@@ -73,7 +73,7 @@ public:
         sort_({sorted_keys.data, n}, {sorted_values.data, n});
     }
 
-    /// sum[0] = term(0) + ... + term(n - 1), default-made for none.
+    /// sum[0] = term(0) + ... + term(n - 1), a default-made T for n = 0.
     template <class F, class T>
     void reduce(std::uint32_t n, const F& term, T& sum) {
         T all{};

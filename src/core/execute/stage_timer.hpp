@@ -7,8 +7,9 @@
 
 namespace pierce {
 
-/// Runs the stages that the plan asks for and notes how long they take. A stage in several parts
-/// adds up. Stages of an executor that does not wait for them are over when it says so.
+/// Runs the stages that the plan asks for and notes how long they take. The times of a stage in
+/// several parts are added up. Where an executor does not wait for its stages, settle() says when
+/// they are over.
 template <class E>
 class StageTimer {
 public:

@@ -4,11 +4,11 @@
 
 #include "pierce/host_device.hpp"
 
-/// What a stage may say of itself to executors, and what they make of it.
+/// What a stage may declare for executors, and how executors use it.
 namespace pierce {
 
-/// True for a stage that says its items take a few nanoseconds each: `static constexpr bool
-/// is_cheap = true`. Executors then hand out many at once.
+/// True for a stage that declares that its items take a few nanoseconds each: `static constexpr
+/// bool is_cheap = true`. Executors then hand out many items at once.
 template <class Stage>
 constexpr bool is_cheap() {
     if constexpr (requires { Stage::is_cheap; })
@@ -17,8 +17,8 @@ constexpr bool is_cheap() {
         return false;
 }
 
-/// True for a stage whose list is in the order of its items in any case (`static constexpr bool
-/// in_order = true`).
+/// True for a stage whose list must be in the order of its items (`static constexpr bool in_order =
+/// true`).
 template <class F>
 constexpr bool in_order() {
     if constexpr (requires { F::in_order; })
@@ -27,8 +27,8 @@ constexpr bool in_order() {
         return false;
 }
 
-/// What select() lists of an item that is wanted: the item, unless the test has something else to
-/// say, `listed(item)`.
+/// What select() lists for an item that is wanted: the item, or `listed(item)` if the test has that
+/// function.
 template <class F>
 PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {
     if constexpr (requires { wanted.listed(i); })
@@ -37,7 +37,7 @@ PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {
         return i;
 }
 
-/// Emits what another stage finds of an item, after a stage that sees to the item first.
+/// Emits what `Finder` finds for an item after stage `First` has run for that item.
 template <class First, class Finder>
 struct FindAfter {
     First first;

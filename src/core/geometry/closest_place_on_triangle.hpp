@@ -4,7 +4,8 @@
 
 namespace pierce {
 
-/// A point of a triangle: weights of its second and third corner; the first has the rest.
+/// A point of a triangle: the weights of its second and third corner; the weight of the first is 1
+/// minus both.
 struct TrianglePlace {
     double second = 0, third = 0;
 };
@@ -20,8 +21,8 @@ PIERCE_HD inline TrianglePlace closest_place_on_triangle(Vec3d p, Vec3d a, Vec3d
         weight[0] = 1 - weight[1] - weight[2];
         if (weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0) return {weight[1], weight[2]};
     }
-    // Seen from the inner side of an edge's line, something of the triangle is closer than that
-    // edge.
+    // If `p` is on the inner side of an edge's line, another part of the triangle is closer than
+    // that edge.
     TrianglePlace best;
     double closest = length_squared(ap);
     const auto offer = [&](TrianglePlace place) {

@@ -13,7 +13,8 @@ PIERCE_HD inline Vec3d closest_on_segment(Vec3d p, Vec3d a, Vec3d b) {
     return size > 0 ? a + clamp_to(dot(p - a, ab) / size, 0.0, 1.0) * ab : a;
 }
 
-/// The point of a triangle that is closest to `p`; of its edges, if it has no area.
+/// The point of a triangle that is closest to `p`; if the triangle has no area, the closest point
+/// of its edges.
 PIERCE_HD inline Vec3d closest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d corner[3] = {a, b, c};
     const Vec3d n = cross(b - a, c - a);
@@ -32,8 +33,8 @@ PIERCE_HD inline Vec3d closest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
 
 /// Distance between two segments.
 PIERCE_HD inline double segment_distance(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
-    // Where the lines are closest, if that lies on both segments; else an end is closest (Ericson
-    // 2005, 5.1.9).
+    // The segments are closest where their lines are, if both places lie on the segments; otherwise
+    // an end of a segment is closest (Ericson 2005, 5.1.9).
     double best = length(a - closest_on_segment(a, c, d));
     best = min_of(length(b - closest_on_segment(b, c, d)), best);
     best = min_of(length(c - closest_on_segment(c, a, b)), best);

@@ -6,27 +6,30 @@
 #include "core/geometry/moving_point.hpp"
 #include "pierce/min_max.hpp"
 
-/// When a vertex meets a face, or an edge an edge, while all their corners move in straight lines.
+/// Finds when a vertex meets a face, or an edge meets an edge, while all their corners move in
+/// straight lines.
 ///
-/// The search goes from one time to the next (conservative advancement, Mirtich 1996): the
+/// The search advances from one time to the next (conservative advancement, Mirtich 1996). The
 /// direction between the closest points at a time separates the features for a while
-/// (separating_direction.hpp), and nothing can meet in it. Where that advances too little, as the
-/// features turn, one of them is halved, and both halves are followed from there. Of adaptive
-/// subdivision in time and place (Wang et al. 2021, doi 10.1145/3460775) this needs the part in
-/// place only: halves are convex, too, and their corners, fixed combinations of the whole's, move
-/// in straight lines as well.
+/// (separating_direction.hpp), and during that while the features cannot meet. Where this advances
+/// too little, because the features turn, the search halves one feature and follows both halves
+/// from that time. Of adaptive subdivision in time and place (Wang et al. 2021, doi
+/// 10.1145/3460775) the search needs only the subdivision in place: halves are convex, too, and
+/// their corners move in straight lines as well, because they are fixed combinations of the whole
+/// feature's corners.
 ///
-/// A meeting is never missed and none is reported late. Every part has a time up to which a
-/// direction, beyond rounding, has separated it from the other feature ever since the start; halves
-/// take over that of their whole and cover it. A part is left when that time has passed `last`: the
-/// end of the step, or a time after which a direction separates the features up to there, or a
-/// meeting already found, which is no later than what the part has left. So any meeting is in a
-/// part that is still waiting, or not before the one found; and when the search gives up, it
-/// reports the earliest time of a waiting part. It is never used that closest points are closest,
-/// or directions accurate: any that separates is proof.
+/// The search never misses a meeting and never reports one late. Every part has a time: from the
+/// start up to that time, directions have separated the part from the other feature beyond
+/// rounding. Halves take over the time of their whole and cover the whole. The search leaves a part
+/// when the part's time has passed `last`. `last` is the end of the step, or a time after which a
+/// direction separates the features up to the end of the step, or the time of a meeting already
+/// found, which is no later than what the part has left. So any meeting is in a part that still
+/// waits, or is not before the one found. When the search gives up, it reports the earliest time of
+/// a waiting part. The proof does not need the closest points to be closest, or directions to be
+/// accurate: any direction that separates is proof.
 ///
-/// A reported meeting is near: it is reported where points of the two features, whose distance is
-/// `gap`, are closer than the tolerance, or when the work that a search may take has run out.
+/// The search reports a meeting where points of the two features, whose distance is `gap`, are
+/// closer than the tolerance, or when the work that a search may take has run out.
 namespace pierce {
 
 /// When and where two moving features first meet.
@@ -34,10 +37,10 @@ struct Impact {
     double time = 0;      ///< not after the first meeting [0..1]
     double u = 0, v = 0;  ///< vertex and face: weights of b and c; edges: places along the first
                           ///< and the second
-    /// Distance of the features at that time and place [length]. At most
+    /// Distance of the features at that time and place [length]. It is at most
     /// constants::meeting_tolerance times the largest coordinate of the other corners relative to
-    /// the first, at the start or the end, unless the search gave up: a larger one means that
-    /// nothing has met up to `time`, and nothing is known of what comes then.
+    /// the first, at the start or the end, unless the search gave up. A larger distance means that
+    /// nothing has met up to `time`, and that later times are unknown.
     double gap = 0;
 };
 
@@ -53,7 +56,8 @@ public:
         : start_(start), end_(end), size_(size), tolerance_(constants::meeting_tolerance * size) {}
 
     PIERCE_HD bool run(Impact& impact) {
-        // The direction at the start decides most, and the one at the end most of the rest.
+        // The direction at the start decides most cases, and the direction at the end decides most
+        // of the rest.
         double t = separating::separated_until<firsts>(start_, end_, 0, direction(start_), size_);
         if (t > 1) return false;
         const double back = separating::separated_until<firsts>(end_, start_, 0, direction(end_),
@@ -93,8 +97,8 @@ private:
         return Features::difference(corners, Features::closest(corners));
     }
 
-    /// Follows one part until it meets, or no longer can before what is known; false if work has
-    /// run out at `t`.
+    /// Follows one part until it meets the other feature, or can no longer meet it before `last_`;
+    /// false if work has run out at `t`.
     PIERCE_HD bool pass(Features& features, double& t, int depth) {
         Corners start = features.part(start_), end = features.part(end_);
         double previous = std::numeric_limits<double>::infinity(), gain = 0;
@@ -108,9 +112,9 @@ private:
                 report(features, t, place, gap);
                 return true;
             }
-            // The gap shrinks fast where features meet without turning much. Where it does not,
-            // parts turn less; time steps as long as a part is wide cost least, as what the part
-            // turns by in a step is the product.
+            // The gap shrinks fast where features meet without turning much. Where it does not, a
+            // part is halved, as smaller parts turn less. Time steps as long as a part is wide cost
+            // least, because a part turns in a step by the product of both.
             if (!(gap <= 0.5 * previous) && !(gain >= features.width) &&
                 depth < constants::meeting_halvings) {
                 waiting_[depth_++] = {features.halve(now, end, place), t, ++depth};
@@ -135,7 +139,7 @@ private:
         found_ = true;
     }
 
-    /// Reports the earliest time that has not been passed.
+    /// Reports the earliest time that a waiting part has not passed.
     PIERCE_HD void give_up(Features& features, double t) {
         for (; depth_ > 0; --depth_)
             if (waiting_[depth_ - 1].since < t) {
@@ -150,14 +154,14 @@ private:
 
     Corners start_, end_;
     double size_, tolerance_;
-    double last_ = 1;  ///< nothing first meets after it
+    double last_ = 1;  ///< the features do not first meet after it
     bool found_ = false;
     Impact impact_;
     Waiting waiting_[constants::meeting_halvings];
     int depth_ = 0, advances_ = 0;
 };
 
-/// A question, ready to be answered.
+/// The corners of two moving features, ready for the tests.
 template <class Features>
 struct Question {
     Corners start, end;
@@ -204,7 +208,7 @@ PIERCE_HD inline bool edges_meet(const MovingPoint& a0, const MovingPoint& a1,
     return continuous::Question<continuous::TwoEdges>(a0, a1, b0, b1).meets(impact);
 }
 
-/// True if it is cheap to see that a moving vertex and a moving face do not meet. False says
+/// True if it is cheap to see that a moving vertex and a moving face do not meet. False proves
 /// nothing.
 PIERCE_HD inline bool vertex_surely_misses_face(const MovingPoint& p, const MovingPoint& a,
                                                 const MovingPoint& b, const MovingPoint& c) {

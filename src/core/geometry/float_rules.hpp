@@ -13,7 +13,7 @@ namespace pierce {
 /// The smallest float32 above zero.
 inline constexpr float smallest_float = 0x1p-149f;
 
-/// The float32 next to `f` on the way from zero to infinity, or back. `f` is not zero.
+/// The float32 next to `f`, further from zero or closer to it. `f` is not zero.
 PIERCE_HD inline float outward_neighbor(float f) {
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + 1);
 }
@@ -21,9 +21,9 @@ PIERCE_HD inline float inward_neighbor(float f) {
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) - 1);
 }
 
-/// Not above, or not below, what a float32 sum would have been without rounding, given that it came
-/// to `rounded`: that is off by half an ulp at most, and nothing where it is smaller than all
-/// normal numbers. NaN for infinite input.
+/// A bound that is not above, or not below, the exact value of a float32 sum that was rounded to
+/// `rounded`. The rounded sum is off by half an ulp at most, and exact where it is smaller than all
+/// normal numbers. The bound is NaN for infinite input.
 PIERCE_HD inline float not_above(float rounded) {
     return rounded - std::fabs(rounded) * std::numeric_limits<float>::epsilon();
 }

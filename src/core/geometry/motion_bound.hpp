@@ -5,9 +5,10 @@
 
 namespace pierce {
 
-/// No point of `box` moves further than this when its frame goes from one place to another: the
-/// centre's way, and the turning (operator norm of the difference of two rotations: their Frobenius
-/// distance over the root of two) of the rest.
+/// An upper bound of how far a point of `box` moves when the frame of `box` goes from one place to
+/// another. It is the way of the box's centre, plus what the rotation moves the rest by. The
+/// operator norm of the difference of two rotations is their Frobenius distance over the root of
+/// two.
 PIERCE_HD inline double largest_motion(const Frame& from, const Frame& to, const Box& box) {
     double squared = 0;
     for (int r = 0; r < 3; ++r)

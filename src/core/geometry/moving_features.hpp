@@ -5,8 +5,8 @@
 #include "core/geometry/separating_direction.hpp"
 #include "pierce/min_max.hpp"
 
-/// Two convex features whose four corners move: where they are closest at a time, and halves of one
-/// of them.
+/// Two convex features whose four corners move: where the features are closest at a time, and
+/// halves of one feature.
 namespace pierce::continuous {
 
 using separating::Corners;
@@ -45,8 +45,8 @@ struct VertexAndFace {
         return {w * u[0] + p.u * u[1] + p.v * u[2], w * v[0] + p.u * v[1] + p.v * v[2]};
     }
 
-    /// Leaves the half with the place and returns the other; the longest edge at both times is
-    /// halved.
+    /// Keeps the half with the place and returns the other half; it halves the edge that is longest
+    /// over both times.
     PIERCE_HD VertexAndFace halve(const Corners& now, const Corners& end, Place p) {
         int longest = 0;
         double most = -1;
@@ -116,8 +116,8 @@ struct TwoEdges {
     }
 };
 
-/// Corners relative to the first one, which stands still then: differences are exact or rounded
-/// once, however far from the origin they are taken, and a movement that all corners share is gone.
+/// Corners relative to the first one, which then stands still. Differences are exact or rounded
+/// once, however far from the origin the corners are. A movement that all corners share drops out.
 PIERCE_HD inline void relative_corners(const MovingPoint& p, const MovingPoint& q,
                                        const MovingPoint& r, const MovingPoint& s, Corners& start,
                                        Corners& end) {

@@ -3,9 +3,9 @@
 #include "core/device/quick_math.hpp"
 #include "pierce/vec3.hpp"
 
-/// float32 arithmetic for bounds that hold however products are rounded: on a GPU a product and a
-/// sum are one instruction, and its last bits differ from the host's. Nothing that a contact says
-/// may come from here.
+/// float32 arithmetic for bounds that hold however products are rounded: a GPU computes a product
+/// and a sum in one instruction, and its last bits differ from the host's. No value of a contact
+/// may come from this arithmetic.
 namespace pierce {
 
 PIERCE_HD inline float quick_dot(Vec3f a, Vec3f b) {
@@ -17,7 +17,7 @@ PIERCE_HD inline Vec3f quick_cross(Vec3f a, Vec3f b) {
             quick_fma(a.x, b.y, -(a.y * b.x))};
 }
 
-/// The largest size of a coordinate, and the sum of all.
+/// The largest absolute coordinate, and the sum of all absolute coordinates.
 PIERCE_HD inline float largest_of(Vec3f v) {
     return quick_max(std::fabs(v.x), quick_max(std::fabs(v.y), std::fabs(v.z)));
 }

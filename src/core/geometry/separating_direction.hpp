@@ -9,9 +9,9 @@
 /// lines.
 ///
 /// Along a fixed direction n, the difference d(t) = n . (x(t) - y(t)) of two corners is linear in
-/// time. While it is positive for every corner x of the first feature and y of the second, it is
-/// for all their convex combinations: the features do not meet. Where d stops being positive
-/// follows from its values at two times, for every pair of corners alone.
+/// time. While d is positive for every corner x of the first feature and every corner y of the
+/// second, d is positive for all their convex combinations, and the features do not meet. For each
+/// pair of corners, the time at which d stops being positive follows from its values at two times.
 namespace pierce::separating {
 
 /// The four corners at one time, relative to one of them: those of the first feature, then those of
@@ -30,7 +30,7 @@ PIERCE_HD inline Corners between(const Corners& start, const Corners& end, doubl
     return now;
 }
 
-/// The largest coordinate.
+/// The largest absolute coordinate.
 PIERCE_HD inline double size_of(const Corners& corners) {
     double size = 0;
     for (int k = 0; k < 4; ++k)
@@ -57,16 +57,18 @@ PIERCE_HD bool axis_separates(const Corners& start, const Corners& end, double s
     return false;
 }
 
-/// Up to when `n` is known to separate two features, the first ahead, that are at `now` at time `t`
-/// and at `end` at time 1; `t` if it does not, 2 if it does to the end.
+/// The time up to which `n` is known to separate two features, the first feature ahead; `t` if `n`
+/// does not separate them, 2 if it separates them to the end. The features are at `now` at time `t`
+/// and at `end` at time 1.
 template <int firsts>
 PIERCE_HD double separated_until(const Corners& now, const Corners& end, double t, Vec3d n,
                                  double size) {
-    // u = 2^-53, coordinates up to the size s, |n| = |n.x| + |n.y| + |n.z|. A corner relative to
-    // another, 1 u s; a corner of a part of a feature, whose weights are exact, 20 u s; its place
-    // at a time between, 6 u s; the difference of two such, 56 u s; the dot product, 8 u s. The
-    // time found is wrong by less than 4 u, while d changes by 4 |n| s per unit of time at most: 16
-    // u s. Together 80 |n| u s, for which 128 are taken off.
+    // u = 2^-53, coordinates up to the size s, |n| = |n.x| + |n.y| + |n.z|. The rounding errors
+    // are: 1 u s for a corner relative to another; 20 u s for a corner of a part of a feature,
+    // whose weights are exact; 6 u s for its place at a time between; 56 u s for the difference of
+    // two such places; 8 u s for the dot product. The time found is wrong by less than 4 u, while d
+    // changes by 4 |n| s per unit of time at most: 16 u s. The sum is 80 |n| u s, and `error` is
+    // 128 |n| u s.
     const double error = constants::motion_rounding *
                          (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)) * size;
     double from[4], to[4];

@@ -43,8 +43,8 @@ struct ShearedRay {
         return axis == 1 ? Vec3d{v.z, v.x, v.y} : Vec3d{v.y, v.z, v.x};
     }
 
-    /// Where a point given relative to the origin lies, seen along the ray; the third coordinate
-    /// stays.
+    /// The place of a point as seen along the ray; the point is given relative to the origin, and
+    /// the shear keeps its third coordinate.
     PIERCE_HD Vec3d sheared(Vec3d relative) const {
         const Vec3d v = turned(relative);
         return {v.x - shear_x * v.z, v.y - shear_y * v.z, v.z};
@@ -96,11 +96,11 @@ PIERCE_HD inline Crossing cross_triangle(const ShearedRay& ray, Vec3d v0, Vec3d 
     return crossing;
 }
 
-/// The part of the full turn that the triangle covers around the line, in parts of
-/// constants::half_turn of half a turn: two halves if the line passes through the inside, one
-/// through an edge, the angle through a vertex. Signed shares of all triangles met at one point of
-/// a closed surface add up to the change of the winding number, times two half turns. Whole
-/// numbers, so that the sum does not depend on the order.
+/// The part of the full turn around the line that the triangle covers; half a turn is
+/// constants::half_turn units. The part is two half turns if the line passes through the inside,
+/// one through an edge, and the triangle's angle through a vertex. Signed shares of all triangles
+/// that the line meets at one point of a closed surface add up to the change of the winding number,
+/// times two half turns. Shares are whole numbers, so that their sum does not depend on the order.
 PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Vec3d v1, Vec3d v2,
                                              const Crossing& crossing) {
     constexpr double pi = 3.14159265358979323846;
@@ -108,7 +108,8 @@ PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Ve
     const int zeros = on[0] + on[1] + on[2];
     if (zeros == 0) return 2 * constants::half_turn;
     if (zeros == 1) return constants::half_turn;
-    // The corner hit, and the two after it; not in a list, which a GPU would keep in memory.
+    // The corner hit and the two after it. They are not in an array, because a GPU would keep an
+    // array in memory.
     const Vec3d p = !on[0]   ? v0
                     : !on[1] ? v1
                              : v2,
@@ -128,8 +129,8 @@ PIERCE_HD inline std::int64_t crossing_share(const ShearedRay& ray, Vec3d v0, Ve
 }
 
 /// True if `p`, known to lie in the triangle's plane, lies in the triangle or closer than
-/// `tolerance` to its three sides and to its box: beyond a sharp corner the lines along its sides
-/// are near for longer than boxes of trees reach.
+/// `tolerance` to its three sides and to its box. The box counts because, beyond a sharp corner,
+/// the lines along the sides stay near for longer than boxes of trees reach.
 PIERCE_HD inline bool touches_triangle(Vec3d p, Vec3d v0, Vec3d v1, Vec3d v2, double tolerance) {
     for (int k = 0; k < 3; ++k)
         if (p[k] < min_of(v0[k], min_of(v1[k], v2[k])) - tolerance ||

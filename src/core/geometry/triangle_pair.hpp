@@ -28,8 +28,8 @@ inline bool share_vertex(const Triangle& t, const Triangle& other) {
     });
 }
 
-/// True if an edge of `a` passes through `b`. Left aside are its ends, as far as `end_inset` [its
-/// length], and the border of `b`, as far as `border_inset` [barycentric].
+/// True if an edge of `a` passes through `b`. The ends of the edge up to `end_inset` [its length]
+/// and the border of `b` up to `border_inset` [barycentric] do not count.
 inline bool edge_pierces(const Corners& a, const Corners& b, double end_inset,
                          double border_inset) {
     for (int k = 0; k < 3; ++k) {
@@ -45,9 +45,9 @@ inline bool edge_pierces(const Corners& a, const Corners& b, double end_inset,
     return false;
 }
 
-/// The sine of the angle between two triangles that share the edge from `a` to `b`, their third
-/// corners being `own` and `other`; 1 from a right angle on, 0 where one lies folded onto the
-/// other.
+/// The sine of the angle between two triangles that share the edge from `a` to `b`; their third
+/// corners are `own` and `other`. It is 1 from a right angle on, and 0 where one triangle lies
+/// folded onto the other.
 inline double fold_sine(Vec3d a, Vec3d b, Vec3d own, Vec3d other) {
     const Vec3d edge = normalized(b - a);
     const auto across = [&](Vec3d p) {
@@ -61,7 +61,7 @@ inline double fold_sine(Vec3d a, Vec3d b, Vec3d own, Vec3d other) {
 /// True if the triangles pass through each other: each has corners on both sides of the other's
 /// plane, and the segments in which they meet the line common to both planes overlap (Moeller
 /// 1997). A touch that goes no deeper than constants::touch_tolerance times the two triangles'
-/// extent is none.
+/// extent does not count.
 inline bool triangles_cross(const Corners& a, const Corners& b) {
     Box box;
     for (Vec3d p : a) box.extend(p);
@@ -71,7 +71,8 @@ inline bool triangles_cross(const Corners& a, const Corners& b) {
     const Vec3d normal_b = normalized(cross(b[1] - b[0], b[2] - b[0]));
     const Vec3d line = normalized(cross(normal_a, normal_b));
 
-    // Where a triangle meets a plane, along the line; empty if it lies on one side.
+    // The range along the line where a triangle meets a plane; empty if the triangle lies on one
+    // side.
     const auto segment = [&](const Corners& c, Vec3d on_plane, Vec3d normal) {
         double side[3];
         for (int k = 0; k < 3; ++k) side[k] = dot(normal, c[k] - on_plane);

@@ -13,12 +13,12 @@ namespace pierce {
 
 struct Triangle;
 
-/// Where the cells of a regular grid are, and what they count in.
+/// Where the cells of a regular grid are, and the unit of their values.
 struct ClearanceGridLayout {
     Box box;  ///< the cells' union; reaches at least one cell beyond the solid on every side
     double cell = 0;        ///< edge length of a cell
     double per_length = 0;  ///< cells per unit of length
-    double step = 0;        ///< [length] what one step of clearance is worth
+    double step = 0;        ///< [length] of one step of clearance
     std::int32_t size[3] = {0, 0, 0};
 
     PIERCE_HD std::size_t index_of(std::int32_t x, std::int32_t y, std::int32_t z) const {
@@ -28,14 +28,14 @@ struct ClearanceGridLayout {
 };
 
 /// A lower bound of the distance from any point to a closed solid, looked up in one cell of a
-/// regular grid. What it proves: a point with positive clearance lies in the unbounded outside of
-/// the surface, that far from it.
+/// regular grid. A point with positive clearance is proved to lie in the unbounded outside of the
+/// surface, at least that far from it.
 struct ClearanceGridView : ClearanceGridLayout {
     View<const std::uint8_t> steps;  ///< per cell, x fastest; empty: nothing is known
 
-    /// Distance from `p` to the solid is at least this; zero inside, near it, or where no grid was
-    /// made. Outside the box the nearest cell counts: the solid lies in the box, and moving `p`
-    /// into the box brings it closer.
+    /// A lower bound of the distance from `p` to the solid; zero inside the solid, near it, or
+    /// where no grid was made. For a point outside the box the nearest cell counts: the solid lies
+    /// in the box, so moving `p` into the box brings it closer.
     PIERCE_HD double operator()(Vec3d p) const {
         if (steps.size == 0) return 0.0;
         std::int32_t at[3];

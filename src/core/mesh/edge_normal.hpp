@@ -16,9 +16,9 @@ PIERCE_HD inline Vec3d triangle_normal(const MeshView& mesh, View<const Vec3f> p
         cross(to_double(positions[t.vertex[1]]) - a, to_double(positions[t.vertex[2]]) - a));
 }
 
-/// The unit outward normal of an edge: halfway between those of its triangles, so that its opposite
-/// leads inside between them, whether they meet in a ridge or in a valley. Zero where they cancel
-/// or have no area.
+/// The unit outward normal of an edge: halfway between the normals of its triangles. So its
+/// opposite leads inside between the triangles, whether they meet in a ridge or in a valley. Zero
+/// where the normals cancel or the triangles have no area.
 PIERCE_HD inline Vec3d edge_normal(const MeshView& mesh, View<const Vec3f> positions,
                                    const Edge& edge) {
     Vec3d sum = triangle_normal(mesh, positions, edge.triangle[0]);
@@ -26,8 +26,8 @@ PIERCE_HD inline Vec3d edge_normal(const MeshView& mesh, View<const Vec3f> posit
     return length(sum) > constants::vanishing_normal ? normalized(sum) : Vec3d{};
 }
 
-/// True if `direction`, leaving the edge, is strictly behind both of its triangles; then it leads
-/// into the inside.
+/// True if `direction`, leaving the edge, is strictly behind both of the edge's triangles; then
+/// `direction` leads into the inside.
 PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions,
                                    const Edge& edge, Vec3d direction) {
     if (edge.triangle[1] == no_triangle) return false;

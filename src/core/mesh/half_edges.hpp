@@ -15,7 +15,7 @@ struct HalfEdge {
     std::uint32_t low, high;
     std::uint32_t triangle;
     std::uint8_t opposite;
-    bool forward;  ///< the triangle runs through it from `low` to `high`
+    bool forward;  ///< the triangle runs through its side from `low` to `high`
 };
 
 /// Calls visit(sides) for every edge, in order of its vertices, with the sides of all triangles

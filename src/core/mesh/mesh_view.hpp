@@ -17,35 +17,35 @@ PIERCE_HD inline bool has_vertex(const Triangle& t, std::uint32_t v) {
     return t.vertex[0] == v || t.vertex[1] == v || t.vertex[2] == v;
 }
 
-/// The first of a triangle's corners that is vertex `v`, which it has.
+/// The first of a triangle's corners that is vertex `v`; the triangle must have that vertex.
 PIERCE_HD inline int corner_of(const Triangle& t, std::uint32_t v) {
     return t.vertex[0] == v ? 0 : t.vertex[1] == v ? 1 : 2;
 }
 
-/// Two vertices that are next to each other, and the two triangles there. At a border, and where
-/// more than two triangles meet or two run through it the same way, every triangle has an edge of
-/// its own there and the other one is no_triangle.
+/// Two neighbouring vertices, and the two triangles that share them. At a border, and where more
+/// than two triangles meet or two run through the edge the same way, every triangle has an edge of
+/// its own, whose other triangle is no_triangle.
 struct Edge {
     std::uint32_t vertex[2];
     std::uint32_t triangle[2];
 };
 
 /// A triangle's edges, and which of its vertices and edges are its own: each vertex and edge
-/// belongs to one triangle, so that whoever looks at all triangles sees each once (Curtis, Tamstorf
-/// and Manocha 2008).
+/// belongs to one triangle, so that a loop over all triangles sees each once (Curtis, Tamstorf and
+/// Manocha 2008).
 struct TriangleFeatures {
-    std::uint32_t edge[3] = {};  ///< edge[k] joins vertex k and the next one; no_vertex for one of
-                                 ///< no length
+    std::uint32_t edge[3] = {};  ///< edge[k] joins vertex k and the next one; no_vertex for an edge
+                                 ///< that joins a vertex to itself
     std::uint32_t own = 0;       ///< bit k: vertex k; bit 3 + k: edge k
 };
 
-/// A triangle as one of its vertices sees it: the other two, counter-clockwise seen from outside.
+/// The other two vertices of a triangle at a vertex, counter-clockwise seen from outside.
 struct Corner {
     std::uint32_t next, previous;
 };
 
-/// A few points relative to a centre, side by side for vector arithmetic. float32: their error is
-/// half an ulp of how far they reach.
+/// A few points relative to a centre, stored side by side for vector arithmetic. They are float32:
+/// their error is half an ulp of their length.
 struct alignas(16) Offsets {
     static constexpr std::uint32_t count = 16;
     float x[count] = {}, y[count] = {}, z[count] = {};
@@ -69,29 +69,31 @@ struct PatchBlock {
     Vec3d center;
     Offsets offsets;  ///< of the spheres' centres
     float radius[constants::block_size] = {};
-    float reach = 0;  ///< no vertex is further from `center`
+    float reach = 0;  ///< no vertex is further than this from `center`
 };
 
-/// The triangles across a triangle's edges: across[k] lies opposite its vertex k. None at a border,
-/// or where more than two triangles meet.
+/// The triangles across a triangle's edges: across[k] lies opposite its vertex k. It is no_triangle
+/// at a border, or where more than two triangles meet.
 struct Neighbors {
     std::uint32_t across[3] = {no_triangle, no_triangle, no_triangle};
 };
 
-/// The triangles that share a vertex with a triangle, itself among them.
+/// What is known of a triangle's ring: the triangles that share a vertex with it, itself among
+/// them.
 struct TriangleRing {
-    Vec3f axis;          ///< a cone around it holds all their normals
-    float sine = 2;      ///< of the cone's half angle; 2 if they face different ways, or do not lie
-                         ///< side by side around it
-    float gap = 0;       ///< [length] no other triangle comes closer to any point of the triangle
-    float openness = 0;  ///< no triangle of the ring comes closer to a point of the triangle than
-                         ///< this part of the point's distance to the triangle's border
+    Vec3f axis;      ///< a cone around this axis holds all normals of the ring
+    float sine = 2;  ///< of the cone's half angle; 2 if the ring's triangles face different ways,
+                     ///< or do not lie side by side around the axis
+    float gap = 0;   ///< [length] no triangle outside the ring comes closer than this to any point
+                     ///< of the triangle
+    float openness = 0;    ///< no triangle of the ring comes closer to a point of the triangle than
+                           ///< this part of the point's distance to the triangle's border
     float height[3] = {};  ///< [length] of the triangle over its edges, opposite vertex k
-    float tilt = 0;  ///< [1 / length] the sine by which a normal of the ring turns is below this
-                     ///< times how far vertices move
+    float tilt = 0;  ///< [1 / length] when vertices move, the sine of the angle by which a normal
+                     ///< of the ring turns is below this times how far they move
 };
 
-/// All arrays of a mesh, each declared here once: as views, as vectors of their owner, or as copies
+/// All arrays of a mesh, each declared here once. They are views, vectors of their owner, or copies
 /// on a device.
 template <template <class> class Array>
 struct MeshArrays {
@@ -106,7 +108,7 @@ struct MeshArrays {
                                           ///< constants::patch_size each
     Array<PatchBlock> blocks;             ///< of the rest shape
     Array<Offsets> patches;  ///< per patch, its vertices relative to its centre; of the rest shape
-    Array<Edge> edges;       ///< patch after patch, each with its first vertex
+    Array<Edge> edges;  ///< patch after patch; an edge belongs to the patch of its first vertex
     Array<std::uint32_t> edge_offsets;     ///< per patch and one more: where its edges begin
     Array<float> edge_reach;               ///< per patch, its longest edge; of the rest shape
     Array<TriangleFeatures> features;      ///< per triangle
@@ -118,7 +120,7 @@ struct MeshArrays {
     Array<TriangleRing> rings;             ///< per triangle; of the rest shape
     Array<float> star_clearance;           ///< per vertex; empty for a mesh that is not closed
     Array<double> own_exit;  ///< per vertex, length of its inward ray inside the rest shape; -1
-                             ///< where that does not start inside; empty for a mesh that is not
+                             ///< where the ray does not start inside; empty for a mesh that is not
                              ///< closed
     Array<std::uint8_t> clearance_steps;  ///< cells of clearance(); empty for a mesh that is not
                                           ///< closed
@@ -162,21 +164,20 @@ static_assert(
     }(),
     "for_each_array names every array");
 
-/// What a mesh has one of.
+/// What a mesh has once, besides its arrays.
 struct MeshShape {
     Box box;                           ///< of the rest shape
     Vec3d centroid;                    ///< mean of the rest positions
     double mean_edge_length = 0;       ///< [length]
     ClearanceGridLayout clearance_at;  ///< of clearance()
     bool closed = false;
-    bool simple = false;  ///< one closed surface that does not meet itself and has its inside
-                          ///< inside
+    bool simple = false;  ///< one closed surface that does not meet itself and is not inside out
 };
 
-/// A mesh as stages see it. Offsets and ids are checked when the mesh is made, never again.
+/// A mesh as stages see it. Offsets and ids are checked only when the mesh is made.
 struct MeshView : MeshArrays<ConstView>, MeshShape {
-    /// How far points are from the rest shape, at least; nothing is known of a mesh that is not
-    /// closed.
+    /// A lower bound of the distance of points to the rest shape; of a mesh that is not closed
+    /// nothing is known.
     PIERCE_HD ClearanceGridView clearance() const { return {clearance_at, clearance_steps}; }
 };
 

@@ -11,7 +11,8 @@
 
 namespace pierce {
 
-/// Patches of a mesh: its vertices along a space-filling curve, constants::patch_size at a time.
+/// Number of patches of a mesh; a patch holds constants::patch_size vertices that are neighbours in
+/// space.
 PIERCE_HD inline std::uint32_t patch_count(const MeshView& mesh) {
     return (mesh.positions.size + constants::patch_size - 1) / constants::patch_size;
 }
@@ -26,7 +27,7 @@ PIERCE_HD inline std::uint32_t patch_length(const MeshView& mesh, std::uint32_t 
     return min_of(constants::patch_size, mesh.positions.size - p * constants::patch_size);
 }
 
-/// Patches come in blocks of constants::block_size.
+/// Number of blocks of a mesh; a block holds constants::block_size patches.
 PIERCE_HD inline std::uint32_t block_count(const MeshView& mesh) {
     return (patch_count(mesh) + constants::block_size - 1) / constants::block_size;
 }
@@ -55,9 +56,9 @@ PIERCE_HD inline float longest(const Offsets& offsets) {
     return std::sqrt(furthest) * static_cast<float>(1 + constants::touch_tolerance);
 }
 
-/// Measures patch `p` at `positions`: its mean, which it puts into its block, its vertices relative
-/// to that, and how far they reach. Places past the last vertex repeat the mean. A mean, unlike the
-/// middle of a box, turns with the patch.
+/// Measures patch `p` at `positions`: its mean and how far its vertices reach, which go into its
+/// block, and its vertices relative to the mean. Places past the last vertex repeat the mean. A
+/// mean, unlike the middle of a box, turns with the patch.
 PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> positions,
                                     std::uint32_t p, PatchBlock& block, Offsets& patch) {
     const std::uint32_t first = p / constants::block_size * constants::block_size, k = p - first;
@@ -75,7 +76,8 @@ PIERCE_HD inline void measure_patch(const MeshView& mesh, View<const Vec3f> posi
     block.radius[k] = longest(measured);
 }
 
-/// The mean of the k-th patch of a block that begins with patch `first`, once it is measured.
+/// The mean of the k-th patch of a block that begins with patch `first`, once the patch is
+/// measured.
 PIERCE_HD inline Vec3d measured_center(const MeshView& mesh, View<const Vec3f> positions,
                                        const PatchBlock& block, std::uint32_t first,
                                        std::uint32_t k) {
@@ -83,7 +85,8 @@ PIERCE_HD inline Vec3d measured_center(const MeshView& mesh, View<const Vec3f> p
            Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
 }
 
-/// Completes block `b`, whose patches are measured. Places past the last patch repeat its centre.
+/// Completes block `b`, whose patches are measured. Places past the last patch repeat the block's
+/// centre.
 PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions,
                                    std::uint32_t b, PatchBlock& block) {
     block.center = to_double(
@@ -98,7 +101,7 @@ PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> posit
     block.reach = longest(block.offsets) + reach;
 }
 
-/// Offsets turned by `rotation`, in float32: all of them, or a share.
+/// Offsets turned by `rotation`, in float32: all sixteen, or a share of them.
 template <class Share = AllOfSixteen>
 struct TurnedOffsets {
     float at[3][Share::count];

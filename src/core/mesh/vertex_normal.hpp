@@ -29,10 +29,10 @@ PIERCE_HD inline Vec3d vertex_normal(const MeshView& mesh, View<const Vec3f> pos
     return length(sum) > constants::vanishing_normal * angles ? normalized(sum) : Vec3d{};
 }
 
-/// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then it
-/// leads into the inside of a closed surface: seen from `v` the inside is a spherical polygon, and
-/// were the direction outside of it, the polygon's point nearest to it would lie on an edge, or a
-/// corner, whose triangle has the direction in front.
+/// True if `direction`, leaving vertex `v`, is strictly behind every triangle around it. Then
+/// `direction` leads into the inside of a closed surface. Seen from `v`, the inside is a spherical
+/// polygon. If the direction were outside of that polygon, the polygon's nearest point would lie on
+/// an edge or a corner, and a triangle there would have the direction in front.
 PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> positions,
                                    std::uint32_t v, Vec3d direction) {
     const Vec3d apex = to_double(positions[v]);

@@ -12,8 +12,8 @@ class BoxTree {
 public:
     explicit BoxTree(std::vector<Box> boxes);
 
-    /// Calls visit(i) for every box i that `wanted` holds for; so it must for every box around such
-    /// a one.
+    /// Calls visit(i) for every box i that `wanted` is true for. `wanted` must also be true for
+    /// every box around such a box.
     template <class Test, class F>
     void for_each_that(Test wanted, F visit) const {
         std::vector<std::uint32_t> open{0};
@@ -40,7 +40,7 @@ private:
     struct Node {
         Box box;
         std::uint32_t first = 0;  ///< of a leaf's boxes in order_, or of two children in nodes_
-        std::uint32_t count = 0;  ///< of boxes in a leaf; 0: not a leaf
+        std::uint32_t count = 0;  ///< number of boxes in a leaf; 0: not a leaf
     };
 
     void split(std::uint32_t node, std::uint32_t first, std::uint32_t last);

@@ -24,7 +24,7 @@ Cells make_cells(const Box& solid) {
     Cells cells;
     const Vec3d size = solid.upper - solid.lower;
     const double longest = std::max({size.x, size.y, size.z});
-    // Two of the cells go to the border, so that the outside is connected all around.
+    // Two of the cells form the border, so that the outside is connected all around.
     cells.layout.cell = longest / (constants::grid_resolution - 2);
     const double h = cells.layout.cell;
     cells.layout.per_length = 1.0 / h;
@@ -40,7 +40,7 @@ Cells make_cells(const Box& solid) {
     return cells;
 }
 
-/// Marks every cell the triangle may touch: its box's cells that its plane also meets.
+/// Marks every cell that the triangle may touch: the cells of its box that its plane also meets.
 void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
     const ClearanceGridLayout& grid = cells.layout;
     const double margin = constants::touch_tolerance * grid.box.extent();
@@ -64,7 +64,7 @@ void mark_triangle(Cells& cells, Vec3d a, Vec3d b, Vec3d c) {
             }
 }
 
-/// Floods the outside from a corner through faces of unmarked cells, a run along x at a time.
+/// Floods the outside from a corner through the faces of unmarked cells, one run along x at a time.
 void flood_outside(Cells& cells) {
     const auto* size = cells.layout.size;
     std::vector<std::array<std::int32_t, 3>> open{{0, 0, 0}};
@@ -88,8 +88,7 @@ void flood_outside(Cells& cells) {
     }
 }
 
-/// Squares of gaps in whole cells. More than `most` is no more than that: clearance is stored in a
-/// byte.
+/// The square of a gap in whole cells. It is limited to `most`, as clearance is stored in a byte.
 using Gap = std::int16_t;
 constexpr std::int32_t most_cells = 256 / constants::clearance_steps_per_cell + 1;
 constexpr Gap most = most_cells * most_cells;
@@ -99,7 +98,7 @@ Gap squared_gap(std::int32_t cells_away) {
     return static_cast<Gap>(gap * gap);
 }
 
-/// To the nearest cell of the same row along x that is not outside.
+/// Squared gaps to the nearest cell of the same row along x that is not outside.
 std::vector<Gap> gaps_along_x(const Cells& cells) {
     const auto length = static_cast<std::size_t>(cells.layout.size[0]);
     std::vector<Gap> gaps(cells.state.size());
@@ -118,8 +117,8 @@ std::vector<Gap> gaps_along_x(const Cells& cells) {
     return gaps;
 }
 
-/// One more axis of the distance transform: of lines of `count` rows, `stride` apart, out[i] = min
-/// over j of in[j] + gap(i, j)^2.
+/// Adds one axis to the distance transform. For every line of `count` rows, `stride` apart: out[i]
+/// = min over j of in[j] + gap(i, j)^2.
 void join_rows(const ClearanceGridLayout& grid, int axis, std::vector<Gap>& gaps) {
     const auto length = static_cast<std::size_t>(grid.size[0]),
                rows_y = static_cast<std::size_t>(grid.size[1]);

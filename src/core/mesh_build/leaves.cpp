@@ -11,7 +11,7 @@ namespace {
 
 /// Two triangles at an edge.
 struct Couple {
-    float area;  ///< of their box, half of it
+    float area;  ///< half the area of their common box
     HalfEdge side[2];
 };
 
@@ -27,9 +27,7 @@ std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Tr
         const float area = join(box_of(triangles[sides[0].triangle]),
                                 box_of(triangles[sides[1].triangle]))
                                .half_area();
-        couples.push_back({min_of(area, INFINITY), {sides[0], sides[1]}});  // infinite, too, if
-                                                                            // positions are not
-                                                                            // numbers
+        couples.push_back({min_of(area, INFINITY), {sides[0], sides[1]}});  // infinite also for NaN
     });
     std::ranges::stable_sort(couples, {}, &Couple::area);
 
@@ -46,7 +44,7 @@ std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Tr
                   {t, no_triangle}};
         if (const Couple* couple = couple_of[t]) {
             const HalfEdge &side = couple->side[0], &other = couple->side[1];
-            if (side.triangle != t) continue;  // they are listed with the first
+            if (side.triangle != t) continue;  // the couple is listed with its first triangle
             leaf = {{alone.vertex[side.opposite], side.low, side.high,
                      triangles[other.triangle].vertex[other.opposite]},
                     {t, other.triangle}};

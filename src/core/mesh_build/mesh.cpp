@@ -36,8 +36,8 @@ void check_indices(const std::string& name, const MeshData& data) {
 
 }  // namespace
 
-/// What a Mesh owns. Its arrays are filled one after the other; what fills one reads earlier ones
-/// through `view`.
+/// What a Mesh owns. The arrays are filled one after the other. The code that fills one reads
+/// earlier ones through `view`.
 struct Mesh::Parts {
     std::string name;
     MeshTraits traits;

@@ -20,7 +20,7 @@
 namespace pierce {
 namespace {
 
-/// Counts findings by kind and keeps the places of the first.
+/// Counts findings by kind and keeps the places of the first ones.
 class Findings {
 public:
     Findings() {
@@ -45,14 +45,14 @@ private:
     std::array<MeshFinding, mesh_defect_count> all_;
 };
 
-/// The triangles that can be looked at, and their ids in the mesh given.
+/// The triangles that can be checked, and their ids in the given mesh.
 struct Part {
     MeshData mesh;
     std::vector<std::uint32_t> ids;
 };
 
-/// Sorts out what cannot be looked at: numbers that are none, and vertices that are not there or
-/// not used.
+/// Reports vertices that are not finite, do not exist or are not used, and keeps the triangles that
+/// can be checked.
 Part usable_part(const MeshData& mesh, Findings& findings) {
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
         if (!is_finite(mesh.positions[v])) findings.add(MeshDefect::not_finite, {v});
@@ -109,11 +109,11 @@ void check_triangles(const Part& part, Findings& findings) {
 
 /// What edges say about the surface around vertices and triangles.
 struct Connections {
-    std::vector<bool> on_open_edge;       ///< per triangle: an edge of it is not balanced
-    std::vector<bool> on_irregular_edge;  ///< per vertex: an edge of it has not two triangles that
-                                          ///< run opposite ways
-    DisjointSets fans;  ///< triangles' corners, 3 t + k, in sets that lie side by side around a
-                        ///< vertex
+    std::vector<bool> on_open_edge;       ///< per triangle: one of its edges is not balanced
+    std::vector<bool> on_irregular_edge;  ///< per vertex: one of its edges does not have two
+                                          ///< triangles that run opposite ways
+    DisjointSets fans;  ///< corners of triangles, 3 t + k; corners that lie side by side around a
+                        ///< vertex form a set
 };
 
 Connections check_edges(const MeshData& mesh, Findings& findings) {
@@ -140,13 +140,13 @@ Connections check_edges(const MeshData& mesh, Findings& findings) {
     return connections;
 }
 
-/// True if the opposite of a vertex's normal leads out of the surface, of which the vertex's
-/// triangles are a closed fan: the nearest feature of the fan, continued to infinity, has the
-/// direction in front (Baerentzen and Aanaes 2005).
+/// True if `direction`, the opposite of a vertex's normal, leads out of the surface. The vertex's
+/// triangles must be a closed fan. `direction` leads out if it is in front of the nearest feature
+/// of the fan, continued to infinity (Baerentzen and Aanaes 2005).
 bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
     if (leads_inside(mesh, mesh.positions, v, direction)) return false;
     struct Wedge {
-        Vec3d away;  ///< from its nearest point to the direction
+        Vec3d away;  ///< from the wedge's nearest point to the direction
         Vec3d normal;
     };
     const Vec3d apex = to_double(mesh.positions[v]);
@@ -161,7 +161,7 @@ bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
     }
     const auto distance = [](const Wedge& w) { return length(w.away); };
     const Wedge nearest = *std::ranges::min_element(fan, {}, distance);
-    // Where the vertex itself is nearest, its normal decides, and that points the other way.
+    // Where the vertex itself is nearest, its normal decides, and the normal points the other way.
     if (distance(nearest) > 1 - constants::touch_tolerance) return false;
     Vec3d normal;
     for (const Wedge& w : fan)

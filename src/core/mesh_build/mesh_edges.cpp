@@ -46,9 +46,9 @@ MeshEdges edges_of(const MeshView& mesh) {
 std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
     std::vector<TriangleFeatures> features(mesh.triangles.size,
                                            {{no_vertex, no_vertex, no_vertex}, 0});
-    // Evenly: what a GPU's threads do side by side takes as long as the one with the most to do.
-    // Vertices are half as many as triangles: one for each, if it has one that is free, and then
-    // what is left.
+    // Vertices are dealt out evenly, as a GPU's threads side by side take as long as the thread
+    // with the most work. There are half as many vertices as triangles. So each triangle first gets
+    // one of its vertices that is free, and then the rest are dealt out.
     std::vector<bool> owned(mesh.positions.size, false);
     for (const bool one_each : {true, false})
         for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)

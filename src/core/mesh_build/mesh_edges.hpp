@@ -18,7 +18,7 @@ struct MeshEdges {
 /// Reads positions, triangles and patches of `mesh`.
 MeshEdges edges_of(const MeshView& mesh);
 
-/// Per triangle of a mesh with edges.
+/// The features of every triangle; reads the edges of `mesh`.
 std::vector<TriangleFeatures> features_of(const MeshView& mesh);
 
 /// One vertex of every connected part of the surface, in ascending order.

@@ -10,18 +10,18 @@
 
 namespace pierce {
 
-/// Of a mesh with valid indices and finite positions. `origin` is a point near it, which keeps the
-/// volume accurate.
+/// The traits of a mesh with valid indices and finite positions. `origin` is a point near the mesh,
+/// which keeps the volume accurate.
 MeshTraits traits_of(const MeshData& data, Vec3d origin);
 
-/// The corners of every vertex, in triangle order, and where each vertex's begin: vertex_count + 1
-/// offsets.
+/// The corners of every vertex, in triangle order, and where the corners of each vertex begin:
+/// vertex_count + 1 offsets.
 std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(
     std::span<const Triangle> triangles, std::size_t vertex_count);
 
-/// Per corner, the vertices around each vertex, one after the other as its triangles hang together,
-/// if those go around it once and none is left over; else no_vertex. A triangle at the vertex has
-/// two of them that follow each other.
+/// Per corner, the vertices around each vertex in the order in which its triangles are connected.
+/// The entries are no_vertex unless the triangles go around the vertex once and none is left over.
+/// The other two vertices of a triangle at the vertex follow each other.
 std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets,
                                    std::span<const Corner> corners);
 

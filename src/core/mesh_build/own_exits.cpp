@@ -17,7 +17,7 @@ std::vector<double> own_exits_of(const MeshView& mesh) {
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t) {
         for (std::uint32_t v : mesh.triangles[t].vertex)
             boxes[t].extend(to_double(mesh.positions[v]));
-        // A ray in a triangle's plane touches it from the touch tolerance away.
+        // A ray in a triangle's plane touches the triangle from as far away as the touch tolerance.
         boxes[t] = boxes[t].inflated(constants::tree_margin * mesh.box.max_coordinate() +
                                      surface.touch);
     }

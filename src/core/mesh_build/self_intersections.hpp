@@ -7,7 +7,7 @@
 
 namespace pierce {
 
-/// All pairs of triangles, the smaller id first, that cross each other elsewhere than in common
+/// All pairs of triangles, the smaller id first, that cross each other at other places than common
 /// vertices, or lie folded onto each other along a common edge. Vertices at the same position count
 /// as one; triangles without area are left out. Indices must be valid and the triangles' positions
 /// finite.

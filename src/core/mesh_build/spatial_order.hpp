@@ -8,8 +8,8 @@
 
 namespace pierce {
 
-/// The numbers of points in an order in which every run of 2^k of them that begins at a multiple of
-/// 2^k lies in a box of its own: the leaves of a k-d tree whose left halves are full. Ties keep the
+/// The indices of points in the order of the leaves of a k-d tree whose left halves are full. Every
+/// run of 2^k points that begins at a multiple of 2^k lies in a box of its own. Ties keep the
 /// caller's order.
 std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points);
 

@@ -8,8 +8,8 @@
 namespace pierce {
 
 /// Per vertex of the rest shape, a lower bound of the distance to the nearest triangle that does
-/// not touch that vertex [length]; never more than the vertex's longest edge. A short ray from the
-/// vertex cannot meet its own body.
+/// not touch that vertex [length]; never more than the vertex's longest edge. A ray from the vertex
+/// that is shorter than this cannot meet its own body.
 std::vector<float> star_clearance(const MeshView& mesh);
 
 }  // namespace pierce

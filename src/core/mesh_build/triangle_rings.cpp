@@ -65,10 +65,11 @@ double triangle_distance(const Corners& a, const Corners& b) {
     return best;
 }
 
-/// No point x of `other`, which shares vertices with `own`, is closer to a point Q of `own` than
-/// this times Q's distance to the border of `own`. Beyond a shared edge lies a half plane: its
-/// distance from Q is that to the edge, or the dihedral angle's sine of it. At a shared vertex lies
-/// a wedge: unit vectors along the sides of one are that far from the other.
+/// The openness between two triangles that share vertices: no point of `other` is closer to a point
+/// Q of `own` than this times Q's distance to the border of `own`. At a shared edge, `other` lies
+/// in a half plane. Its distance from Q is Q's distance to the edge, or that times the sine of the
+/// dihedral angle. At a shared vertex, each triangle lies in a wedge. The openness is the distance
+/// of unit vectors along the sides of one wedge from the other wedge.
 double openness_towards(const MeshView& mesh, const Triangle& own, const Triangle& other) {
     const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
     std::vector<std::uint32_t> shared, own_rest, other_rest;
@@ -102,7 +103,7 @@ Corners corners_of(const MeshView& mesh, std::uint32_t t) {
 
 Vec3d center_of(const Corners& c) { return (1.0 / 3) * (c[0] + c[1] + c[2]); }
 
-/// The triangles of the ring, one after the other, as often as they share a vertex.
+/// The triangles of the ring, each as often as it shares a vertex.
 std::vector<Corners> ring_of(const MeshView& mesh, std::uint32_t t) {
     const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
     std::vector<Corners> ring;
@@ -128,9 +129,9 @@ void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Co
         normals.push_back(normalized(normal));
         sum += normals.back();
     }
-    // With edges e and f, each changed by 2 d, the normal e x f changes by 4 d (longest + d) at
-    // most, over its length, longest times lowest: the sine of its turn is below 8 d / lowest while
-    // d is below the longest edge, and that above 1 beyond.
+    // Where vertices move by d, edges e and f each change by 2 d, and the normal e x f by 4 d
+    // (longest + d) at most. The normal's length is longest times lowest. So the sine of its turn
+    // is below 8 d / lowest while d is below the longest edge; beyond, 8 d / lowest is above 1.
     ring.tilt = round_up(8 / lowest);
 
     const Vec3d axis = normalized(sum);
@@ -141,7 +142,8 @@ void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Co
         sound = sound && goes_around_once(mesh, v, axis);
     if (!sound) return;
     ring.axis = to_float(axis);
-    // Rounded up, so that a direction inside it faces every triangle of the ring for certain.
+    // The sine is rounded up, so that a direction inside the cone faces every triangle of the ring
+    // for certain.
     ring.sine = static_cast<float>(std::sqrt(1 - std::min(cosine * cosine, 1.0)) +
                                    constants::touch_tolerance);
 }

@@ -19,7 +19,7 @@ void require(bool holds) {
     if (!holds) throw InputError("a saved world's memory of its last step does not fit its bodies");
 }
 
-/// Places from `first` on, `count` of them, in a list.
+/// Requires that the `count` places from `first` on lie in a list of `size` items.
 void require_range(std::uint32_t first, std::uint32_t count, std::size_t size) {
     require(first <= size && count <= size - first);
 }
@@ -48,7 +48,7 @@ public:
     }
 
 private:
-    /// The next step's pair that will be this one; nothing if it will be nobody's.
+    /// The pair of the next step that will be this remembered pair; not known if no pair will be.
     struct Known {
         Pair pair;
         bool is_known = false;

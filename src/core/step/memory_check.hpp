@@ -7,8 +7,8 @@
 
 namespace pierce {
 
-/// Throws InputError unless a step of these bodies may use the memory: whatever it says, nothing
-/// outside of any list is read, and contacts name what there is.
+/// Throws InputError unless a step of these bodies may use the memory: whatever the memory says,
+/// the step then reads nothing outside of any list, and contacts name only what exists.
 void check(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids);
 
 }  // namespace pierce

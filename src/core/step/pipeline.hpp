@@ -34,9 +34,9 @@
 
 namespace pierce {
 
-/// The step, top to bottom, on any executor and tracer; in one file, long as it is, so that it can
-/// be read so. Owns the buffers between stages; they grow and are kept, so a steady step allocates
-/// nothing.
+/// The step on any executor and tracer. It is in one file, although that is long, so that it can be
+/// read from top to bottom. It owns the buffers between stages; buffers grow and are kept, so a
+/// steady step allocates nothing.
 template <Executor E, Tracer<E> T>
 class Pipeline {
 public:
@@ -52,16 +52,16 @@ public:
           separation_(tools_),
           sheets_(tools_) {}
 
-    /// One step, up to its contacts. `stats` gets the stages' times, and all else from report(),
-    /// once the executor is done.
+    /// Runs one step, up to its contacts. `stats` gets the stages' times here, and everything else
+    /// from report() once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
         StageTimer stage(executor_, *scene.plan, stats);
         const Plan& plan = *scene.plan;
         recall(scene);
         forget();
 
-        // All bodies are placed while their pairs are looked for; not where there are solids, too,
-        // most of which have no sheet near.
+        // Sheets place all bodies while pairs are looked for. They do not if there are solids, too:
+        // most solids have no sheet near.
         if (E::traits.overlaps_updates && !plan.casts_rays)
             stage(StageId::sheets, [&] { sheets_.bound_all(scene); });
         stage(StageId::bounds, [&] { bounds(scene); });
@@ -82,7 +82,7 @@ public:
               [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
         stage(StageId::separation, [&] { separation(scene); });
         stage(StageId::reproject, [&] { reproject(scene); });
-        // What follows changes neither hits nor own rays.
+        // Later stages change neither hits nor own rays.
         stage(StageId::statistics, [&] { executor_.beside([&] { count_rays(); }); });
         stage(StageId::contacts, [&] { contacts(scene); });
         stage(StageId::remember, [&] { remember(scene); });
@@ -139,10 +139,10 @@ public:
         stats.proofs = executor_.number(count_of(routes_.uncertain));
     }
 
-    /// This step's records become the last one's.
+    /// Makes this step's records those of the last step.
     void recall(const Scene& scene) {
         std::swap(now_, last_);
-        // Contacts are kept in place, unless the next step may take some over.
+        // Contacts stay in `now_`, unless the next step may take some over.
         if (!scene.plan->settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
         sheets_.recall();
     }
@@ -156,18 +156,18 @@ public:
         sheets_.save(m);
         return m;
     }
-    /// Makes it the last step's.
+    /// Makes `m` the last step's memory.
     void remember(const StepMemory& m) {
         now_.restore(executor_, m);
         sheets_.restore(m);
     }
 
     const Buffer<Contact>& contacts() const { return now_.contacts; }
-    /// Those of sheets.
+    /// The contacts of sheets.
     const Buffer<Contact>& sheet_contacts() const { return sheets_.contacts(); }
     const Buffer<Pair>& pairs() const { return pairs_.pairs; }
 
-    /// What spared a vertex of a pair its ray in the last step, if it was a proof.
+    /// The proof that spared a vertex of a pair its ray in the last step, if there was one.
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
                             std::uint32_t vertex) const {
         const auto at = std::find(pairs_.pairs.begin(), pairs_.pairs.end(), pair);
@@ -205,13 +205,13 @@ private:
                plan.needs(StageId::reproject);
     }
 
-    /// The rays that are traced: all, or those that neither a proof nor a walk stands in for.
+    /// The rays that are traced: all rays, or those that neither a proof nor a walk replaces.
     const Buffer<Ray>& full_rays(const Plan& plan) const {
         return plan.remembers() ? routes_.full_rays : batch_.rays;
     }
 
-    /// What an earlier step has left in the lists of stages that may not run in this one: others
-    /// tell by an empty list that they did not.
+    /// Clears what an earlier step has left in the lists of stages that may not run in this step.
+    /// An empty list tells the other stages that its stage did not run.
     void forget() {
         now_.forget_rays();
         routes_.routes.clear();
@@ -223,7 +223,7 @@ private:
         sheets_.forget();
     }
 
-    // bounds: Where bodies are; only deforming ones need a look at their vertices.
+    // bounds: Where bodies are. Only for deforming bodies it reads the vertices.
     void bounds(const Scene& scene) {
         if (scene.ranges.size < scene.bodies.size)
             executor_.for_each(scene.bodies.size,
@@ -269,8 +269,8 @@ private:
                                                       .has_fit = scene.plan->casts_rays});
     }
 
-    // pairs: Bodies whose boxes overlap, sorted by (a, b), and which of last step's pairs they
-    // were.
+    // pairs: Bodies whose boxes overlap, sorted by (a, b), and which of the last step's pairs each
+    // pair was.
     void pairs(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
         const stages::LinkPair link{.bodies = scene.bodies,
@@ -375,7 +375,8 @@ private:
         });
     }
 
-    /// A stage of groups of sixteen; of few groups, its items see to one of the sixteen each.
+    /// Runs a stage over groups of sixteen. If there are few groups, each item handles one of the
+    /// sixteen.
     template <class Stage>
     void share_out(const Count& groups, const Stage& stage) {
         if (executor_.are_few_sixteens(groups))
@@ -384,7 +385,7 @@ private:
             stage(AllOfSixteen{}, groups);
     }
 
-    // ray_gen: A ray per vertex left, or what stands in for it.
+    // ray_gen: A ray per vertex left, or what replaces the ray.
     void ray_gen(const Scene& scene) {
         const Count count = count_of(batch_.sources);
         batch_.rays.resize(count);
@@ -399,7 +400,7 @@ private:
                                                       .routes = view_of(routes_.routes)});
     }
 
-    // walk: Walks; the lost ones join the full rays.
+    // walk: Runs the walks; lost walks join the full rays.
     void walk(const Scene& scene) {
         const Count walks = tools_.list(ListId::walks, count_of(batch_.rays),
                                         stages::HasRoute{view_of(routes_.routes), Route::walk},
@@ -486,8 +487,8 @@ private:
         stage(StageId::trace, [&] { tools_.trace(bodies, exits_.rays, exits_.hits); });
     }
 
-    // classify, second part: R2 and R3: which of them are contacts. If nobody asks before, the
-    // contacts are tested as they are listed.
+    // classify, second part: R2 and R3: which candidates are contacts. If no stage needs the answer
+    // earlier, candidates are tested as contacts are listed.
     void test_own_exits(const Scene& scene) {
         batch_.keep.resize(count_of(batch_.candidates));
         if (others_ask(*scene.plan))
@@ -539,7 +540,7 @@ private:
     }
 
     // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
-    // they were.
+    // they were tested before.
     void contacts(const Scene& scene) {
         const Count candidates = count_of(batch_.candidates);
         const stages::KeyContacts keys{.chords = edges_.chords(),

@@ -61,7 +61,7 @@ private:
     std::unique_ptr<T> tracer_;
     Pipeline<E, T> pipeline_;
     bool has_sheets_ = false;
-    std::vector<Contact> contacts_;  ///< all of them, if some are sheets'
+    std::vector<Contact> contacts_;  ///< all contacts, if some are those of sheets
 };
 
 }  // namespace pierce

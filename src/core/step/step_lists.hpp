@@ -39,7 +39,7 @@ struct StepRecords {
         return {view_of(blocks), view_of(patches), view_of(vertices)};
     }
 
-    /// Nothing is left of stages that cast rays.
+    /// Clears what stages that cast rays remember.
     void forget_rays() {
         directed.clear();
         blocks.clear();
@@ -100,7 +100,7 @@ struct PairLists {
     Buffer<stages::SweepItem> sweep;
     Buffer<std::uint64_t> box_keys;  ///< pairs whose boxes overlap along all axes
     Buffer<Pair> pairs;
-    Buffer<std::uint32_t> links;  ///< per pair, which of the last step's it was
+    Buffer<std::uint32_t> links;  ///< per pair, which of the last step's pairs it was
 };
 
 /// Vertices that may be inside, by blocks and patches.
@@ -129,7 +129,7 @@ struct RouteLists {
     Buffer<std::uint32_t> uncertain;  ///< of the full rays, those for which a proof is tried
 };
 
-/// Rays into bodies of their own.
+/// Rays from bodies into themselves.
 template <Executor E>
 struct ExitLists {
     template <class Item>
@@ -158,7 +158,7 @@ struct ReprojectLists {
     }
 };
 
-/// What a step adds up to.
+/// The sums of a step.
 template <Executor E>
 struct StepSums {
     template <class Value>

@@ -15,18 +15,18 @@ PIERCE_HD inline bool is_excluded(const Triangle& t, const std::uint32_t (&exclu
     return has_vertex(t, excluded[0]) && has_vertex(t, excluded[1]);
 }
 
-/// A ray under way through a surface. Any tracer shows it candidate triangles in any order through
-/// test(); which triangle it settles on does not depend on that order, nor on candidates it was
-/// shown in vain.
+/// The search for a ray's way through a surface. A tracer shows it triangles in any order through
+/// test(). The triangle found depends neither on that order nor on triangles shown in vain.
 ///
-/// Meaning of the result (first_crossing below): crossings within `touch` of the ray's origin are a
-/// start. If they lead out of the surface, the origin touches it from inside and that triangle is
-/// the hit; if they lead in, they do not count. Then comes the first window [t, t + touch] whose
-/// signed crossings do not cancel: its net sign decides, and the triangle of that sign with the
-/// smallest id is the hit. Cancelling windows are grazed edges and coincident sheets. A ray with a
-/// `t_min` has no start: what it crosses up to there is left out. If the ray has an `outward` and
-/// the answer does not lead out, the last crossing behind the start, that far at most, is looked
-/// at, too. If it leads out along the ray, it is the hit, predicted.
+/// Meaning of the result (first_crossing below): crossings within `touch` of the ray's origin are
+/// its start. If they lead out of the surface, the origin touches the surface from inside and that
+/// triangle is the hit; if they lead in, they do not count. Next, the search takes the first window
+/// [t, t + touch] whose signed crossings do not cancel: the net sign of the window decides, and the
+/// triangle of that sign with the smallest id is the hit. Windows that cancel are grazed edges and
+/// coincident sheets. A ray with a `t_min` has no start: crossings up to `t_min` do not count. If
+/// the ray has an `outward` and the answer does not lead out, the search also takes the last
+/// crossing behind the start, at most `outward` away. If that crossing leads out along the ray, it
+/// is the hit, marked as predicted.
 class CrossingSearch {
 public:
     PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
@@ -85,9 +85,9 @@ public:
         }
     }
 
-    /// What to do after all triangles between begin() and limit() were shown: true to show them all
-    /// again, false if hit() is the answer. Rays that meet one clean crossing, nearly all, need no
-    /// second look.
+    /// Decides what to do after all triangles between begin() and limit() were shown: true to show
+    /// them all again, false if hit() is the answer. Nearly all rays meet one clean crossing and
+    /// need no second look.
     PIERCE_HD bool again() {
         if (first_pass_) {
             first_pass_ = false;
@@ -115,7 +115,7 @@ public:
     PIERCE_HD Hit hit() const { return hit_; }
 
 private:
-    /// Signed crossings of one window, and the smallest triangle of either sign.
+    /// Signed crossings of one window, and the triangle with the smallest id of either sign.
     struct Window {
         std::int64_t weight = 0;
         std::uint32_t exit = no_triangle, entry = no_triangle;
@@ -129,7 +129,7 @@ private:
         }
     };
 
-    /// Behind the origin the last crossing counts.
+    /// Notes a crossing behind the origin, if it is the last one so far.
     PIERCE_HD void look_behind(std::uint32_t triangle, const Crossing& crossing) {
         if (crossing.t < behind_ || (crossing.t == behind_ && triangle > behind_triangle_)) return;
         behind_ = crossing.t;

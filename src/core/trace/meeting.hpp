@@ -13,8 +13,8 @@ struct Meeting {
     std::uint8_t padding[7] = {};
 };
 
-/// A point of a triangle, which is not degenerate, as the place where a ray leaves after `t`:
-/// barycentrics by areas.
+/// The meeting of a ray that leaves after `t` at point `p` of a triangle that is not degenerate.
+/// Barycentrics follow from areas.
 PIERCE_HD inline Meeting meeting_at(Vec3d p, double t, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d n = cross(b - a, c - a);
     const double area = length_squared(n);
@@ -38,7 +38,8 @@ PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Ve
     return m;
 }
 
-/// Computed from the triangle itself, so that no tracer's arithmetic reaches a result.
+/// The meeting of a ray with a triangle of a surface, computed from the triangle itself, so that no
+/// tracer's arithmetic reaches a result.
 PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
     const Triangle& t = surface.triangles[triangle];
     const Vec3d a = to_double(surface.positions[t.vertex[0]]);

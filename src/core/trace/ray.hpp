@@ -13,9 +13,10 @@ struct alignas(16) Ray {
     Vec3d origin;
     Vec3d direction;     ///< unit
     double t_max = 0;    ///< [length]; negative: the ray hits nothing
-    double t_min = 0;    ///< [length] if positive, crossings up to here do not count, nor does the
-                         ///< origin's place
-    double outward = 0;  ///< [length] where nothing is left behind, look so far back
+    double t_min = 0;    ///< [length] if positive, crossings up to here do not count, nor does a
+                         ///< touch at the origin
+    double outward = 0;  ///< [length] if the ray does not leave its target ahead, the search looks
+                         ///< this far behind the origin
     std::uint32_t target = 0;                            ///< body
     std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices
                                                          ///< are not hit
@@ -25,14 +26,15 @@ struct alignas(16) Ray {
 /// What a ray starts from.
 enum class RayStart : std::uint8_t { vertex, chord };
 
-/// Where a ray comes from: something of pair `pair`'s first (side 0) or second (side 1) body.
+/// Where a ray comes from: a vertex or chord of the first (side 0) or second (side 1) body of pair
+/// `pair`.
 struct RaySource {
     std::uint32_t pair = 0;
     std::uint32_t item = 0;  ///< a vertex of the body, or an entry of the step's list of chords
     std::uint8_t side = 0;
     RayStart start = RayStart::vertex;
-    bool separates = false;  ///< its direction is not its own: it is the one in which the two
-                             ///< bodies separate soonest
+    bool separates = false;  ///< its direction is not inward, but the one in which the two bodies
+                             ///< separate soonest
     std::uint8_t padding = 0;
 };
 
@@ -42,12 +44,12 @@ struct Chord {
     std::uint32_t ordinal = 0;  ///< which of the edge's chords in this pair
     double middle = 0;  ///< where along the edge its middle is: 0 at the first vertex, 1 at the
                         ///< second
-    double skin = 0;  ///< [length] the edge only touches the target: its ray does not count what it
-                      ///< crosses up to here
+    double skin = 0;    ///< [length] if the edge only touches the target: its ray does not count
+                        ///< crossings up to here
 };
 
-/// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from it in
-/// `classify`.
+/// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from the
+/// triangle in `classify`.
 struct alignas(8) Hit {
     std::uint32_t triangle = no_triangle;
     bool predicted = false;  ///< found looking outward: the vertex has not entered yet

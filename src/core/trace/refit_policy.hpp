@@ -7,10 +7,10 @@
 
 namespace pierce {
 
-/// Decides when a refitted tree should be rebuilt, by rent or buy: the triangle tests its rays
-/// needed beyond those of the fresh tree are added up, and once they would have paid for a rebuild,
-/// it is time. At most twice as expensive as the best schedule chosen in hindsight. Counts, not
-/// clocks, so that it decides the same in every run.
+/// Decides when a refitted tree should be rebuilt, by rent or buy: it adds up the triangle tests
+/// that rays needed beyond those of the fresh tree, and asks for a rebuild once these tests would
+/// have paid for one. This costs at most twice as much as the best schedule chosen in hindsight.
+/// The policy uses counts, not clocks, so that it decides the same in every run.
 class RefitPolicy {
 public:
     /// A tree was built or rebuilt.

@@ -23,9 +23,9 @@ struct WalkEnd {
     std::uint32_t steps = 0;  ///< from triangle to triangle
 };
 
-/// Walks from triangle `start` to one that the line meets, each time across the edge the line
-/// passes by on the wrong side of by most (Lehericey, Gouranton and Arnaldi 2013). Need not find
-/// the first crossing, nor any.
+/// Walks from triangle `start` to one that the line meets. Each time it crosses the edge that has
+/// the line furthest on its outer side (Lehericey, Gouranton and Arnaldi 2013). The walk may find a
+/// crossing that is not the first, or none.
 PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
                               const ShearedRay& line, std::uint32_t start,
                               std::uint32_t max_steps) {
@@ -37,7 +37,8 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
         const Vec3d p = line.sheared(to_double(positions[t.vertex[0]]) - line.origin);
         const Vec3d q = line.sheared(to_double(positions[t.vertex[1]]) - line.origin);
         const Vec3d r = line.sheared(to_double(positions[t.vertex[2]]) - line.origin);
-        // Twice the areas the line's point spans with the edges; all of one sign if it lies inside.
+        // Twice the areas the line's point spans with the edges; all have one sign if the point
+        // lies inside.
         const double area[3] = {r.x * q.y - r.y * q.x, p.x * r.y - p.y * r.x,
                                 q.x * p.y - q.y * p.x};
         const double all = area[0] + area[1] + area[2];
@@ -70,7 +71,7 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
     }
 }
 
-/// How far the point met is from the other triangles of the ring, at least.
+/// A lower bound of how far the point met is from the other triangles of the ring.
 PIERCE_HD inline double ring_distance(const TriangleRing& ring, const Crossing& crossing) {
     double border = crossing.weight[0] * static_cast<double>(ring.height[0]);
     for (int k = 1; k < 3; ++k)
@@ -79,20 +80,22 @@ PIERCE_HD inline double ring_distance(const TriangleRing& ring, const Crossing& 
 }
 
 /// True if `crossing`, of a ray with a triangle, leads out of the surface and is certainly the only
-/// one between the ray's origin and the triangle, so that a tracer would return this triangle if it
-/// lies ahead. `ring` is the triangle's in the rest shape, `direction` the ray's as the rest shape
-/// sees it; no vertex is further than `deviation` from its place there.
+/// crossing between the ray's origin and the triangle. A tracer would then return this triangle if
+/// it lies ahead. `ring` is the triangle's ring in the rest shape, `direction` the ray's direction
+/// as the rest shape sees it. No vertex is further than `deviation` from its place in the rest
+/// shape.
 ///
-/// Proof. Let Q be the point met and t its distance, ahead or behind. Whatever the ray crosses
-/// between a touch tolerance behind its origin and one beyond Q lies within t and that tolerance of
-/// Q, and so does what its origin touches. No triangle outside the ring (those that share a vertex
-/// with this one) comes so close to any point of this triangle. If none of the ring comes so close
-/// to Q either, there is nothing else to cross. Otherwise, let the ring's triangles all face the
-/// way the ray goes, and each of the three fans it is made of go around its vertex once: seen along
-/// the ray, triangles of a fan do not cover each other. So a line through the inside of this
-/// triangle meets no other of the ring. Vertices that have moved take their deviation off each
-/// distance, twice, and turn each normal by `tilt` times it; on the way there no triangle of a fan
-/// turned over, so fans go around as often as before.
+/// Proof. Let Q be the point met and t its distance, ahead or behind. Everything that the ray
+/// crosses between a touch tolerance behind its origin and a touch tolerance beyond Q lies within t
+/// plus that tolerance of Q. So does everything that the origin touches. No triangle outside the
+/// ring (the triangles that share a vertex with this one) comes so close to any point of this
+/// triangle. If no triangle of the ring comes so close to Q either, the ray crosses nothing else.
+/// Otherwise, let the ring's triangles all face the way the ray goes, and let each of the ring's
+/// three fans go around its vertex once. Seen along the ray, triangles of a fan then do not cover
+/// each other. So a line through the inside of this triangle meets no other triangle of the ring.
+/// Vertices that have moved reduce each distance by twice their deviation and turn each normal by
+/// `tilt` times their deviation. During this motion no triangle of a fan turned over, so fans go
+/// around as often as before.
 PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing& crossing,
                                        Vec3d direction, double deviation, double touch) {
     if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return false;
@@ -105,9 +108,10 @@ PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing&
     return near < ring_distance(ring, crossing);
 }
 
-/// How far the origin of a ray is from a surface, at least, if is_only_crossing() is true of a
-/// crossing behind it; `height` is that over the triangle's plane. The point met is `|t|` away: so
-/// much nearer than to it the other triangles may be.
+/// A lower bound of how far the origin of a ray is from a surface, if is_only_crossing() is true of
+/// a crossing behind the origin. `height` is the origin's height over the triangle's plane. The
+/// point met is `|t|` away, so the other triangles may be nearer to the origin than to the point
+/// met by that much.
 PIERCE_HD inline double distance_in_front(const TriangleRing& ring, const Crossing& crossing,
                                           double height) {
     const double others = min_of(static_cast<double>(ring.gap), ring_distance(ring, crossing));

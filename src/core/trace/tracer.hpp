@@ -19,9 +19,10 @@ struct TracerCounts {
     std::uint64_t triangle_tests = 0;
 };
 
-/// Finds the triangle each ray crosses first (the meaning is CrossingSearch's), and the one closest
-/// to its origin (ClosestSearch's). Must give the same answers as BruteForceTracer for every ray
-/// whose origin lies within the target's box, grown by a few touch tolerances.
+/// Finds the triangle that each ray crosses first (as CrossingSearch defines it), and the triangle
+/// closest to its origin (as ClosestSearch defines it). Must give the same answers as
+/// BruteForceTracer for every ray whose origin lies within the target's box, grown by a few touch
+/// tolerances.
 template <class T, class E>
 concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies,
                           View<const std::uint32_t> wanted, typename E::Count count,
@@ -29,8 +30,8 @@ concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies,
     tracer.update(executor, bodies, wanted);  // make trees of bodies with wanted[body] != 0 fit
                                               // their positions
     tracer.closest_hits(executor, bodies, count, rays, hits);
-    // The triangle of its target that is closest to each ray's origin; no_triangle if that is
-    // further away than t_max.
+    // The triangle of its target that is closest to each ray's origin; no_triangle if that triangle
+    // is further away than t_max.
     tracer.closest_triangles(executor, bodies, count, rays, triangles);
     { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };

@@ -29,7 +29,8 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
             if (inside.begin > inside.end || inside.end < 0) continue;
             const Frame to_space = relative_frame({}, views[b].space);
             Ray ray;
-            // From just outside the box: a surface in the box's face must still lie ahead.
+            // The ray starts just outside the box, so that a surface in the box's face still lies
+            // ahead.
             ray.origin = to_space.to_parent(
                 origin + std::max(inside.begin - 2 * views[b].touch, 0.0) * direction);
             ray.direction = to_space.rotation * direction;

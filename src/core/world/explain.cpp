@@ -21,7 +21,7 @@
 namespace pierce {
 namespace {
 
-/// Answers by the step's own functors, on bodies as the last step left them.
+/// Answers with the step's own functors, for bodies as the last step left them.
 class Explainer {
 public:
     Explainer(Backend& backend, View<const BodyView> bodies, std::uint32_t source,
@@ -93,7 +93,7 @@ private:
         return hit;
     }
 
-    /// R1 to R3, with the ray as long as the target to see what lies beyond its range.
+    /// Applies R1 to R3. The ray is as long as the target, to see what lies beyond the ray's range.
     void trace(Ray ray) {
         const double range = ray.t_max;
         ray.t_max = target_.fit_box.extent();
@@ -127,7 +127,7 @@ private:
                     : Reason::own_exit_first);
     }
 
-    /// Length of the ray inside its own body; nothing if it does not start there.
+    /// Length of the ray inside its own body; nothing if the ray does not start inside.
     std::optional<double> own_exit() {
         Ray ray;
         ray.direction = stages::inward_direction(source_, vertex_);
@@ -137,8 +137,8 @@ private:
         ray.excluded[0] = ray.excluded[1] = vertex_;
         const Hit hit = first_hit(ray);
         if (hit.triangle == no_triangle) {
-            // Only the triangles around the vertex lie ahead: it is inside if it starts behind
-            // them.
+            // Only the triangles around the vertex lie ahead: the ray starts inside if it starts
+            // behind them.
             if (!leads_inside(source_.mesh, source_.positions, vertex_, ray.direction))
                 return std::nullopt;
             return INFINITY;
@@ -163,7 +163,7 @@ std::string number(double value) {
     return text;
 }
 
-/// Those of a vertex of one body with another, or with the body itself.
+/// The contacts of a vertex of `body` with `other`, which may be the same body.
 std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, BodyId other,
                                  std::uint32_t vertex) {
     std::vector<Contact> result;
@@ -177,7 +177,7 @@ std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, Body
 }  // namespace
 
 Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
-    vertex_position(body, vertex);  // checks both
+    vertex_position(body, vertex);  // checks body and vertex
     state_->bodies.get(other, "body");
     const bool sheet = collision_of(body).sheet || collision_of(other).sheet;
     if (body == other && !sheet)
@@ -229,10 +229,10 @@ const char* how_found(Found found) {
         case Found::tangled:
             break;
     }
-    return "";  // explain() answers for two solids
+    return "";  // contacts of sheets are described by of_sheet()
 }
 
-/// What a sheet's contact says of its vertex.
+/// The sentence about the vertex of a sheet's contact.
 std::string of_sheet(const Contact& c) {
     const std::string where = " triangle " + std::to_string(c.triangle);
     switch (c.found) {

@@ -20,7 +20,7 @@ struct Corners {
     double distance(Vec3d p) const {
         return length(p - closest_on_triangle(p, at[0], at[1], at[2]));
     }
-    /// True if the foot of `p` lies in the triangle.
+    /// True if the projection of `p` onto the triangle's plane lies in the triangle.
     bool is_under(Vec3d p) const {
         const Vec3d n = cross(at[1] - at[0], at[2] - at[0]);
         for (int k = 0; k < 3; ++k)

@@ -8,9 +8,9 @@
 
 namespace pierce {
 
-/// Why a vertex of `source` has, or has not, a contact with `target`, one of which is a sheet; they
-/// may be the same body. `thickness` is the pair's [length]; `contacts`: those of the vertex with
-/// the target in the last step.
+/// Says why a vertex of `source` has a contact with `target`, or none. One of the two bodies is a
+/// sheet; they may be the same body. `thickness`: of the pair [length]; `contacts`: of the vertex
+/// with the target in the last step.
 Explanation explain_sheet(const BodyView& source, const BodyView& target, std::uint32_t vertex,
                           double thickness, std::span<const Contact> contacts);
 

@@ -206,7 +206,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
         throw InputError("mesh '" + shape.name() +
                          "' has no inside: its body can meet itself only as a sheet");
     entry.mesh = mesh;
-    // The last shape is compared with, vertex by vertex, if there are as many patches.
+    // The next step compares with the last shape, vertex by vertex, if both have as many patches.
     if (entry.seen.size() != patch_count(shape.view())) entry.seen.clear();
     entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());

@@ -13,7 +13,7 @@
 #include "core/world/world_state.hpp"
 
 /// Saved worlds: a header (mark, version, length and checksum of what follows), then settings,
-/// meshes, bodies and what the last step has left for the next.
+/// meshes, bodies and what the last step keeps for the next.
 namespace pierce {
 namespace {
 
@@ -22,7 +22,7 @@ constexpr std::uint32_t version = 1;
 
 }  // namespace
 
-// Of every type: what it consists of.
+// For every type, the parts it consists of.
 
 template <class A, class Tag>
 void transfer(A& archive, Id<Tag>& id) {
@@ -147,7 +147,7 @@ void require(bool holds, const char* what) {
     if (!holds) throw InputError(std::string("a saved world holds ") + what);
 }
 
-/// Reads slots as they are written: which are used, what is in them.
+/// Reads slots as they were written: which slots are used, and what is in them.
 template <class Saved, class Tag, class Thing, class Take>
 void restore_slots(ArchiveReader& archive, SlotMap<Tag, Thing>& map, Take take) {
     const std::uint64_t count = transfer_length(archive, 0);

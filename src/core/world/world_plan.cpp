@@ -106,7 +106,7 @@ void World::State::make_plan() {
                             (!collision.sheet && collision.self != SelfCollision::off);
     }
     plan.casts_rays = solids || plan.velocity_rays;
-    // Where no rays are cast, nothing is to be remembered of them.
+    // Where no rays are cast, there is nothing to remember of them.
     if (!plan.casts_rays) plan.settings.temporal = Temporal::off;
     if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay())
         plan.settings.temporal = Temporal::off;
@@ -151,8 +151,8 @@ void World::State::make_plan() {
                   (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     if (!solids) plan.settings.coverage = Coverage::vertices;
-    // What is inside a solid and belongs to a sheet leaves by the closest point: a sheet's normals
-    // know nothing of the way.
+    // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
+    // nothing about the way out.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
     plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || plan.is_complete());
     for (const StageInfo& stage : stage_table())

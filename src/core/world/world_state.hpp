@@ -14,8 +14,8 @@
 
 namespace pierce {
 
-/// True for a place where a body can be: all coordinates are finite and none is too large, and a
-/// rotation is one.
+/// True if a body can be there: all coordinates are finite, none is too large, and a pose's
+/// quaternion is a rotation.
 bool is_usable(const Pose& pose);
 bool is_usable(std::span<const Vec3f> positions);
 
@@ -37,10 +37,10 @@ struct BodyEntry {
     std::vector<Vec3f> positions;  ///< of a deforming body
     std::vector<Vec3f> start;  ///< of a deforming body that has moved: where it was when the step
                                ///< began
-    Pose start_pose;           ///< of any other, likewise
+    Pose start_pose;           ///< of any other body that has moved: its pose when the step began
     bool moved = false;        ///< since the last step
     Collision collision;
-    const Vec3f* device_positions = nullptr;  ///< in place of those
+    const Vec3f* device_positions = nullptr;  ///< in place of `positions`
     const Vec3f* device_start = nullptr;
     std::vector<PatchBlock> blocks;  ///< of a deforming body
     std::vector<Offsets> patches;
@@ -57,10 +57,10 @@ struct World::State {
     SlotMap<MeshTag, MeshEntry> meshes;
     SlotMap<BodyTag, BodyEntry> bodies;
     std::uint64_t next_key = 1;
-    bool forgets_sides = false;  ///< the next step does
-    bool stepped = false;        ///< bodies stand as the last step has seen them
+    bool forgets_sides = false;  ///< the next step forgets the sides of sheets
+    bool stepped = false;        ///< bodies are where the last step saw them
 
-    // What a step reads; remade when bodies are added, removed or change kind.
+    // What a step reads. It is made anew when bodies are added, removed or change kind.
     bool planned = false;
     Plan plan;
     std::vector<BodyView> views;
@@ -78,28 +78,29 @@ struct World::State {
         change();
         return bodies.add(std::move(body));
     }
-    /// Bodies are about to be added, removed or changed.
+    /// To be called before bodies are added, removed or changed.
     void change() { planned = stepped = false; }
-    /// Throws InputError unless bodies stand as the last step has seen them.
+    /// Throws InputError unless bodies are where the last step saw them.
     void check_stepped(const char* who) const;
 
-    /// Throws InputError, naming the body, for what it cannot be in contact with.
+    /// Throws InputError, naming the body, for a Collision that the body cannot have.
     void check_collision(const BodyEntry& body, const Collision& collision,
                          const std::string& name) const;
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;
-    /// What does not change between steps.
+    /// Makes what does not change between steps.
     void make_plan();
     void add_blocks(std::uint32_t body);
     void describe(const BodyEntry& body, const Mesh& mesh);
-    /// A body is about to get a new place: where it is, is where the next step begins. Of a
-    /// deforming body, the positions are anything then.
+    /// To be called before a body gets a new place: its present place becomes the place where the
+    /// step begins. The positions of a deforming body are undefined afterwards.
     void begin_motion(BodyEntry& body);
-    /// The step is over: the next one begins where it has ended, whatever is given.
+    /// To be called after a step: the next step begins where this one has ended, whatever poses or
+    /// positions are set.
     void end_motion();
-    /// What may have changed since the last step.
+    /// Updates what may have changed since the last step.
     void refresh_views();
-    /// Where a deforming body's vertices are kept, in its view.
+    /// Sets, in a deforming body's view, where its vertices are kept.
     void place_vertices(std::uint32_t index);
 };
 

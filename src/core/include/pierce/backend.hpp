@@ -7,7 +7,8 @@
 
 namespace pierce {
 
-// What steps read and write: core/body, core/trace and core/step, which are not installed.
+// What steps read and write. The types are defined in core/body, core/trace and core/step, which
+// are not installed.
 struct BodyView;
 struct Certificate;
 struct Contact;
@@ -21,14 +22,14 @@ struct StepStats;
 template <class T>
 struct View;
 
-/// Where steps run: an executor and a tracer behind one door. Made by a factory
-/// (reference_backends.hpp, and one per backend library) and handed to a World. docs/new_backend.md
-/// says how to write one.
+/// Where steps run: an executor and a tracer behind one interface. A factory makes it
+/// (reference_backends.hpp has two, each backend library has one), and a World takes it.
+/// docs/new_backend.md says how to write one.
 class Backend {
 public:
     virtual ~Backend() = default;
 
-    /// What it is and how it was made, for people: "embree 3.13.5, 2 threads".
+    /// The backend's name and how it was made, for people: "embree 3.13.5, 2 threads".
     virtual std::string description() const = 0;
     /// True if steps run where set_device_positions() keeps positions.
     virtual bool runs_on_device() const { return false; }
@@ -39,18 +40,20 @@ public:
     /// Results of the last step; valid until the next one.
     virtual View<const Contact> contacts() const = 0;
     virtual View<const Pair> pairs() const = 0;
-    /// What spared a vertex its ray in the last step. `side`: the pair's body it belongs to.
+    /// The proof by which a vertex needed no ray in the last step. `side`: which body of the pair
+    /// the vertex belongs to.
     virtual Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
                                     std::uint32_t vertex) const = 0;
     /// Brings the world's views of its bodies up to date with what the last step found out about
-    /// where they are. Does nothing, unless overridden.
+    /// where the bodies are. Does nothing unless overridden.
     virtual void fetch_bodies(View<BodyView> bodies) const;
-    /// Brings deforming bodies' shapes of the last step (Scene::seen) up to date with what the last
-    /// step has seen. Does nothing, unless overridden.
+    /// Brings Scene::seen, the shapes that deforming bodies had in the last step, up to date. Does
+    /// nothing unless overridden.
     virtual void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const;
-    /// What the last step has left for the next one.
+    /// What the last step keeps for the next one.
     virtual StepMemory memory() const = 0;
-    /// Makes that the last step's, whoever has taken it. It must have been checked.
+    /// Makes `memory` the memory of the last step, whichever backend it was taken from. The caller
+    /// must have checked it.
     virtual void remember(const StepMemory& memory) = 0;
     /// Traces rays outside a step, bringing the targets' trees up to date first.
     virtual void closest_hits(View<const BodyView> bodies, View<const Ray> rays,

@@ -20,7 +20,7 @@ struct Box {
         upper = {max_of(p.x, upper.x), max_of(p.y, upper.y), max_of(p.z, upper.z)};
     }
 
-    /// An empty one changes nothing.
+    /// An empty box changes nothing.
     PIERCE_HD void extend(const Box& b) {
         lower = {min_of(b.lower.x, lower.x), min_of(b.lower.y, lower.y),
                  min_of(b.lower.z, lower.z)};
@@ -63,7 +63,8 @@ struct Box {
     }
 };
 
-/// Where a line is inside a box, by places along its direction; begin > end if nowhere.
+/// The part of a line inside a box, in multiples of the line's direction; begin > end if the line
+/// misses the box.
 struct Stretch {
     double begin = -std::numeric_limits<double>::infinity(),
            end = std::numeric_limits<double>::infinity();

@@ -20,20 +20,20 @@ inline constexpr double touch_tolerance = 8 * float_ulp;
 /// and its slab test rounds again.
 inline constexpr double tree_margin = 4 * float_ulp;
 
-/// How far they reach at least, in units of positions: boxes of bodies that are a point, or so
-/// small that their margin is subnormal, have an extent. Exact tests in the leaves decide as
-/// before.
+/// How far a tree's boxes reach beyond the triangles at least [length]. So a body that is a point,
+/// or so small that its margin is subnormal, has boxes with an extent. The exact tests in the
+/// leaves decide as before.
 inline constexpr double least_tree_margin = 0x1p-100;
 
-/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin is off by
-/// half an ulp, its product with the reciprocal by another half, the box's by as much; direction,
-/// reciprocal and sum each add half an ulp of a distance of up to two coordinates: four and a half
-/// in all.
+/// How far boxes are grown for a float32 slab test [largest coordinate]. The ray's origin, its
+/// product with the reciprocal and the box's product are each off by half an ulp. Direction,
+/// reciprocal and sum each add half an ulp of a distance of up to two coordinates. That is four and
+/// a half in all.
 inline constexpr double slab_margin = 8 * float_ulp;
 
-/// Directions are taken to run along an axis by no less than the first, and by no less than the
-/// second times the largest coordinate [1]: so no product with a reciprocal overflows, and within a
-/// box a ray is off by less than slab_margin.
+/// A direction's component along an axis is taken to be at least smallest_slope, and at least
+/// slope_per_coordinate times the largest coordinate [1]. So no product with a reciprocal
+/// overflows, and within a box a ray is off by less than slab_margin.
 inline constexpr float smallest_slope = 0x1p-60f, slope_per_coordinate = 0x1p-120f;
 
 /// Places of a traversal's stack.
@@ -51,8 +51,9 @@ inline constexpr std::uint32_t treelet_parts = 7;
 /// the one before.
 inline constexpr std::uint32_t treelet_rounds = 3;
 
-/// When no more treelets than this are ready, threads climb: a GPU that has room for all of them
-/// gains nothing from having them side by side, and waits for every launch.
+/// When no more treelets than this are ready, threads climb on to the treelets above by themselves.
+/// A GPU that has room for all of them gains nothing from a launch per level, and waits for every
+/// launch.
 inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 
 /// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister
@@ -79,45 +80,47 @@ inline constexpr double degenerate_area = 4 * float_ulp;
 /// around it]. angle_of() is wrong by less than half of that.
 inline constexpr double vanishing_normal = float_ulp;
 
-/// What half a turn around a ray counts, when the triangles that it meets in one point are added
-/// up: finer than the rounding of angles, and room for 2^23 triangles.
+/// The number that stands for half a turn around a ray, when the triangles that the ray meets in
+/// one point are added up. It is finer than the rounding of angles and leaves room for 2^23
+/// triangles.
 inline constexpr std::int64_t half_turn = std::int64_t{1} << 40;
 
-/// Smallest net sum that counts as a crossing. Exact sums of closed fans are nothing or two half
-/// turns; the angles of open fans come in between.
+/// Smallest net sum that counts as a crossing. Exact sums of closed fans are zero or two half
+/// turns; the angles of open fans lie in between.
 inline constexpr std::int64_t crossing_weight = half_turn / 2;
 
 /// A hit whose ray meets the face at a smaller sine than this is flagged as grazing [1]: its depth
 /// changes a thousand times faster than the vertex moves.
 inline constexpr double grazing_sine = 1e-3;
 
-/// Vertices, and edges, a mesh may have: contacts are sorted by keys that keep thirty bits for
-/// them.
+/// The largest number of vertices, and of edges, of a mesh. Contacts are sorted by keys that keep
+/// thirty bits for each.
 inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
 
-/// A segment that may come near a solid is shortened by what is proved to be outside, as long as
-/// one look-up proves this part of the rest [1].
+/// A segment that may come near a solid is shortened by the part that is proved to be outside. This
+/// goes on as long as one look-up proves at least this share of the rest [1].
 inline constexpr double march_share = 0.125;
 
-/// Shorter edges are cast as they are: looking them up takes as long [cell of the target's
-/// clearance grid].
+/// Edges shorter than this are cast without look-ups, which would take as long [cell of the
+/// target's clearance grid].
 inline constexpr double march_cells = 8;
 
-/// How far edges that only touch are moved before they are cast again, and how much deeper both
-/// bodies must be there to overlap [touch tolerance]: more than what two crossings must be apart to
-/// be two, at any angle that is not small.
+/// `nudge`: how far edges that only touch are moved before they are cast again; `skin`: how deep
+/// both bodies must be there to overlap [touch tolerance]. Both are more than the distance from
+/// which two crossings count as two, at any angle that is not small.
 inline constexpr double nudge = 4, skin = 16;
 
-/// How deep both bodies must be behind an edge inside the other that gives the pair its only
+/// How deep both bodies must be where an edge inside the other body gives the pair its only
 /// contacts [touch tolerance].
 inline constexpr double least_inside = 2;
 
-/// The direction in which they are moved [1]: no mesh has edges or faces along it but by intent.
+/// The direction in which edges that only touch are moved [1]. A mesh has edges or faces along it
+/// only by intent.
 inline constexpr double nudge_direction[3] = {0.5570860145311556, 0.37139067635410373,
                                               0.7427813527082074};
 
-/// Vertices of a body inside another that are asked for the way out, besides one of its part [1]:
-/// enough for a stable rest.
+/// Vertices of a body inside another from which the way out is measured, besides one vertex of the
+/// part inside [1]: enough for a stable rest.
 inline constexpr std::uint32_t separation_vertices = 4;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
@@ -127,7 +130,7 @@ inline constexpr std::uint32_t patch_size = 16;
 inline constexpr std::uint32_t block_size = 16;
 
 /// Triangles per group, and groups per block, when sheets are searched: a mask of sixteen bits says
-/// which of the other's sixteen are near.
+/// which of another group's sixteen are near.
 inline constexpr std::uint32_t group_size = 16;
 
 /// Cells along the longest side of a clearance grid. Measured on 100 tori: 96 and 128 save rays,
@@ -140,23 +143,23 @@ inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 /// Diagonal of a cube [edge length].
 inline constexpr double cell_diagonal = 1.7320508075688774;
 
-/// A triangle with sides this long stands for a wedge seen from its tip [unit vectors].
+/// A wedge is tested as a triangle with sides this long from its tip [unit vectors].
 inline constexpr double wedge_length = 0x1p20;
 
 /// Squarings of a matrix after which its columns are a rotation near the best fit of a body's
-/// vertices, and iterations that make it the best one. Any rotation is right; a better one culls
-/// more.
+/// vertices, and iterations that turn it into the best fit. Any rotation gives right results; a
+/// better fit culls more.
 inline constexpr std::uint32_t frame_fit_squarings = 6, frame_fit_iterations = 3;
 
 /// A body with a coordinate beyond this is left out of a step [length]. Squares of differences must
 /// be finite in float32, and Embree's trees hold no coordinate beyond 2^60.
 inline constexpr double largest_coordinate = 0x1p60;
 
-/// A quaternion whose squared length is not between these has lost digits or has none [1].
+/// A quaternion whose squared length is not between these two has lost digits or has none [1].
 inline constexpr double smallest_rotation = 0x1p-1000, largest_rotation = 0x1p1000;
 
-/// An open body shoots rays of this length by default [mean edge length]; it has no inside that
-/// could end them.
+/// The default length of an open body's rays [mean edge length]. Such a body has no inside that
+/// could end its rays.
 inline constexpr double open_body_range = 2.0;
 
 /// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest
@@ -171,7 +174,8 @@ inline constexpr double motion_rounding = 0x1p-46;
 /// The same in float32, which has 29 bits less.
 inline constexpr float quick_rounding = 0x1p-17f;
 
-/// A grid of boxes is not thinner than this [largest coordinate]: a step of it is still an ulp.
+/// A grid of boxes is at least this thick [largest coordinate]: one step of the grid is then still
+/// an ulp.
 inline constexpr float grid_thinness = 0x1p-16f;
 
 /// What a triangle's corners may reach along their own normal in float32 [largest coordinate
@@ -184,14 +188,15 @@ inline constexpr float quick_normal_rounding = 0x1p-20f;
 /// spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;
 
-/// Below this, what such products lose comes near the smallest float32, and above the other their
-/// squares may exceed the largest [length]: nothing is concluded from them.
+/// The lengths between which float32 products of four lengths are used [length]. Below
+/// quick_smallest their rounding comes near the smallest float32. Above quick_largest their squares
+/// may exceed the largest float32.
 inline constexpr float quick_smallest = 0x1p-24f;
 inline constexpr float quick_largest = 0x1p19f;
 
 /// Moving features that come closer than this meet [largest coordinate of the corners relative to
-/// one of them]: half a float32 ulp. Closer than 2^-26, the direction between closest points is
-/// rounding, and a search takes twice as long.
+/// one of them]: half a float32 ulp. With less than 2^-26, the direction between closest points
+/// would be rounding, and a search would take twice as long.
 inline constexpr double meeting_tolerance = 0.5 * float_ulp;
 
 /// How often a feature is halved at most when the time of a meeting is looked for. Weights of its
@@ -199,12 +204,13 @@ inline constexpr double meeting_tolerance = 0.5 * float_ulp;
 inline constexpr int meeting_halvings = 40;
 
 /// Advances of a search for a meeting, after which it answers that there is one. Measured on two
-/// layers of cloth that shake through each other: 12 where they meet, 69 at most; 8 over the root
-/// of the relative gap, where a vertex keeps that close to a turning face all the time.
+/// layers of cloth that shake through each other: 12 where they meet, 69 at most. Where a vertex
+/// stays close to a turning face all the time, a search takes 8 advances over the square root of
+/// the relative gap.
 inline constexpr int meeting_advances = 1 << 14;
 
-/// A solid is not in contact with itself closer to home than this at rest [mean edge length]: three
-/// rings of triangles, which bend but do not meet.
+/// A solid is not in contact with itself at places that are closer together than this at rest [mean
+/// edge length]. These are three rings of triangles, which bend but do not meet.
 inline constexpr double self_distance = 3.0;
 
 /// Steps from one full pass of a pair to the next.
@@ -221,15 +227,15 @@ inline constexpr std::uint32_t walk_steps = 10;
 /// Predictions reach this far at most [mean edge length].
 inline constexpr double prediction_limit = 2.0;
 
-/// A predicted vertex is looked at again when the bodies have moved by this part of its distance to
-/// the plane it may enter through: half, as the surface need not be flat [1].
+/// A predicted vertex is looked at again when the bodies have moved by this part of the vertex's
+/// distance to the plane it may enter through [1]. It is half, as the surface need not be flat.
 inline constexpr double prediction_wait = 0.5;
 
 /// A vertex is proved to be outside up to this distance at most [mean edge length of the target]:
 /// looking further costs more than it saves.
 inline constexpr double certificate_limit = 1.0;
 
-/// A proof that is expected to expire within this many steps is skipped, and one that failed is
+/// A proof that is expected to expire within this many steps is skipped, and a proof that failed is
 /// retried only after as many [steps].
 inline constexpr double certificate_steps = 16;
 
@@ -241,7 +247,8 @@ inline constexpr double rebuild_cost = 20.0;
 /// [rays].
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
 
-/// Places a finding of the mesh check keeps: enough to look at, few enough to print.
+/// The number of places that a finding of the mesh check keeps: enough to look at, few enough to
+/// print.
 inline constexpr std::uint32_t finding_places = 8;
 
 }  // namespace pierce::constants

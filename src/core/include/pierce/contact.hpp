@@ -12,37 +12,40 @@ namespace pierce {
 /// How a contact was found.
 enum class Found : std::uint8_t {
     full,        ///< by a ray through the target's tree
-    walk,        ///< by walking on from last step's triangle
-    prediction,  ///< by a walk to a triangle it was predicted to enter through
-    self,        ///< by a ray into the vertex' own body, which the vertex is inside of
-    near,  ///< of a sheet: closer than its thickness, and as far as is known always on this side
+    walk,        ///< by a walk from the last step's triangle
+    prediction,  ///< by a walk to a triangle that the vertex was predicted to enter through
+    self,        ///< by a ray from a vertex that is inside its own body
+    near,        ///< of a sheet: closer than its thickness, and in all known steps on this side
     crossing,    ///< of a sheet: the two meet during the step
-    remembered,  ///< of a sheet: still on the other side than before they met in an earlier step
-    tangled,     ///< of a sheet: an edge runs through a triangle, and nobody knows since when
-    separation,  ///< the pair has no contact along an inward ray: along the direction in which the
-                 ///< two separate soonest
+    remembered,  ///< of a sheet: the two met in an earlier step and are still on the wrong side of
+                 ///< each other
+    tangled,  ///< of a sheet: an edge runs through a triangle, and the step in which that began is
+              ///< unknown
+    separation,  ///< measured along the direction in which the two separate soonest, as the pair
+                 ///< has no contact along an inward ray
 };
 
 /// Which of a contact's two bodies the ray started from.
 enum class Side : std::uint8_t { a = 0, b = 1 };
 
 /// A point of one body inside another, and the point where its inward ray leaves that other body.
-/// It is a vertex, or the middle of that part of an edge which is inside. Of a sheet: a vertex and
-/// a triangle, or two edges, that are close to each other or have met during the step. A body in
-/// contact with itself is both a and b. Lengths in the caller's unit, everything in world space.
+/// The first point is a vertex, or the middle of the part of an edge that is inside. A contact of a
+/// sheet is a vertex and a triangle, or two edges, that are close to each other or have met during
+/// the step. A body in contact with itself is both a and b. Lengths are in the caller's unit, and
+/// everything is in world space.
 struct alignas(16) Contact {
     BodyId a, b;            ///< a <= b by index; equal: a body in contact with itself
     Side source = Side::a;  ///< the body the vertex belongs to; the other one is the target
     bool grazing = false;   ///< the ray meets the triangle so flatly that the depth is uncertain
     Found found = Found::full;
-    bool reprojected = false;  ///< it ends where the target's surface is closest, not where the
-                               ///< inward ray does
+    bool reprojected = false;  ///< the contact ends at the closest point of the target's surface,
+                               ///< not at the end of the inward ray
     bool of_sheet = false;  ///< between surfaces that keep their thickness, whatever is inside or
                             ///< outside
-    bool unknown_side = false;  ///< of a sheet: which way leads out is not known; the normal is no
-                                ///< advice
-    std::uint16_t padding_a = 0;         // written as a whole on a GPU
-    std::uint32_t vertex = 0;            ///< of the source; of an edge, the first of its two
+    bool unknown_side = false;  ///< of a sheet: the way out is unknown, so the normal says nothing
+                                ///< about it
+    std::uint16_t padding_a = 0;  // explicit, as a GPU writes a contact in whole words
+    std::uint32_t vertex = 0;  ///< of the source; if an edge is in contact, the edge's first vertex
     std::uint32_t edge_end = no_vertex;  ///< second vertex of the source's edge; no_vertex if a
                                          ///< vertex is in contact
     std::uint32_t edge = 0;              ///< of the source's mesh, if an edge is in contact
@@ -54,8 +57,8 @@ struct alignas(16) Contact {
                             ///< body; 0: new
     std::uint32_t padding_b = 0;
     double along = 0;  ///< where on the edge: 0 at its first vertex, 1 at its second
-    double time = 1;   ///< when in the step a sheet's contact is first met [0: its begin]; 1 if it
-                       ///< is not
+    double time = 1;   ///< when in the step the two of a sheet's contact first meet [0: the step's
+                       ///< begin]; 1 if they do not meet
     double distance = 0;  ///< signed, negative where the bodies overlap or a sheet is crossed, zero
                           ///< where they touch
     double barycentric[3] = {};  ///< of the target point in the triangle; sums to 1
@@ -68,12 +71,12 @@ struct alignas(16) Contact {
     PIERCE_HD double penetration_depth() const { return max_of(-distance, 0.0); }
 
     PIERCE_HD bool is_edge() const { return edge_end != no_vertex; }
-    /// The part of the source's vertices in the source point: of `vertex` (k = 0) and `edge_end` (k
-    /// = 1).
+    /// The weight of the source's vertices in the source point: of `vertex` (k = 0) and `edge_end`
+    /// (k = 1).
     PIERCE_HD double source_weight(int k) const { return k == 0 ? 1 - along : along; }
 
-    /// The same for the same vertex, or edge's part, and pair in every step; of a sheet, for the
-    /// same two of their features. Unique within the pair.
+    /// A number that names the contact within its pair. It is the same in every step for the same
+    /// vertex, or the same part of an edge; for a sheet's contact, for the same two features.
     PIERCE_HD std::uint64_t feature() const {
         const std::uint64_t kind = std::uint64_t{of_sheet} << 2 | std::uint64_t{is_edge()} << 1 |
                                    static_cast<std::uint64_t>(source);

@@ -9,7 +9,7 @@
 namespace pierce {
 
 /// A hash of a contact list (64-bit FNV-1a over the bits of every field but `age` and `found`):
-/// equal lists, equal hashes.
+/// equal lists have equal hashes.
 inline std::uint64_t contact_hash(std::span<const Contact> contacts) {
     std::uint64_t hash = 0xcbf29ce484222325ull;
     const auto add = [&](std::uint64_t value) {

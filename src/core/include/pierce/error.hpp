@@ -5,8 +5,8 @@
 
 namespace pierce {
 
-/// Input that cannot be used. The message names the thing; whatever was asked to change stays as it
-/// was.
+/// Input that cannot be used. The message names the offending input. Whatever the call was to
+/// change stays as it was.
 class InputError : public std::invalid_argument {
 public:
     using std::invalid_argument::invalid_argument;

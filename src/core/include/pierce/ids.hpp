@@ -2,7 +2,7 @@
 
 #include <compare>
 #include <cstdint>
-#include <string_view>  // for std::hash, which <functional> has with much more
+#include <string_view>  // for std::hash; <functional> has it too, but is much larger
 
 namespace pierce {
 
@@ -17,7 +17,7 @@ struct Id {
     friend auto operator<=>(const Id&, const Id&) = default;
 };
 
-/// In place of a vertex or triangle where there is none.
+/// Stands for a vertex or triangle where there is none.
 inline constexpr std::uint32_t no_vertex = 0xffffffffu;
 inline constexpr std::uint32_t no_triangle = 0xffffffffu;
 

@@ -23,12 +23,12 @@ struct MeshData {
     std::vector<Triangle> triangles;
 };
 
-/// What was found out about a mesh's topology; decides which contact rules apply to it.
+/// What the check of a mesh's topology found; decides which contact rules apply to the mesh.
 struct MeshTraits {
-    std::uint32_t boundary_edges = 0;      ///< edges with one triangle
-    std::uint32_t non_manifold_edges = 0;  ///< edges with more than two triangles
-    std::uint32_t inconsistent_edges = 0;  ///< edges whose triangles do not run through it equally
-                                           ///< often both ways
+    std::uint32_t boundary_edges = 0;        ///< edges with one triangle
+    std::uint32_t non_manifold_edges = 0;    ///< edges with more than two triangles
+    std::uint32_t inconsistent_edges = 0;    ///< edges that triangles do not run through equally
+                                             ///< often both ways
     std::uint32_t degenerate_triangles = 0;  ///< triangles without area; they are never hit
     double volume = 0;                       ///< signed; negative: the mesh is inside out
     double mean_edge_length = 0;
@@ -55,10 +55,10 @@ public:
     /// Per vertex, unit and outward; zero where undefined.
     std::span<const Vec3f> normals() const;
     std::span<const Triangle> triangles() const;
-    /// A copy of what it was made from.
+    /// A copy of the data that the mesh was made from.
     MeshData data() const;
     const MeshTraits& traits() const;
-    /// Everything that steps read of it (core/mesh/mesh_view.hpp, which is not installed).
+    /// Everything that steps read of the mesh (core/mesh/mesh_view.hpp, which is not installed).
     const MeshView& view() const;
 
 private:

@@ -9,9 +9,9 @@ namespace pierce {
 enum class MeshDefect : std::uint8_t {
     no_triangles,         ///< nothing to hit
     not_finite,           ///< vertices with a coordinate that is NaN or infinite
-    bad_index,            ///< triangles that name a vertex there is not
+    bad_index,            ///< triangles that name a vertex that does not exist
     border_edge,          ///< edges with one triangle
-    flipped_edge,         ///< edges both of whose triangles run through them the same way
+    flipped_edge,         ///< edges with two triangles that run through them the same way
     non_manifold_edge,    ///< edges with more than two triangles
     inside_out,           ///< closed components with negative volume that are no cavities
     degenerate_triangle,  ///< triangles without area
@@ -19,10 +19,10 @@ enum class MeshDefect : std::uint8_t {
     opposite_triangle,    ///< triangles with the vertices of an earlier one, facing the other way
     bowtie_vertex,        ///< vertices in which more than one fan of triangles meets
     no_inward_direction,  ///< vertices whose triangles' normals cancel or, if the mesh is closed,
-                          ///< do not show inside
+                          ///< have no opposite that leads inside
     self_intersection,    ///< pairs of triangles that cross, or lie on each other
     unused_vertex,        ///< vertices without triangles
-    duplicate_vertex,     ///< vertices where an earlier one is
+    duplicate_vertex,     ///< vertices at the position of an earlier one
 };
 
 inline constexpr std::uint32_t mesh_defect_count = 15;
@@ -41,13 +41,13 @@ constexpr std::uint32_t ids_per_place(MeshElement element) {
     return element == MeshElement::edge || element == MeshElement::triangle_pair ? 2 : 1;
 }
 
-/// In the plural, as "border edges".
+/// The defect's name in the plural, for example "border edges".
 std::string_view name(MeshDefect defect);
-/// What its places are.
+/// What the places of a finding of this defect name.
 MeshElement element(MeshDefect defect);
 /// False if contacts are the same with it as without it.
 bool changes_detection(MeshDefect defect);
-/// One sentence: what it means for detection.
+/// One sentence that says what the defect means for detection.
 std::string_view meaning(MeshDefect defect);
 
 }  // namespace pierce

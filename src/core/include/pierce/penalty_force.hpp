@@ -11,8 +11,8 @@ struct PenaltySettings {
     double damping = 0;    ///< force per speed
 };
 
-/// The force of a contact on what it starts from and on the corners of the triangle it went
-/// through.
+/// The force of a contact on the vertices it starts from and on the corners of the triangle that
+/// the ray leaves through.
 struct PenaltyForce {
     Vec3d direction;     ///< unit, the way the source is pushed
     Vec3d on_source[2];  ///< on `vertex`, and on `edge_end` if an edge is in contact

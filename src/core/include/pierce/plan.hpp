@@ -10,24 +10,23 @@
 
 namespace pierce {
 
-/// What a world's bodies ask of a step, decided when bodies are added, removed or change kind.
+/// What a world's bodies require of a step, decided when bodies are added, removed or change kind.
 struct Plan {
     std::uint64_t revision = 0;  ///< changes with every new plan
     std::uint32_t fixed_bodies = 0, rigid_bodies = 0, deforming_bodies = 0;
     std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
-    bool moving = false;                ///< anything can touch at all
+    bool moving = false;                ///< some contact is possible
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
-    bool casts_rays = false;  ///< some body has an inside that others are looked for in, or rays
-                              ///< along velocities
+    bool casts_rays = false;  ///< some body has an inside in which others are looked for, or is
+                              ///< looked for in itself by rays along velocities
     bool traces_own_exits = false;   ///< contacts of deforming sources need a second ray
     bool meets_itself = false;       ///< some solid is looked for in itself
     bool sheets = false;             ///< some body is a sheet
-    std::uint32_t feature_bits = 0;  ///< as many as the number of a vertex, edge or triangle has at
-                                     ///< most
+    std::uint32_t feature_bits = 0;  ///< bits of the largest number of a vertex, edge or triangle
     bool velocity_rays = false;   ///< some sheet is looked for in itself by rays along velocities
     bool reprojects = false;      ///< contacts move to the closest point of the target's surface
-    Settings settings;            ///< in effect: what no body asks for is off
-    std::vector<StageId> stages;  ///< that run, in their order
+    Settings settings;            ///< the settings in effect: what no body needs is off
+    std::vector<StageId> stages;  ///< the stages that run, in their order
     std::vector<std::string> notes;  ///< rules that do not apply to some body, and why
 
     bool remembers() const { return settings.temporal != Temporal::off; }

@@ -19,7 +19,7 @@ struct Pose {
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// Three rows of three.
+/// A matrix of three rows of three.
 struct Matrix3 {
     Vec3d row[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 

@@ -6,11 +6,12 @@
 
 namespace pierce {
 
-/// One thread and brute force: slow, simple, and the definition of what every other backend must
-/// answer.
+/// A backend of one thread and brute force: slow and simple. Its results define what every other
+/// backend must answer.
 std::unique_ptr<Backend> reference_backend();
 
-/// One thread and our own trees, the ones that serve the GPU: for tests of theirs on any machine.
+/// A backend of one thread and our own trees, the same ones that the GPU uses. It allows tests of
+/// those trees on any machine.
 std::unique_ptr<Backend> bvh_backend();
 
 }  // namespace pierce

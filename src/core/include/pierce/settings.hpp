@@ -7,18 +7,18 @@
 
 namespace pierce {
 
-/// How last step's results are used.
+/// How the last step's results are used.
 enum class Temporal : std::uint8_t {
-    off,    ///< not at all
-    paper,  ///< hits are walked on while displacement is small, and vertices without one wait for
-            ///< the next full pass
-    certified,  ///< like off, contact by contact, but without the rays that are proved to be
+    off,        ///< not at all
+    paper,      ///< walks start from the last step's hits while displacement is small, and vertices
+                ///< without a hit wait for the next full pass
+    certified,  ///< the same contacts as with `off`, but without the rays that are proved to be
                 ///< needless
 };
 
-/// What of a body is looked for inside others.
+/// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
-    vertices,  ///< its vertices (the paper): fast, and blind to overlaps that hold no vertex or are
+    vertices,  ///< its vertices (the paper): fast, but misses overlaps that hold no vertex or are
                ///< thinner than one ray
     complete,  ///< its edges too, and bodies inside one another: no overlap is missed
 };
@@ -36,8 +36,8 @@ struct Settings {
     Temporal temporal = Temporal::certified;
     /// Temporal::paper looks ahead along outward rays for vertices that are about to enter.
     bool predict = true;
-    /// How far it looks [length]; negative: as far as the bodies move until the next full pass, two
-    /// edges at most.
+    /// How far predictions look [length]; negative: as far as the bodies move until the next full
+    /// pass, two edges at most.
     double prediction_distance = -1.0;
     /// Temporal::paper looks at all vertices of a pair at least every so many steps.
     std::uint32_t full_every = constants::full_every;
@@ -45,7 +45,7 @@ struct Settings {
     /// edge length].
     double walk_threshold = constants::walk_threshold;
 
-    /// True if contacts of pairs in which nothing moves stay as they are, unseen.
+    /// True if contacts of pairs in which nothing moves are kept without another look.
     PIERCE_HD bool keeps_contacts() const {
         return temporal == Temporal::certified && coverage == Coverage::vertices && !reproject;
     }

@@ -28,7 +28,7 @@ enum class StageId : std::uint8_t {
     statistics
 };
 
-/// What there is to know of a stage.
+/// The description of a stage.
 struct StageInfo {
     StageId id;
     const char* name;
@@ -39,7 +39,8 @@ struct StageInfo {
     const char* page;    ///< in docs
 };
 
-/// All stages in their order: the plan, the step, its times and docs/step.md follow this table.
+/// All stages in their order: the plan, the step, the step's times and docs/step.md follow this
+/// table.
 std::span<const StageInfo> stage_table();
 
 const char* name_of(StageId stage);

@@ -13,9 +13,9 @@
 #include "pierce/min_max.hpp"
 #include "pierce/settings.hpp"
 
-/// bounds: where every body is, how far it is from its rest shape, and spheres around its
-/// patches. Deforming bodies are measured patch by patch and added up block by block, so sums are
-/// the same on any machine.
+/// bounds: where every body is, how far it is from its rest shape, and spheres around its patches.
+/// Deforming bodies are measured patch by patch, and the results are added up block by block, so
+/// that sums are the same on any machine.
 namespace pierce::stages {
 
 /// Sums from which the best-fitting rotation follows.
@@ -39,8 +39,8 @@ PIERCE_HD inline Moments sum_of(const Sixteen<Moments>& parts) {
                                  [](Moments& sum, const Moments& part) { sum.add(part); });
 }
 
-/// Per block: measures its patches, and adds up the moments of their centres, the patches standing
-/// for their vertices. Reads positions; writes blocks and patches.
+/// Per block: measures its patches, and adds up the moments of the patches' centres, which stand
+/// for the vertices. Reads positions; writes blocks and patches.
 struct MeasurePatches {
     View<const BodyView> bodies;
     View<const BlockItem> items;
@@ -75,8 +75,8 @@ struct MeasurePatches {
 };
 
 /// A rotation near the one closest to `a`: its quaternion is the eigenvector of the largest
-/// eigenvalue of a symmetric matrix (Horn 1987), found by squaring that matrix, shifted to have no
-/// negative eigenvalue. The identity for a zero matrix.
+/// eigenvalue of a symmetric matrix (Horn 1987), found by shifting that matrix to have no negative
+/// eigenvalue and squaring it repeatedly. The identity for a zero matrix.
 PIERCE_HD inline Quaternion rough_rotation(const Matrix3& a) {
     const double xx = a.row[0].x, xy = a.row[1].x, xz = a.row[2].x, yx = a.row[0].y,
                  yy = a.row[1].y, yz = a.row[2].y, zx = a.row[0].z, zy = a.row[1].z,
@@ -102,7 +102,7 @@ PIERCE_HD inline Quaternion rough_rotation(const Matrix3& a) {
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) m[i][j] = squared[i][j];
     }
-    // Every column is the eigenvector by now; the longest one is least rounded.
+    // Every column is the eigenvector by now; the longest column has the least rounding.
     Quaternion q{m[0][0], m[1][0], m[2][0], m[3][0]};
     double largest = m[0][0];
     for (int k = 1; k < 4; ++k) {
@@ -184,7 +184,7 @@ struct PartBounds {
     }
 };
 
-/// How far a vertex of patch `p` has moved since the step began, at most.
+/// An upper bound of how far a vertex of patch `p` has moved since the step began.
 PIERCE_HD inline double longest_way(const BodyView& body, std::uint32_t p) {
     double squared = 0;
     PIERCE_OVERLAPPED_LOOP
@@ -203,13 +203,13 @@ PIERCE_HD inline PartBounds bounds_of(const Sixteen<PartBounds>& parts) {
         [](PartBounds& all, const PartBounds& part) { all.extend(part); });
 }
 
-/// Per block: boxes and deviation. Reads blocks, patches and fit; writes its bounds. float32
-/// relative to the patch's centre: JoinBounds adds what that may lose.
+/// Per block: boxes and deviation. Reads blocks, patches and fit; writes its bounds. It computes in
+/// float32 relative to the patch's centre; JoinBounds adds what that may lose.
 struct MeasureBounds {
     View<const BodyView> bodies;
     View<const BlockItem> items;
-    View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step;
-                                       ///< empty: not asked for
+    View<const View<SeenPatch>> seen;  ///< per body, its patches in its fit of the last step; empty
+                                       ///< if not asked for
     View<PartBounds> bounds;           ///< per block
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -258,7 +258,7 @@ private:
         return b;
     }
 
-    /// Takes over where a patch is now; returns the square of the longest way from where it was.
+    /// Stores where a patch is now; returns the square of the longest way from where it was.
     PIERCE_HD static float see(SeenPatch& patch, Vec3d center, const TurnedOffsets<>& now) {
         const Vec3f moved = to_float(center - patch.center);
         float way[constants::patch_size];
@@ -326,7 +326,7 @@ struct JoinBounds {
     View<BodyView> bodies;
     View<const BlockRange> ranges;
     View<const PartBounds> bounds;
-    bool has_fit = true;  ///< a frame of its own
+    bool has_fit = true;  ///< the body has a frame of its own
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const BlockRange range = ranges[Sixteen<PartBounds>::group_of(i)];
@@ -354,7 +354,7 @@ struct JoinBounds {
 struct CompareWithLast {
     View<BodyView> bodies;
     View<const BodyId> ids;
-    View<const SeenBody> last;  ///< as many as there were
+    View<const SeenBody> last;  ///< of the last step's bodies
     View<SeenBody> seen;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -367,9 +367,9 @@ struct CompareWithLast {
     }
 };
 
-/// Per body: how far predictions of its vertices and of what enters it look: as far as it moves
-/// until the next full pass. A body that is seen for the first time may do anything. Reads bodies,
-/// their last fits and settings; writes reach.
+/// Per body: how far predictions look, of its vertices and of what enters it: as far as the body
+/// moves until the next full pass. The motion of a body that is seen for the first time is unknown.
+/// Reads bodies, their last fits and settings; writes reach.
 struct MeasureReach {
     View<BodyView> bodies;
     Settings settings;
@@ -395,7 +395,7 @@ struct MeasureReach {
 /// Per body: the world box of a fixed or rigid body that moved. Reads its pose and rest box.
 struct PlaceBox {
     View<BodyView> bodies;
-    bool meets_sheets = false;  ///< where sheets look, its vertices are rounded to float32
+    bool meets_sheets = false;  ///< sheets see the body's vertices rounded to float32
 
     static constexpr bool is_cheap = true;
 
@@ -410,7 +410,7 @@ struct PlaceBox {
             reach[k] = std::fabs(r.x) * half.x + std::fabs(r.y) * half.y + std::fabs(r.z) * half.z;
         }
         body.world_box = {center - reach, center + reach};
-        // Where nobody asks, the step began where it ends.
+        // If no stage needs where the step began, that is stored as where it ends.
         body.travel = largest_motion(body.start_space, body.space, body.fit_box);
         if (meets_sheets)
             body.travel += constants::float_ulp * (body.world_box.max_coordinate() + body.travel);

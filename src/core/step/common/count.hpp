@@ -36,7 +36,7 @@ struct CountHit {
     }
 };
 
-/// What contacts add up to.
+/// The sums over contacts.
 struct ContactSums {
     std::uint32_t touching_pairs = 0, edges = 0, reprojected = 0, predictions_true = 0;
     std::uint32_t self = 0, crossings = 0, remembered = 0, tangled = 0;
@@ -70,7 +70,7 @@ PIERCE_HD inline ContactSums sums_of(const Contact& c, bool first) {
             c.penetration_depth()};
 }
 
-/// What walks add up to.
+/// The sums over walks.
 struct WalkSums {
     std::uint32_t steps = 0, lost = 0;
 
@@ -107,7 +107,7 @@ struct CountPredicted {
     PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return records[i].predicted; }
 };
 
-/// 1 for a pair of which all vertices of one body, or of both, were looked at.
+/// 1 for a pair in which all vertices of one body, or of both, were looked at.
 struct CountFullPass {
     View<const PairMemory> memory;
 

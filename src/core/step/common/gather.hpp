@@ -35,7 +35,7 @@ struct Scatter {
     PIERCE_HD void operator()(std::uint32_t i) const { items[places[i]] = gathered[i]; }
 };
 
-/// Per ray: marks its target, if it is to be traced at all.
+/// Per ray: marks its target, if the ray is to be traced.
 struct MarkWanted {
     View<const Ray> rays;
     View<std::uint32_t> wanted;  ///< per body

@@ -11,9 +11,9 @@
 #include "pierce/ids.hpp"
 #include "pierce/min_max.hpp"
 
-/// pairs: bodies whose boxes overlap, and bodies that are looked for in themselves, sorted
-/// by (a, b). Sort and sweep along x, then the oriented boxes; on a device all pairs at once, if
-/// bodies are few.
+/// pairs: bodies whose boxes overlap, and bodies that are tested against themselves, sorted by (a,
+/// b). The stage sorts and sweeps along x, then tests the oriented boxes. If bodies are few, a
+/// device tests all pairs at once.
 namespace pierce::stages {
 
 /// A key that orders like the number it is made from.
@@ -25,8 +25,8 @@ PIERCE_HD inline std::uint32_t ordered_bits(float value) {
 /// Bits of a sweep key.
 inline constexpr int sweep_key_bits = 32;
 
-/// What the sweep looks at of a body: its box in the world, grown by touch tolerance and reach and
-/// rounded outwards. A body left out of the step has an empty one, and comes last.
+/// What the sweep reads of a body: its box in the world, grown by touch tolerance and reach and
+/// rounded outwards. A body left out of the step has an empty box, and comes last.
 struct alignas(16) SweepItem {
     Vec3f lower, upper;
     std::uint32_t body = 0;
@@ -44,8 +44,8 @@ struct alignas(16) SweepItem {
         upper = {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)};
     }
 
-    /// True unless their boxes are apart along y or z, or neither moves. Not a branch each: which
-    /// of them is apart cannot be foreseen.
+    /// True unless the boxes are apart along y or z, or neither body moves. The tests have no
+    /// branch each, because a branch could not be predicted.
     PIERCE_HD bool may_meet(const SweepItem& other) const {
         const bool apart = (other.upper.y < lower.y) | (other.lower.y > upper.y) |
                            (other.upper.z < lower.z) | (other.lower.z > upper.z);
@@ -85,8 +85,8 @@ struct GatherSweep {
     }
 };
 
-/// Per place in the sweep order, `walks` items: the partners that come later, whom they visit
-/// taking turns. Pairs are keys a << 32 | b.
+/// Per place in the sweep order, `walks` items: the items take turns to visit the partners that
+/// come later. Pairs are keys a << 32 | b.
 struct SweepPairs {
     View<const SweepItem> items;
     std::uint32_t walks = 1;
@@ -125,7 +125,7 @@ PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
                                   max_of(a.touch, b.touch) + a.outreach() + b.outreach());
 }
 
-/// Per pair of overlapping world boxes: itself, if the oriented boxes overlap, too.
+/// Per pair of overlapping world boxes: keeps the pair if the oriented boxes overlap, too.
 struct TestPair {
     View<const BodyView> bodies;
     View<const std::uint64_t> keys;
@@ -141,7 +141,7 @@ struct TestPair {
     }
 };
 
-/// Who a pair is.
+/// The identity of a pair.
 PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<const BodyId> ids,
                                           Pair pair) {
     const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
@@ -164,7 +164,7 @@ struct LinkPair {
     View<const std::uint64_t> last_keys;
     View<const PairIdentity> last;
 
-    /// Writes the pair of a key, who it is, and which of last step's pairs it was, if any.
+    /// Writes the pair of a key, its identity, and which of last step's pairs it was, if any.
     PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity,
                               std::uint32_t& link) const {
         pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
@@ -179,7 +179,7 @@ struct LinkPair {
     }
 };
 
-/// Per sorted key: the pair, and which it was.
+/// Per sorted key: the pair, and which of last step's pairs it was.
 struct LinkSorted {
     LinkPair link;
     View<const std::uint64_t> keys;
@@ -192,7 +192,8 @@ struct LinkSorted {
     }
 };
 
-/// Per two of `bodies.size` bodies (a * size + b): their key, if they are a pair, and which it was.
+/// Per two of `bodies.size` bodies (a * size + b): if they are a pair, their key and which of last
+/// step's pairs it was.
 struct FindPairs {
     LinkPair link;
 
@@ -214,7 +215,7 @@ struct FindPairs {
         keys[place] = pair_key(i / link.bodies.size, i % link.bodies.size);
         link(keys[place], pairs[place], identities[place], links[place]);
     }
-    /// The next step searches in all there is room for.
+    /// Fills an unused place: the next step searches the whole list.
     PIERCE_HD void pad(std::uint32_t place, std::uint64_t* keys, Pair*, PairIdentity*,
                        std::uint32_t*) const {
         keys[place] = ~std::uint64_t{0};

@@ -9,8 +9,8 @@
 #include "pierce/pose.hpp"
 
 /// What a step remembers for the next one. Everything is keyed by (pair, side, patch, vertex), is
-/// written anew in every step and read in the next, and dies with its pair, a removed body or
-/// another mesh.
+/// written anew in every step and read in the next. It is dropped with its pair, when a body is
+/// removed, and when a body gets another mesh.
 namespace pierce {
 
 /// A body as the last step saw it.
@@ -63,16 +63,16 @@ struct PairMemory {
 /// A block of patches of one direction of a pair: 72 bytes.
 struct BlockRecord {
     float expiry[constants::block_size] = {};  ///< per patch: outside the target until the odometer
-                                               ///< stands there
+                                               ///< reaches this
     std::uint32_t kept = 0;         ///< a bit for every patch whose vertices were looked at
-    std::uint32_t first_patch = 0;  ///< where those begin
+    std::uint32_t first_patch = 0;  ///< where the records of those patches begin
 };
 
 /// A patch whose vertices were looked at: 12 bytes.
 struct PatchRecord {
     std::uint32_t mask = 0;          ///< a bit for every vertex that was near the target
     std::uint32_t first_vertex = 0;  ///< where their records begin
-    float expiry = 0;                ///< the others are outside until the odometer stands there
+    float expiry = 0;  ///< the other vertices are outside until the odometer reaches this
 };
 
 /// A vertex that was near the target: 44 bytes.
@@ -80,10 +80,10 @@ struct VertexRecord {
     std::uint32_t triangle = no_triangle;  ///< its ray's last hit, or the triangle it is predicted
                                            ///< to enter through
     std::uint32_t predicted = 0;           ///< 1: still outside
-    float expiry = 0;                      ///< no contact until the odometer stands there
-    float retry = 0;                       ///< no attempt to prove that before
-    std::uint32_t contact = no_record;  ///< its contact's place in the step's list; if it had none,
-                                        ///< any
+    float expiry = 0;                      ///< no contact until the odometer reaches this
+    float retry = 0;  ///< no attempt to prove that before the odometer reaches this
+    std::uint32_t contact = no_record;  ///< its contact's place in the step's list; any value if it
+                                        ///< had no contact
     // Where the ray met the target when it was last traced: the material point, and the way there
     // in the target's fit frame.
     std::uint32_t seen_triangle = no_triangle;
@@ -93,10 +93,11 @@ struct VertexRecord {
 
 static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
 
-/// What is remembered of a contact of a sheet: the same features again are the same contact; and of
-/// a vertex that has ended a step on the wrong side, where it belongs, also when it is over a
-/// triangle that shares a corner with this one by now. Of any other vertex the begin of the next
-/// step says it, and better: at a sharp fold, triangles that share a corner have different sides.
+/// What is remembered of a contact of a sheet. If the same features meet again, they are the same
+/// contact. For a vertex that has ended a step on the wrong side, the record says where the vertex
+/// belongs, also when it is by now over a triangle that shares a corner with this one. For any
+/// other vertex the start of the next step says where it belongs, and says it better: at a sharp
+/// fold, triangles that share a corner have different sides.
 struct SheetRecord {
     std::uint32_t other = 0;  ///< the triangle, or the edge of b
     std::uint32_t age = 0;
@@ -106,7 +107,7 @@ struct SheetRecord {
     bool is_self = false;
     bool is_edge = false;
     std::uint32_t padding = 0;
-    double distance = 0;  ///< of the contact, for what contacts add up to
+    double distance = 0;  ///< of the contact, for the sums over contacts
 };
 
 /// The key that orders contacts of vertices.
@@ -121,8 +122,8 @@ PIERCE_HD inline bool is_contact(View<const std::uint64_t> last_keys, std::uint3
     return place < last_keys.size && last_keys[place] == key;
 }
 
-/// Last step's records, found without a search: a block knows which patches it kept, a patch which
-/// vertices.
+/// Last step's records, found without a search: a block knows which patches it kept, and a patch
+/// knows which vertices it kept.
 struct RecordsView {
     View<const BlockRecord> blocks;
     View<const PatchRecord> patches;

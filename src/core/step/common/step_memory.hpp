@@ -10,13 +10,13 @@
 
 namespace pierce {
 
-/// All that a step leaves for the next one, in host memory: for saving a world.
+/// All that a step leaves for the next one, in host memory, so that a world can be saved.
 struct StepMemory {
     std::vector<std::uint64_t> pair_keys;  ///< sorted
     std::vector<PairIdentity> identities;
     std::vector<SeenBody> bodies;
 
-    // Of rays (temporal.hpp).
+    // Of rays (records.hpp).
     std::vector<PairMemory> directed;  ///< two per pair, or none
     std::vector<BlockRecord> blocks;
     std::vector<PatchRecord> patches;

@@ -10,7 +10,7 @@
 
 namespace pierce {
 
-/// What is to be sorted, and the order it came in; free again after every use.
+/// Items to be sorted, and their original order; free again after every use.
 template <Executor E>
 struct SortScratch {
     typename E::template Buffer<std::uint64_t> keys;
@@ -52,8 +52,9 @@ public:
                       view_of(values));
     }
 
-    /// update on a device, as soon as it is known where bodies are: trees of all, beside what
-    /// comes until update(). A refit of all is over before it is known which are wanted.
+    /// update on a device, as soon as it is known where bodies are: trees of all bodies, beside the
+    /// stages before update(). Refitting all trees ends before it is known which of them are
+    /// wanted.
     void update_all(View<const BodyView> bodies) {
         if constexpr (E::traits.overlaps_updates)
             executor.beside([&] {

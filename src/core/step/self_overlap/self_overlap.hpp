@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    /// One crossing further along every ray that still goes on.
+    /// Follows every ray that still goes on by one crossing.
     void follow(const Scene& scene) {
         const auto count = static_cast<std::uint32_t>(active_.size());
         now_rays_.resize(count);

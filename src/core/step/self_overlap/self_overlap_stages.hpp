@@ -9,14 +9,15 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// After classify, for solids that are looked for in themselves: which vertices are inside another
+/// After classify, for solids that are tested against themselves: which vertices are inside another
 /// part of their own body.
 ///
-/// An inward ray from a vertex of a solid always leaves that solid, so R1 says nothing. What does
-/// is the winding number just outside the vertex: the signed crossings of its outward ray, the
-/// triangles around it left aside, add up to it. If some of the solid is there, the inward ray ends
-/// where that part ends (Hermann, Faure and Raffin 2008, section 5: outward to detect, inward to
-/// respond). The sum, as the first crossing of three overlapping parts may lead in.
+/// An inward ray from a vertex of a solid always leaves that solid, so R1 says nothing. The winding
+/// number just outside the vertex does: it is the sum of the signed crossings of the vertex's
+/// outward ray, without the triangles around the vertex. If part of the solid is there, the inward
+/// ray ends where that part ends (Hermann, Faure and Raffin 2008, section 5: outward to detect,
+/// inward to respond). The sum is needed, because the first crossing of three overlapping parts may
+/// lead in.
 namespace pierce::stages {
 
 /// True for candidates whose ray goes into their own body.
@@ -52,7 +53,7 @@ struct GenerateOutwardRays {
     }
 };
 
-/// Per ray under way: counts a crossing and goes on behind it, or has come to its end.
+/// Per ray under way: counts a crossing and goes on behind it, or ends.
 struct AdvanceOutward {
     View<const BodyView> bodies;
     View<const Hit> hits;
@@ -80,8 +81,8 @@ struct IsUnderWay {
     PIERCE_HD bool operator()(std::uint32_t i) const { return goes_on[i] != 0; }
 };
 
-/// Per candidate of a body itself: 1 if its vertex is inside another part, which at rest is not
-/// near it.
+/// Per candidate of a body against itself: 1 if its vertex is inside another part that is not near
+/// it at rest.
 struct KeepSelf {
     View<const BodyView> bodies;
     View<const Ray> rays;

@@ -5,6 +5,7 @@
 #include "core/device/view.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
+#include "core/step/separation/separation_lists.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_batch.hpp"
@@ -21,8 +22,8 @@ public:
 
     explicit Separation(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
-    /// Adds the rays of such pairs to `batch` and `routes`; those that start inside become
-    /// candidates that are contacts. What was a candidate so far stays one.
+    /// Adds the rays of such pairs to `batch` and `routes`; rays that start inside become
+    /// candidates that are contacts. Earlier candidates stay candidates.
     void separate(const Scene& scene, View<const Pair> pairs,
                   View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
                   RayBatch<E>& batch, Buffer<Route>& routes) {
@@ -30,14 +31,14 @@ public:
         add_touching(scene, directed, edges, batch, routes);
     }
 
-    /// Inside tests of parts that were traced in the last step.
+    /// How many inside tests of parts were traced in the last step.
     std::uint32_t inside_tests() const { return inside_tests_; }
-    /// Pairs of the last step that overlap without a contact along an inward ray.
+    /// How many pairs of the last step overlap without a contact along an inward ray.
     std::uint32_t deep_pairs() const { return deep_count_; }
 
 private:
-    /// Vertices and chords inside whose pair has no contact, and parts of bodies inside, along the
-    /// way apart.
+    /// Adds rays along the way apart, from vertices and chords that are inside but whose pair has
+    /// no contact, and from parts of bodies that are inside.
     void add_stranded(const Scene& scene, View<const Pair> pairs,
                       View<const stages::DirectedPair> directed, View<const Chord> chords,
                       RayBatch<E>& batch, Buffer<Route>& routes) {
@@ -45,14 +46,14 @@ private:
         const auto all = static_cast<std::uint32_t>(batch.rays.size());
         const View<const RaySource> sources = view_of(std::as_const(batch.sources));
         const View<const RaySource> from_chords{sources.data + (all - chords.size), chords.size};
-        executor_.assign(reached_, pairs.size, 0u);
-        executor_.assign(touching_, pairs.size, 0u);
+        executor_.assign(marks_.reached, pairs.size, 0u);
+        executor_.assign(marks_.touching, pairs.size, 0u);
         executor_.for_each(candidates, stages::MarkTouching{.sources = sources,
                                                             .candidates = view_of(batch.candidates),
                                                             .keep = view_of(batch.keep),
-                                                            .reached = view_of(reached_),
-                                                            .touching = view_of(touching_)});
-        executor_.for_each(chords.size, stages::MarkReached{from_chords, view_of(reached_)});
+                                                            .reached = view_of(marks_.reached),
+                                                            .touching = view_of(marks_.touching)});
+        executor_.for_each(chords.size, stages::MarkReached{from_chords, view_of(marks_.reached)});
         test_parts(scene, directed);
         const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords,
                                                                    from_chords);
@@ -61,61 +62,64 @@ private:
             stages::IsStrandedVertex{.pairs = pairs,
                                      .sources = sources,
                                      .candidates = view_of(batch.candidates),
-                                     .touching = view_of(touching_)},
-            stranded_vertices_);
+                                     .touching = view_of(marks_.touching)},
+            stranded_.vertices);
         const std::uint32_t stranded = vertices + stranded_chords;
-        const auto contained = static_cast<std::uint32_t>(contained_.size());
+        const auto contained = static_cast<std::uint32_t>(parts_.contained.size());
         deep_count_ = 0;
         if (stranded + contained == 0) return;
 
         // Sources are copied: the list they come from will grow.
-        gather_.resize(vertices);
-        from_.resize(stranded + contained);
+        stranded_.gather.resize(vertices);
+        stranded_.from.resize(stranded + contained);
+        executor_.for_each(vertices, stages::Gather<std::uint32_t>{view_of(batch.candidates),
+                                                                   view_of(stranded_.vertices),
+                                                                   view_of(stranded_.gather)});
+        executor_.for_each(vertices, stages::Gather<RaySource>{sources, view_of(stranded_.gather),
+                                                               view_of(stranded_.from)});
         executor_.for_each(
-            vertices, stages::Gather<std::uint32_t>{view_of(batch.candidates),
-                                                    view_of(stranded_vertices_), view_of(gather_)});
-        executor_.for_each(vertices,
-                           stages::Gather<RaySource>{sources, view_of(gather_), view_of(from_)});
-        executor_.for_each(stranded - vertices, stages::Gather<RaySource>{from_chords,
-                                                                          view_of(stranded_chords_),
-                                                                          {from_.data() + vertices,
-                                                                           stranded - vertices}});
+            stranded - vertices,
+            stages::Gather<RaySource>{from_chords,
+                                      view_of(stranded_.chords),
+                                      {stranded_.from.data() + vertices, stranded - vertices}});
         executor_.for_each(
-            contained,
-            stages::Gather<RaySource>{
-                view_of(part_sources_), view_of(contained_), {from_.data() + stranded, contained}});
-        executor_.assign(deep_, pairs.size, 0u);
+            contained, stages::Gather<RaySource>{view_of(parts_.sources),
+                                                 view_of(parts_.contained),
+                                                 {stranded_.from.data() + stranded, contained}});
+        executor_.assign(marks_.deep, pairs.size, 0u);
         executor_.for_each(stranded + contained,
-                           stages::MarkReached{view_of(from_), view_of(deep_)});
-        deep_count_ = tools_.list(ListId::deep_pairs, pairs.size, stages::IsDeep{view_of(deep_)},
-                                  deep_pairs_);
-        directions_.resize(pairs.size);
-        executor_.for_each(deep_count_, stages::FindSeparation{.bodies = scene.bodies,
-                                                               .pairs = pairs,
-                                                               .deep_pairs = view_of(deep_pairs_),
-                                                               .directions = view_of(directions_)});
+                           stages::MarkReached{view_of(stranded_.from), view_of(marks_.deep)});
+        deep_count_ = tools_.list(ListId::deep_pairs, pairs.size,
+                                  stages::IsDeep{view_of(marks_.deep)}, stranded_.deep_pairs);
+        stranded_.directions.resize(pairs.size);
+        executor_.for_each(deep_count_,
+                           stages::FindSeparation{.bodies = scene.bodies,
+                                                  .pairs = pairs,
+                                                  .deep_pairs = view_of(stranded_.deep_pairs),
+                                                  .directions = view_of(stranded_.directions)});
 
         const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
         const stages::SeparationRays out = room_for(added, scene, directed, chords, batch, routes);
-        executor_.for_each(stranded, stages::GenerateStrandedRays{out, view_of(from_)});
-        executor_.for_each(contained, stages::GenerateContainedRays{
-                                          out, {from_.data() + stranded, contained}, stranded});
+        executor_.for_each(stranded, stages::GenerateStrandedRays{out, view_of(stranded_.from)});
+        executor_.for_each(contained,
+                           stages::GenerateContainedRays{
+                               out, {stranded_.from.data() + stranded, contained}, stranded});
         keep_inside(scene, out.begin, batch);
     }
 
-    /// Edges that lie in the other body's surface, or only touch it.
+    /// Adds rays from edges that lie in the other body's surface, or only touch it.
     void add_touching(const Scene& scene, View<const stages::DirectedPair> directed,
                       EdgeChords<E, T>& edges, RayBatch<E>& batch, Buffer<Route>& routes) {
-        edges.add_touching_chords(scene, directed, view_of(touching_), from_);
-        const auto touches = static_cast<std::uint32_t>(from_.size());
+        edges.add_touching_chords(scene, directed, view_of(marks_.touching), stranded_.from);
+        const auto touches = static_cast<std::uint32_t>(stranded_.from.size());
         if (touches == 0) return;
         const stages::SeparationRays out = room_for(touches, scene, directed, edges.chords(), batch,
                                                     routes);
-        executor_.for_each(touches, stages::GenerateTouchingRays{out, view_of(from_)});
+        executor_.for_each(touches, stages::GenerateTouchingRays{out, view_of(stranded_.from)});
         keep_inside(scene, out.begin, batch);
     }
 
-    /// Room for more rays at the end of a step's.
+    /// Makes room for more rays at the end of a step's rays.
     stages::SeparationRays room_for(std::uint32_t count, const Scene& scene,
                                     View<const stages::DirectedPair> directed,
                                     View<const Chord> chords, RayBatch<E>& batch,
@@ -126,7 +130,7 @@ private:
         return {.bodies = scene.bodies,
                 .chords = chords,
                 .directed = directed,
-                .directions = view_of(directions_),
+                .directions = view_of(stranded_.directions),
                 .begin = begin,
                 .rays = view_of(batch.rays),
                 .sources = view_of(batch.sources),
@@ -134,7 +138,7 @@ private:
                 .routes = view_of(routes)};
     }
 
-    /// Traces the rays from `begin` on; those that start inside are contacts.
+    /// Traces the rays from `begin` on; rays that start inside are contacts.
     void keep_inside(const Scene& scene, std::uint32_t begin, RayBatch<E>& batch) {
         const auto count = static_cast<std::uint32_t>(batch.rays.size()) - begin;
         const View<Ray> rays{batch.rays.data() + begin, count};
@@ -147,88 +151,85 @@ private:
                                           .hits = hits,
                                           .routes = {},
                                           .meetings = {batch.meetings.data() + begin, count}},
-                       separated_);
+                       stranded_.separated);
         const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
-        const auto added = static_cast<std::uint32_t>(separated_.size());
+        const auto added = static_cast<std::uint32_t>(stranded_.separated.size());
         batch.candidates.resize(candidates + added);
         batch.keep.resize(candidates + added);
-        executor_.for_each(added, stages::KeepSeparated{.inside = view_of(separated_),
+        executor_.for_each(added, stages::KeepSeparated{.inside = view_of(stranded_.separated),
                                                         .sources = view_of(batch.sources),
                                                         .meetings = view_of(batch.meetings),
                                                         .first_ray = begin,
                                                         .first_candidate = candidates,
                                                         .candidates = view_of(batch.candidates),
                                                         .keep = view_of(batch.keep),
-                                                        .touching = view_of(touching_)});
+                                                        .touching = view_of(marks_.touching)});
     }
 
-    /// Chords of pairs without a contact that are more than rounding.
+    /// Lists the chords that are inside by more than rounding, of pairs without a contact.
     std::uint32_t list_stranded_chords(const Scene& scene,
                                        View<const stages::DirectedPair> directed,
                                        View<const Chord> chords,
                                        View<const RaySource> from_chords) {
         const std::uint32_t count = tools_.list(
             ListId::stranded_chords, chords.size,
-            stages::IsStrandedChord{from_chords, view_of(touching_)}, places_);
-        stranded_chords_.clear();
+            stages::IsStrandedChord{from_chords, view_of(marks_.touching)}, stranded_.places);
+        stranded_.chords.clear();
         if (count == 0) return 0;
-        part_rays_.resize(2 * std::size_t{count});
-        executor_.for_each(count, stages::GenerateStrandedChordRays{.bodies = scene.bodies,
-                                                                    .directed = directed,
-                                                                    .chords = chords,
-                                                                    .stranded = view_of(places_),
-                                                                    .sources = from_chords,
-                                                                    .rays = view_of(part_rays_)});
-        tools_.update(scene.bodies, part_rays_);
-        tools_.trace(scene.bodies, part_rays_, part_hits_);
+        parts_.rays.resize(2 * std::size_t{count});
+        executor_.for_each(count,
+                           stages::GenerateStrandedChordRays{.bodies = scene.bodies,
+                                                             .directed = directed,
+                                                             .chords = chords,
+                                                             .stranded = view_of(stranded_.places),
+                                                             .sources = from_chords,
+                                                             .rays = view_of(parts_.rays)});
+        tools_.update(scene.bodies, parts_.rays);
+        tools_.trace(scene.bodies, parts_.rays, parts_.hits);
         const std::uint32_t deep = tools_.list(
             ListId::deep_chords, count,
-            stages::LeavesBoth{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
-            deep_chords_);
-        stranded_chords_.resize(deep);
-        executor_.for_each(deep,
-                           stages::Gather<std::uint32_t>{view_of(places_), view_of(deep_chords_),
-                                                         view_of(stranded_chords_)});
+            stages::LeavesBoth{scene.bodies, view_of(parts_.rays), view_of(parts_.hits)},
+            stranded_.deep_chords);
+        stranded_.chords.resize(deep);
+        executor_.for_each(deep, stages::Gather<std::uint32_t>{view_of(stranded_.places),
+                                                               view_of(stranded_.deep_chords),
+                                                               view_of(stranded_.chords)});
         return deep;
     }
 
-    /// Which parts of which bodies are inside the other body of a pair with nothing inside so far.
+    /// Finds which parts of bodies are inside the other body, for pairs with nothing inside so far.
     void test_parts(const Scene& scene, View<const stages::DirectedPair> directed) {
-        counts_.resize(directed.size);
+        parts_.counts.resize(directed.size);
         executor_.for_each(directed.size, stages::CountParts{.bodies = scene.bodies,
                                                              .directed = directed,
-                                                             .reached = view_of(reached_),
-                                                             .counts = view_of(counts_)});
-        const std::uint32_t count = tools_.place(ListId::parts, counts_, offsets_);
-        part_rays_.resize(count);
-        part_sources_.resize(count);
+                                                             .reached = view_of(marks_.reached),
+                                                             .counts = view_of(parts_.counts)});
+        const std::uint32_t count = tools_.place(ListId::parts, parts_.counts, parts_.offsets);
+        parts_.rays.resize(count);
+        parts_.sources.resize(count);
         executor_.for_each(directed.size,
                            stages::GeneratePartRays{.bodies = scene.bodies,
                                                     .directed = directed,
-                                                    .counts = view_of(counts_),
-                                                    .offsets = view_of(offsets_),
-                                                    .rays = view_of(part_rays_),
-                                                    .sources = view_of(part_sources_)});
+                                                    .counts = view_of(parts_.counts),
+                                                    .offsets = view_of(parts_.offsets),
+                                                    .rays = view_of(parts_.rays),
+                                                    .sources = view_of(parts_.sources)});
         inside_tests_ = tools_.list(ListId::asked_parts, count,
-                                    stages::IsTraced{view_of(part_rays_)}, contained_);
-        contained_.clear();
+                                    stages::IsTraced{view_of(parts_.rays)}, parts_.contained);
+        parts_.contained.clear();
         if (inside_tests_ == 0) return;
-        tools_.update(scene.bodies, part_rays_);
-        tools_.trace(scene.bodies, part_rays_, part_hits_);
+        tools_.update(scene.bodies, parts_.rays);
+        tools_.trace(scene.bodies, parts_.rays, parts_.hits);
         tools_.list(ListId::contained_parts, count,
-                    stages::LeavesTarget{scene.bodies, view_of(part_rays_), view_of(part_hits_)},
-                    contained_);
+                    stages::LeavesTarget{scene.bodies, view_of(parts_.rays), view_of(parts_.hits)},
+                    parts_.contained);
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> reached_, touching_, deep_, deep_pairs_, counts_, offsets_,
-        stranded_vertices_, stranded_chords_, gather_, contained_, places_, deep_chords_,
-        separated_;
-    Buffer<Ray> part_rays_;
-    Buffer<RaySource> part_sources_, from_;
-    Buffer<Hit> part_hits_;
-    Buffer<Vec3d> directions_;
+    PairMarks<E> marks_;
+    PartLists<E> parts_;
+    StrandedLists<E> stranded_;
     std::uint32_t inside_tests_ = 0, deep_count_ = 0;
 };
 

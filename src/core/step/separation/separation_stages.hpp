@@ -5,13 +5,13 @@
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/common/records.hpp"
-#include "core/step/edges/edge_stages.hpp"
+#include "core/step/edges/touch_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
 /// After classify, with complete coverage: pairs that overlap but have no contact along an inward
-/// ray, because each ray leaves its own body first, or because one body is all inside the other.
+/// ray, because each ray leaves its own body first, or because one body is wholly inside the other.
 /// The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {
 
@@ -97,8 +97,8 @@ struct IsStrandedVertex {
     }
 };
 
-/// True for chords whose pair has no contact. A chord is inside, whether or not its ray got as far
-/// as the target's surface; but one along the surface may be so by rounding alone.
+/// True for chords whose pair has no contact. A chord is inside, whether or not its ray reached the
+/// target's surface; but a chord along the surface may be inside by rounding alone.
 struct IsStrandedChord {
     View<const RaySource> sources;
     View<const std::uint32_t> touching;
@@ -106,7 +106,7 @@ struct IsStrandedChord {
     PIERCE_HD bool operator()(std::uint32_t i) const { return !touching[sources[i].pair]; }
 };
 
-/// Per stranded chord: the rays that show whether it is more than rounding.
+/// Per stranded chord: the rays that show whether it is inside by more than rounding.
 struct GenerateStrandedChordRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -133,8 +133,9 @@ struct IsDeep {
     PIERCE_HD bool operator()(std::uint32_t i) const { return deep[i] != 0; }
 };
 
-/// Per deep pair: the direction along which its first body leaves its second one soonest, of the
-/// axes of their boxes: the least way from the lowest point of the one to the highest of the other.
+/// Per deep pair: of the axes of both bodies' boxes, the direction along which the first body
+/// leaves the second one soonest. The way along a direction is from the lowest point of the first
+/// body to the highest point of the second.
 struct FindSeparation {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -229,14 +230,15 @@ struct GenerateTouchingRays {
     }
 };
 
-/// Per part found inside: a ray from its vertex and, once per body, from those vertices that are
-/// furthest from the way out.
+/// Per part found inside: a ray from its vertex and, once per body, rays from the vertices that are
+/// furthest behind along the way out.
 struct GenerateContainedRays {
     static constexpr std::uint32_t per_part = 1 + constants::separation_vertices;
 
     SeparationRays out;
     View<const RaySource> from;
-    std::uint32_t stranded = 0;  ///< rays of what is stranded, which come first
+    std::uint32_t stranded = 0;  ///< how many rays start from stranded vertices and chords; these
+                                 ///< come first
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const RaySource part = from[i];
@@ -279,8 +281,9 @@ private:
     }
 };
 
-/// Per new ray that starts inside: makes it a contact, whatever its own body is like there, and
-/// tells its pair if it has any depth: the way apart may lead out of the target at once.
+/// Per new ray that starts inside: makes it a contact without a test of its own body, and tells its
+/// pair if the contact has any depth. It may have none, because the way apart may lead out of the
+/// target at once.
 struct KeepSeparated {
     View<const std::uint32_t> inside;
     View<const RaySource> sources;

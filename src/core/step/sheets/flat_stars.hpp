@@ -13,7 +13,7 @@ struct alignas(16) FlatCorners {
     std::uint32_t vertex[3] = {no_vertex, no_vertex, no_vertex};
     std::uint32_t padding = 0;
 
-    /// True if another triangle of the same body hangs together with it around such a vertex.
+    /// True if another triangle of the same body shares such a vertex with this one.
     PIERCE_HD bool shares_one(const FlatCorners& other) const {
         bool shares = false;
         for (std::uint32_t v : vertex)
@@ -24,10 +24,10 @@ struct alignas(16) FlatCorners {
 };
 
 /// Per vertex of a sheet: 1 if the triangles around it are proved not to meet during the step,
-/// except where they hang together: they go around the vertex once, and seen along one direction
-/// each of them keeps facing it. Then their shadows are sectors that share no more than their
-/// sides, at any time: a sector has less than half a turn while its triangle faces that way, and
-/// the number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
+/// except where they hang together: they go around the vertex once, and each of them keeps facing
+/// one common direction. Seen along that direction, they are sectors that share no more than their
+/// sides at any time: a sector has less than half a turn while its triangle faces that way, and the
+/// number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
 struct FindFlatStars {
     SheetBodies bodies;
     View<std::uint32_t> flat;
@@ -39,9 +39,9 @@ struct FindFlatStars {
     }
 
 private:
-    /// How a triangle at the vertex, given by the ways to its two other corners, faces `n` over the
-    /// step: the least of the Bernstein coefficients of a quadratic, which is not above its least
-    /// value.
+    /// A lower bound of how a triangle at the vertex faces `n` over the step; the triangle is given
+    /// by the ways to its two other corners. The bound is the least of the Bernstein coefficients
+    /// of a quadratic, which is not above the quadratic's least value.
     PIERCE_HD static double facing(const MovingPoint& u, const MovingPoint& w, Vec3d n) {
         const double start = dot(n, cross(u.start, w.start)), end = dot(n, cross(u.end, w.end));
         const double middle = 0.5 * (dot(n, cross(u.start, w.end)) + dot(n, cross(u.end, w.start)));

@@ -9,8 +9,8 @@
 #include "core/geometry/quick_vec3.hpp"
 #include "pierce/constants.hpp"
 
-/// Many boxes against many: sixteen in as little memory as five of float32, compared four at a
-/// time.
+/// Compares many boxes with many: sixteen boxes take as little memory as five of float32, and are
+/// compared four at a time.
 namespace pierce::stages {
 
 /// A box in float32, not smaller than what it holds; empty by default.
@@ -46,25 +46,25 @@ struct alignas(16) QuickBox {
     }
 };
 
-/// A step is 1/124 of a side of a box. What is inside lies on steps 1 to 125, what is below or
-/// above it on 0 and 126. A coordinate that is not above another one has a step that is not above
-/// its step, whatever is rounded: a difference, a product and a sum in float32 keep that order,
-/// each by itself. So boxes that overlap do so in steps.
+/// A step is 1/124 of a side of a box. Coordinates inside the box lie on steps 1 to 125,
+/// coordinates below or above it on 0 and 126. If a coordinate is not above another one, its step
+/// is not above the other's step, however values are rounded: a difference, a product and a sum in
+/// float32 each keep that order. So boxes that overlap also overlap in steps.
 struct alignas(16) BoxSteps {
     Vec3f origin;
     float padding = 0;
-    Vec3f per_length;  ///< of the way to the last step
+    Vec3f per_length;  ///< share of the way to the last step, per length
     float padding_2 = 0;
 
-    static constexpr std::uint32_t last = 126;  ///< and one more are seven bits: the eighth is for
-                                                ///< borrowing from
+    static constexpr std::uint32_t last = 126;  ///< this plus one takes seven bits; the eighth bit
+                                                ///< is for borrowing from
 
     BoxSteps() = default;
     PIERCE_HD explicit BoxSteps(const QuickBox& whole) {
         constexpr float step = 1 / static_cast<float>(last - 2),
                         share = 1 - 2 / static_cast<float>(last);
         for (int axis = 0; axis < 3; ++axis) {
-            // Of something flat, a step is still a difference of coordinates.
+            // Even in a flat box, a step is a difference that coordinates can have.
             const float lower = whole.lower[axis], upper = whole.upper[axis];
             const float least = quick_max(
                 constants::grid_thinness * quick_max(std::fabs(lower), std::fabs(upper)),
@@ -75,10 +75,10 @@ struct alignas(16) BoxSteps {
         }
     }
 
-    /// The step of a coordinate, and `more`.
+    /// The step of a coordinate, plus `more`.
     PIERCE_HD std::uint32_t at(float coordinate, int axis, std::uint32_t more) const {
         const float share = (coordinate - origin[axis]) * per_length[axis];
-        // The sum has the whole numbers in its lowest bits.
+        // The lowest bits of the sum hold a whole number.
         const float sum = quick_fma(static_cast<float>(last), quick_clamp(share),
                                     whole_numbers + static_cast<float>(more));
         return std::bit_cast<std::uint32_t>(sum) - std::bit_cast<std::uint32_t>(whole_numbers);
@@ -90,8 +90,9 @@ private:
 
 /// Sixteen boxes, in steps of the box around them, a byte a coordinate.
 struct alignas(16) GridBoxes {
-    /// A coordinate of all of them, a byte each: of lower ends the step, of upper ones one more and
-    /// the top bit. In words: bytes one by one a GPU would take apart and put together again.
+    /// One coordinate of all sixteen boxes, a byte each: for lower ends the step, for upper ends
+    /// one step more and the top bit. The bytes are kept in words, because a GPU would take single
+    /// bytes apart and put them together again.
     struct alignas(16) Row {
         std::uint32_t word[constants::group_size / 4];
 
@@ -103,7 +104,7 @@ struct alignas(16) GridBoxes {
     Row lower[3], upper[3];
     BoxSteps steps;
 
-    /// An empty one ends before the first step, where no box begins.
+    /// Sets box k. An empty box ends before the first step, where no box begins.
     PIERCE_HD void set(std::uint32_t k, const BoxSteps& grid, const QuickBox& box) {
         for (int axis = 0; axis < 3; ++axis) {
             lower[axis].set(k, grid.at(box.lower[axis], axis, 0));
@@ -111,10 +112,10 @@ struct alignas(16) GridBoxes {
         }
     }
 
-    /// A bit for each that may overlap a box, for none that is empty.
+    /// A bit for each of the sixteen that may overlap `box`; an empty one gets none.
     PIERCE_HD std::uint32_t near(const QuickBox& box) const { return near<1>({box}); }
 
-    /// Likewise for two boxes, sixteen bits each; read once for both.
+    /// The same for two boxes, sixteen bits each; the sixteen are read once for both.
     PIERCE_HD std::uint32_t near(const QuickBox& box, const QuickBox& other) const {
         return near<2>({box, other});
     }
@@ -131,8 +132,9 @@ private:
         for (int axis = 0; axis < 3; ++axis) {
             const Row begin = read_whole(lower[axis]), end = read_whole(upper[axis]);
             for (std::uint32_t b = 0; b < count; ++b) {
-                // Bytes of seven bits: with the top bit before a difference, it stays if and only
-                // if that is not negative, and no byte borrows from the next one.
+                // Each byte has seven bits. With the top bit set before a subtraction, the bit
+                // stays if and only if the difference is not negative, and no byte borrows from the
+                // next one.
                 const std::uint32_t low = every_byte * grid.at(box[b].lower[axis], axis, 1);
                 const std::uint32_t high = every_byte * grid.at(box[b].upper[axis], axis, 0) |
                                            top_bits;
@@ -147,8 +149,8 @@ private:
         return mask;
     }
 
-    /// The top bits of four bytes, side by side: the product adds up shifted copies, in which no
-    /// bit meets another.
+    /// The top bits of four bytes, side by side: the product adds up shifted copies, whose bits do
+    /// not overlap.
     PIERCE_HD static std::uint32_t top_bits_together(std::uint32_t bits) {
         return (bits >> 7) * 0x10204080u >> 28;
     }

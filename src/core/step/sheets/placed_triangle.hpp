@@ -12,8 +12,8 @@ namespace pierce::stages {
 /// A triangle during the step, in world space.
 struct PlacedTriangle {
     Vec3f start[3], end[3];
-    std::uint32_t triangle = no_triangle;  ///< none: its group has no more, or its body takes no
-                                           ///< part
+    std::uint32_t triangle = no_triangle;  ///< no_triangle: its group has no more triangles, or its
+                                           ///< body takes no part
     std::uint32_t own = 0;                 ///< TriangleFeatures::own
 
     PIERCE_HD QuickBox box() const {
@@ -30,9 +30,9 @@ struct PlacedTriangle {
     }
 };
 
-/// A placed triangle as most of culling sees it: its corners at the end of the step, and how it has
-/// come there as a whole. Less to read, and hardly less to know: over a step a triangle turns and
-/// stretches little.
+/// A placed triangle as most of culling sees it: its corners at the end of the step, and their mean
+/// motion. This is less to read and tells hardly less, because a triangle turns and stretches
+/// little over a step.
 struct alignas(16) DriftingTriangle {
     struct Corner {
         Vec3f end;
@@ -59,10 +59,10 @@ struct alignas(16) DriftingTriangle {
         corner[1].more = largest;
     }
 
-    /// No coordinate of a corner's motion is further away from that of the mean.
+    /// An upper bound of how far a coordinate of a corner's motion is from that of the mean motion.
     PIERCE_HD float stray() const { return corner[0].more; }
-    /// No coordinate of a corner is larger, at the begin or the end, relative to the first one's
-    /// place at the end.
+    /// An upper bound of the corners' coordinates, at the start and at the end, relative to the
+    /// first corner's place at the end.
     PIERCE_HD float size() const { return corner[1].more; }
     PIERCE_HD Vec3f end_normal() const {
         return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end);

@@ -8,8 +8,8 @@
 #include "pierce/constants.hpp"
 #include "pierce/host_device.hpp"
 
-/// What float32 says for certain about triangles of sheets during a step. Nearly all pairs of them
-/// are settled so.
+/// What float32 proves about triangles of sheets during a step. It settles nearly all pairs of
+/// triangles.
 namespace pierce::stages {
 
 /// A point during the step, float32, relative to some place near it.
@@ -33,11 +33,11 @@ struct Reach {
     }
 };
 
-/// What is known of how two features, or two triangles, get along.
+/// What is known about two features, or two triangles, during a step.
 struct Company {
     bool separate = false;  ///< they do not meet during the step
-    bool distant = false;  ///< at its end they are no contact, unless they have met: too far apart,
-                           ///< or not over each other
+    bool distant = false;   ///< at the end of the step they are no contact, unless they have met:
+                            ///< they are too far apart, or not over each other
 
     PIERCE_HD bool is_settled() const { return separate && distant; }
     PIERCE_HD void learn(const Company& more) {
@@ -46,28 +46,29 @@ struct Company {
     }
 };
 
-/// The size of things, where float32 can tell something of them; infinite elsewhere, and with it
-/// all that may be made up. With coordinates up to s, heights over a triangle, times twice its
-/// area, are below 48 s^3, and is_beyond() squares them.
+/// `size`, if float32 can prove something about things of that size; infinite otherwise, which
+/// makes all bounds of rounding errors infinite. With coordinates up to s, heights over a triangle,
+/// times twice its area, are below 48 s^3, and is_beyond() squares them.
 PIERCE_HD inline float telling_size(float size) {
     return size > constants::quick_smallest && size < constants::quick_largest
                ? size
                : std::numeric_limits<float>::infinity();
 }
 
-/// How much of what is said along `n` float32 may have made up. `size`: no coordinate is larger.
+/// An upper bound of the error of float32 in coordinates along `n`. `size`: no coordinate is
+/// larger.
 PIERCE_HD inline float made_up_along(Vec3f n, float size) {
     return constants::quick_rounding * sum_of_sizes(n) * size;
 }
 
-/// True if something `ahead` along `n`, of any length, is further away than `margin`. Roots take
-/// long.
+/// True if something that is `ahead` along `n`, of any length, is further away than `margin`. It
+/// avoids a square root, which takes long.
 PIERCE_HD inline bool is_beyond(float margin, float ahead, Vec3f n) {
     return ahead > 0 && ahead * ahead > margin * margin * quick_dot(n, n);
 }
 
-/// What a direction `n`, of any length, says about two convex things that reach so far along it:
-/// differences of corners are linear in time, so that one stays ahead if it is ahead at the start
+/// What a direction `n`, of any length, says about two convex things with these reaches along it.
+/// Differences of corners are linear in time, so a thing stays ahead if it is ahead at the start
 /// and at the end.
 PIERCE_HD inline Company company_along(Vec3f n, const Reach& of_a, const Reach& of_b, float margin,
                                        float size) {
@@ -111,12 +112,13 @@ public:
     }
 
 private:
-    /// By the heights of one's corners over the plane of the other, whose normal is `n`, and of the
-    /// way that it has come. In the plane are, but for rounding, the other's corners. u: half an
-    /// ulp. Of a triangle with coordinates up to the size s, differences of corners are off by u s,
-    /// their cross product by 3 u s^2 more, so that the corners reach 9 u s^3 + |n| u s along it.
-    /// Where they are relative to another corner, up to S away, 3 |n| u S. Heights lose less than
-    /// what quick_rounding has to spare.
+    /// What follows from the heights `p`, `q` and `r` of one triangle's corners over the plane of
+    /// the other, whose normal is `n`, and from the `way` along `n` that it has come. Up to
+    /// rounding, the other triangle's corners lie in the plane. Let u be half an ulp. For a
+    /// triangle with coordinates up to the size s, differences of corners are off by u s and their
+    /// cross product by 3 u s^2 more, so that the corners reach 9 u s^3 + |n| u s along it. Their
+    /// places relative to another corner, up to S away, are off by 3 |n| u S. Heights lose less
+    /// than what quick_rounding has to spare.
     PIERCE_HD Company across(Vec3f n, float p, float q, float r, float way, float size_of_other,
                              float margin) const {
         const float n_sum = sum_of_sizes(n), off = n_sum * stray_;
@@ -149,7 +151,7 @@ struct QuickTriangle {
     PIERCE_HD Vec3f end_normal() const {
         return quick_cross(corner[1].end - corner[0].end, corner[2].end - corner[0].end);
     }
-    /// No coordinate is larger at the start of the step, or at its end.
+    /// An upper bound of the coordinates at the start of the step, or at its end.
     PIERCE_HD float start_size() const {
         float size = 0;
         for (const QuickPoint& p : corner)
@@ -162,8 +164,8 @@ struct QuickTriangle {
             for (int axis = 0; axis < 3; ++axis) size = quick_max(std::fabs(p.end[axis]), size);
         return size;
     }
-    /// A corner without an index that only the running thread knows: such arrays do not stay in
-    /// registers.
+    /// Corner k, without indexing by a value known only at run time: arrays indexed so do not stay
+    /// in registers.
     PIERCE_HD QuickPoint pick(std::uint32_t k) const {
         return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2];
     }

@@ -19,7 +19,7 @@ namespace pierce::stages {
 inline constexpr std::uint32_t triangles_per_block = constants::group_size * constants::group_size;
 
 /// A vertex during the step, in world space. float32, as the positions of sheets are; a rigid
-/// body's are rounded to that, once for all who look at them.
+/// body's vertices are rounded to float32 once for all readers.
 struct alignas(16) MovingVertex {
     Vec3f start;
     float start_padding = 0;
@@ -101,7 +101,7 @@ struct MovingTriangle {
     }
 };
 
-/// One of the things that lists of several owners hold one after the other.
+/// An item of a list that holds the items of several owners one after the other.
 struct OwnedItem {
     std::uint32_t owner = 0;
     std::uint32_t index = 0;

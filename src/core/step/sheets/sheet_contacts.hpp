@@ -17,8 +17,8 @@
 /// they add up to.
 namespace pierce::stages {
 
-/// Per two features in their order: those with the same key are brought into the order of the other
-/// ones, by the first of them. They are few.
+/// Per two features in their order: the first of those with the same key brings them into the order
+/// of their other features. Such ties are few.
 struct OrderTies {
     View<const FeaturePair> features;
     View<const std::uint64_t> keys;

@@ -12,11 +12,11 @@
 /// come close.
 namespace pierce::stages {
 
-/// How much of a product of four lengths float32 may have made up. Let u be half an ulp and no
+/// An upper bound of the error of float32 in a product of four lengths. Let u be half an ulp and no
 /// coordinate be above `size`. Differences of coordinates are below 2 size and off by 4 u size;
-/// their cross product is below 8 size^2 and off by 48 u size^2; that with another difference is
-/// below 32 size^3 and off by 320 u size^3; and the dot product with one more is off by 2600 u
-/// size^4.
+/// their cross product is below 8 size^2 and off by 48 u size^2; the cross product of that with
+/// another difference is below 32 size^3 and off by 320 u size^3; and the dot product with one more
+/// difference is off by 2600 u size^4.
 PIERCE_HD inline float made_up_of_four(float size) {
     return constants::quick_product_rounding * (size * size) * (size * size);
 }
@@ -43,8 +43,8 @@ struct QuickPrism {
     }
 };
 
-/// False if the points of two segments where their lines are closest are not within both for
-/// certain, or for certain further apart than `margin` [length].
+/// False if the closest points of two segments' lines are certainly not within both segments, or
+/// certainly further apart than `margin` [length].
 PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float margin, float size) {
     const Vec3f d = q - p, e = s - r, n = quick_cross(d, e), way = r - p;
     const float made_up = made_up_of_four(size);
@@ -74,8 +74,8 @@ struct alignas(16) FeaturePair {
     FeatureKind kind = FeatureKind::vertex_of_a;
     bool separate = false;  ///< it is known that they do not meet
     std::uint8_t padding[2] = {};
-    /// Their vertices, by their places among those of all bodies: of a vertex and a triangle,
-    /// itself and the corners; of edges, the ends of both. Of others nothing.
+    /// Their vertices, by their places among those of all bodies. A vertex and a triangle: the
+    /// vertex and the corners. Edges: the ends of both. Other kinds do not use them.
     std::uint32_t vertex[4] = {};
 };
 
@@ -102,12 +102,13 @@ PIERCE_HD inline bool pierces(Vec3d p, Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
     return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
 }
 
-/// The features of two triangles that may meet or come close, a bit each. Of corners and edges that
-/// two triangles share, only those that each triangle owns (TriangleFeatures::own).
+/// The features of two triangles that may meet or come close, a bit each. Of its corners and edges,
+/// which it shares with other triangles, each triangle counts only those it owns
+/// (TriangleFeatures::own).
 struct FeatureBits {
     static constexpr std::uint32_t vertex_of_first = 0, vertex_of_second = 3;  ///< three each
-    static constexpr std::uint32_t edges = 6;  ///< four for each edge of the first: one for each of
-                                               ///< the second's, and none
+    static constexpr std::uint32_t edges = 6;  ///< four for each edge of the first: one for each
+                                               ///< edge of the second, and an unused one
     static constexpr std::uint32_t piercing_first = 18, piercing_second = 21;  ///< three each
     static constexpr std::uint32_t count = 24, all = (1u << count) - 1;
     static constexpr std::uint32_t open = 1u << 30;      ///< nothing is known yet
@@ -139,8 +140,9 @@ struct QuickPair {
           size(telling_size(quick_max(end_size, quick_max(qa.start_size(), qb.start_size())))) {}
 };
 
-/// Per pair of triangles: which of their features may be contacts, if some may be and it is known
-/// that the triangles do not meet, as it is nearly always; otherwise that it is open.
+/// Per pair of triangles: which of their features may be contacts, if it is known that the
+/// triangles do not meet, as is nearly always the case; otherwise the pair is open. Pairs without
+/// such features are left out.
 struct FindFeatures {
     View<const SheetPair> pairs;
     Interleaved<const DriftingTriangle> drifting;
@@ -191,8 +193,8 @@ private:
         return bits == 0 ? 0 : bits | FeatureBits::separate;
     }
 
-    /// A bit for each own corner of one that may be over the other triangle: a loop over those that
-    /// are there is shorter than all there might be.
+    /// A bit for each own corner of one that may be over the other triangle: a loop over the own
+    /// corners is shorter than one over all corners.
     PIERCE_HD static std::uint32_t vertices_over(const Vec3f (&corner)[3], std::uint32_t own,
                                                  const Vec3f (&other)[3], float margin,
                                                  float size) {
@@ -214,8 +216,8 @@ private:
     }
 
     PIERCE_HD static std::uint32_t after(std::uint32_t k) { return k == 2 ? 0 : k + 1; }
-    /// A corner without an index that only the running thread knows: such arrays do not stay in
-    /// registers.
+    /// Corner k, without indexing by a value known only at run time: arrays indexed so do not stay
+    /// in registers.
     PIERCE_HD static Vec3f pick(const Vec3f (&corner)[3], std::uint32_t k) {
         return k == 0 ? corner[0] : k == 1 ? corner[1] : corner[2];
     }
@@ -267,7 +269,7 @@ private:
               tb(body_b.mesh.triangles[b.triangle]) {}
     };
 
-    /// Of corner k, and edge k, of each of them, and the other triangle's features.
+    /// The bits of corner k and edge k of each triangle with the features of the other triangle.
     PIERCE_HD static std::uint32_t mask(const OpenPair& p, std::uint32_t k, bool self) {
         const std::uint32_t next = k == 2 ? 0 : k + 1;
         const QuickPoint corner_a = p.qa.pick(k), corner_b = p.qb.pick(k),
@@ -332,7 +334,7 @@ private:
         return !company.is_settled();
     }
 
-    /// False if both ends are on one side of the triangle's plane for certain.
+    /// False if both ends are certainly on one side of the triangle's plane.
     PIERCE_HD static bool may_pierce(Vec3f p, Vec3f q, const QuickTriangle& face, float size) {
         const Vec3f n = face.end_normal();
         const float room = made_up_along(n, size);
@@ -352,8 +354,8 @@ private:
     }
 };
 
-/// Per pair of triangles: its features, what they are sorted by, and their places, which are sorted
-/// with that.
+/// Per pair of triangles: its features, the keys they are sorted by, and their places, which are
+/// sorted along with the keys.
 struct ListFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
@@ -386,7 +388,7 @@ private:
         const std::uint32_t a = body_a.triangle_at(t.first), b = body_b.triangle_at(t.second);
         const std::uint32_t at_first = bodies.vertex_offsets[pair.first],
                             at_second = bodies.vertex_offsets[pair.second];
-        // In a body itself, which of the two it is matters to nobody.
+        // For a body against itself, it does not matter which of the two holds the vertex.
         const bool self = pair.is_self();
         FeaturePair f;
         f.pair = t.pair;
@@ -403,7 +405,8 @@ private:
         } else if (bit < FeatureBits::piercing_first) {
             const std::uint32_t mine = first.features[a].edge[(bit - FeatureBits::edges) / 4],
                                 others = second.features[b].edge[(bit - FeatureBits::edges) % 4];
-            // The smaller one first where both are of one body: the same two are always the same.
+            // If both edges are of one body, the smaller one comes first, so that the same two
+            // edges always make the same pair.
             const bool turn = self && others < mine;
             f.item = turn ? others : mine;
             f.other = turn ? mine : others;

@@ -66,14 +66,15 @@ struct SheetBounds {
     Buffer<stages::FlatCorners> flat_corners;
 };
 
-/// Pairs with a sheet, and what of them may be close: from sections to triangles.
+/// Pairs with a sheet, and which parts of them may be close: from sections to triangles.
 template <Executor E>
 struct SheetSearchLists {
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
     Buffer<stages::SheetPair> pairs;
-    Buffer<std::uint32_t> links;  ///< per pair, which of last step's it was; none if sheets forget
+    Buffer<std::uint32_t> links;  ///< per pair, which of last step's pairs it was; no_pair if
+                                  ///< sheets forget
     Buffer<stages::SectionRow> section_rows;
     Buffer<stages::ClosePair> sections, blocks, groups;
     Buffer<stages::NearTriangles> near;

@@ -15,19 +15,19 @@
 /// Sheets, third part: which of the features found are contacts, and on which side.
 ///
 /// A sheet has no inside: what counts is where a vertex comes from. Its side of a triangle is the
-/// one it is remembered to be on; or the one from which it meets the triangle; or the one it was on
-/// when the step began. The motion is the one relative to the triangle: layers that move together
-/// do not meet. A contact pushes to that side, also when the vertex is through. A solid keeps its
-/// side for good: out.
+/// side that is remembered; otherwise the side from which it meets the triangle; otherwise the side
+/// it was on when the step began. Motion is relative to the triangle: layers that move together do
+/// not meet. A contact pushes the vertex to its side, also when the vertex is through. The side of
+/// a solid is always its outside.
 namespace pierce::stages {
 
 /// How two features stand at the end of the step.
 struct alignas(16) SheetMeeting {
-    double weight[2] = {};  ///< of the triangle's first two corners; of edges: the place along the
-                            ///< second one comes first
-    double along = 0;       ///< of an edge, or the first of two: the place along it
+    double weight[2] = {};  ///< of the triangle's first two corners; for edges, the first is the
+                            ///< place along the second edge
+    double along = 0;       ///< place along the edge, or along the first of two edges
     Vec3d out;            ///< unit, world: where the first feature belongs, as seen from the second
-    double distance = 0;  ///< [length] along it
+    double distance = 0;  ///< [length] along `out`
     double time = 1;
 
     PIERCE_HD double weight_of(int corner) const {
@@ -38,26 +38,27 @@ static_assert(sizeof(SheetMeeting) == 64);
 
 enum class Verdict : std::uint8_t { nothing, contact, undecided };
 
-/// What is said of two features.
+/// What is decided about two features.
 struct Judgement {
     Verdict verdict = Verdict::nothing;
     Found found = Found::near;
-    std::int8_t side = 0;  ///< of a vertex, of the triangle: where it belongs
-    bool unknown = false;  ///< nobody knows which way out is
+    std::int8_t side = 0;  ///< the side of the triangle where the vertex belongs
+    bool unknown = false;  ///< the way out is unknown
 };
 static_assert(sizeof(Judgement) == sizeof(std::uint32_t));
 
-/// Per two features: whether they are a contact, and how. Reads the memory of the last step. First
-/// of all features, without searching for the time of a meeting: nearly all are settled by a
-/// direction that separates them, and the others listed as undecided; then, searching, of those.
-/// The search needs so much of a GPU's registers that few threads could run with it.
+/// Per two features: whether they are a contact, and how. Reads the memory of the last step. It
+/// runs twice. The first run takes all features and does not search for the time of a meeting: a
+/// direction that separates them settles nearly all, and the others are listed as undecided. The
+/// second run searches, for the undecided ones. The search needs so much of a GPU's registers that
+/// few threads could run with it.
 template <bool searching>
 struct MeetFeatures {
     SheetBodies bodies;
     View<const Pair> pairs;
     View<const SheetPair> sheet_pairs;
     View<const FeaturePair> features;
-    View<const std::uint32_t> undecided;  ///< if searching: which
+    View<const std::uint32_t> undecided;  ///< if searching: the features to judge
     SheetMemory memory;
     View<SheetMeeting> meetings;
     View<Judgement> judgements;
@@ -76,8 +77,8 @@ private:
     PIERCE_HD Judgement judge(std::uint32_t i) const {
         const FeaturePair f = read_whole(features[i]);
         const SheetPair pair = read_whole(sheet_pairs[f.pair]);
-        // Whatever they are, their vertices are read side by side; places of one body or the other
-        // are not looked up again.
+        // Vertices are read side by side, whatever the features are; the bodies' places are not
+        // looked up again.
         MovingPoint p[4];
         for (int k = 0; k < 4; ++k) p[k] = bodies.vertex(f.vertex[k]);
         SheetMeeting m;
@@ -89,7 +90,7 @@ private:
         else
             judgement = piercing(f, pair, m);
         judgements[i] = judgement;
-        // Also of what is no contact: threads that write together all write.
+        // Features that are no contact are written, too: threads that write together all write.
         if constexpr (searching)
             write_whole(meetings[i], m);
         else
@@ -97,8 +98,7 @@ private:
         return judgement;
     }
 
-    /// A vertex, or an edge, of one body and a triangle of the other, in world space relative to
-    /// the triangle's first corner.
+    /// The body of a feature's vertex or edge; target() is the body of its triangle.
     PIERCE_HD SheetBody holder(const FeaturePair& f) const {
         return bodies[pairs[f.pair].source(side_of(f.kind))];
     }
@@ -109,8 +109,8 @@ private:
         return kind == FeatureKind::vertex_of_b || kind == FeatureKind::piercing_edge_of_b;
     }
 
-    /// The first of some directions that is one, as a unit vector; if there is none, any, and
-    /// nobody knows which way out is.
+    /// The first of some directions that has a length, as a unit vector. If none has, any
+    /// direction, and the way out is unknown.
     PIERCE_HD static Vec3d way_out(Judgement& judgement, std::initializer_list<Vec3d> directions) {
         for (const Vec3d& d : directions)
             if (const Vec3d unit = normalized(d); length_squared(unit) > 0) return unit;
@@ -144,13 +144,13 @@ private:
                   !vertex_surely_misses_face(p, face.corner[0], face.corner[1], face.corner[2])))
             return {Verdict::undecided};
         if (!met && !close) return {};
-        // Looking into the memory takes longer than all the rest: only where it matters.
+        // Reading the memory takes longer than all the rest, so it is read only where it matters.
         const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles)
                                                          : 0;
         std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
-        // What is inside a solid is pushed out along a ray. But what leaves it here and ends behind
-        // the triangle all the same has come in again, and may have slipped around the triangle's
-        // border before.
+        // A vertex inside a solid is pushed out along a ray. But a vertex that leaves the solid
+        // here and still ends behind the triangle has come in again, and may have slipped around
+        // the triangle's border before.
         if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) {
             if (!met || remembered != 0 || !(height < 0)) return {};
             its_side = 1;
@@ -169,7 +169,8 @@ private:
         m.out = static_cast<double>(its_side) * normal;
         m.distance = gap;
         if (!above) {
-            // It meets the triangle and goes on beside it: the place it has met.
+            // The vertex meets the triangle and goes on beside it: the contact is at the place it
+            // has met.
             m.weight[0] = 1 - impact.u - impact.v;
             m.weight[1] = impact.u;
             Vec3d at, start;
@@ -187,7 +188,7 @@ private:
         return judgement;
     }
 
-    /// Weights of the first two corners at the foot of `p`; true if that lies in the triangle.
+    /// Weights of the first two corners at the foot of `p`; true if the foot lies in the triangle.
     PIERCE_HD static bool weights_over(Vec3d a, Vec3d b, Vec3d c, Vec3d p, double (&weight)[2]) {
         const Vec3d n = cross(b - a, c - a);
         const double size = length_squared(n);
@@ -217,8 +218,8 @@ private:
             for (int k = 0; k < 3; ++k)
                 c[k] = face.corner[k].start +
                        impact.time * (face.corner[k].end - face.corner[k].start);
-            // What rests on the triangle, or moves with it, comes from neither side: what rounding
-            // says of that is no answer.
+            // A vertex that rests on the triangle, or moves with it, comes from neither side: a
+            // sign that is only rounding is no answer.
             const Vec3d then = cross(c[1] - c[0], c[2] - c[0]);
             const double approach = dot(then, motion);
             if (std::fabs(approach) > constants::motion_rounding * length(then) * way)
@@ -226,8 +227,8 @@ private:
             return before < -constants::motion_rounding * length(n) * length(from_corner) ? -1 : 1;
         }
         if ((before < 0) == (height < 0)) return height < 0 ? -1 : 1;
-        // It has changed sides without meeting this triangle: through a neighbour, or around the
-        // border.
+        // The vertex has changed sides without meeting this triangle: through a neighbour, or
+        // around the border.
         bool through = false;
         if constexpr (searching) through = meets_neighbor(f, p);
         return (through ? before : height) < 0 ? -1 : 1;
@@ -249,8 +250,8 @@ private:
         return false;
     }
 
-    /// How close counts as near: the thickness; of a body to itself, no more than half of how close
-    /// the two are at rest.
+    /// The distance that counts as near: the thickness; for a body against itself, at most half of
+    /// the distance of the two features at rest.
     PIERCE_HD double proximity_of_vertex(const FeaturePair& f, const SheetPair& pair) const {
         if (!pair.is_self()) return pair.thickness;
         Vec3d rest[4];
@@ -294,7 +295,7 @@ private:
             set_places(m, at.first, at.second);
             return {Verdict::contact, Found::near};
         }
-        // The side from which they meet; it stays theirs while they turn.
+        // The side from which the edges meet; it stays their side while they turn.
         const auto when = [&](const MovingPoint& x) {
             return x.start + impact.time * (x.end - x.start);
         };
@@ -323,9 +324,9 @@ private:
         m.weight[0] = second;
     }
 
-    /// An edge that has been through a triangle since before the step began: a contact only if
-    /// nobody knows which way it came. Moving it along the gradient of the contour's length makes
-    /// the two part (Volino and Magnenat-Thalmann 2006).
+    /// An edge that has been through a triangle since before the step began: it is a contact only
+    /// if the way it came is unknown. Moving the edge along the gradient of the contour's length
+    /// separates the two (Volino and Magnenat-Thalmann 2006).
     PIERCE_HD Judgement piercing(const FeaturePair& f, const SheetPair& pair,
                                  SheetMeeting& m) const {
         if (pair.is_solid[0] || pair.is_solid[1]) return {};
@@ -343,8 +344,8 @@ private:
                     c = of_face.vertex(t.vertex[2]).end - a;
         const Vec3d p = of_edge.vertex(e.vertex[0]).end - a,
                     q = of_edge.vertex(e.vertex[1]).end - a;
-        // Of the two, `pierces` has seen different signs: with the normal as it is, not made a
-        // unit, they are the same here.
+        // `pierces` has seen different signs at the two ends. The normal is not made a unit vector
+        // here, so that the signs are the same as there.
         const Vec3d across = cross(b, c), normal = normalized(across);
         const double from = dot(across, p), to = dot(across, q);
         m.along = from / (from - to);
@@ -360,7 +361,7 @@ private:
             const MovingTriangle wing(of_edge, side, a);
             const Vec3d wing_normal = wing.end_normal();
             Vec3d contour = normalized(cross(normal, wing_normal));
-            // Into the wing, away from the edge.
+            // The contour is to point into the wing, away from the edge.
             Vec3d middle;
             for (const MovingPoint& corner : wing.corner) middle += (1.0 / 3) * corner.end;
             if (dot(contour, middle - at - dot(middle - at, along) * along) < 0) contour = -contour;

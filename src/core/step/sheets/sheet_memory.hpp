@@ -11,12 +11,13 @@ namespace pierce::stages {
 
 /// Last step's records, by pair of this step.
 struct SheetMemory {
-    View<const std::uint32_t> links;  ///< per pair, which it was in the last step, or no_pair
+    View<const std::uint32_t> links;  ///< per pair, which of the last step's pairs it was, or
+                                      ///< no_pair
     View<const std::uint64_t> keys;
     View<const SheetRecord> records;
     std::uint32_t bits = 0;  ///< of the keys
 
-    /// The side a vertex belongs to, of a triangle; 0 if nothing is remembered.
+    /// The side of a triangle that a vertex belongs to; 0 if nothing is remembered.
     PIERCE_HD std::int32_t side(const FeaturePair& f, View<const Triangle> triangles) const {
         std::int32_t side = 0;
         each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
@@ -30,7 +31,7 @@ struct SheetMemory {
         return side;
     }
 
-    /// How many steps in a row the contact has been one.
+    /// For how many steps in a row the features have been a contact.
     PIERCE_HD std::uint32_t age(const FeaturePair& f) const {
         std::uint32_t age = 0;
         each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
@@ -40,7 +41,7 @@ struct SheetMemory {
         return age;
     }
 
-    /// True if it is remembered of a vertex which side of a triangle it belongs to.
+    /// True if the side of a triangle that a vertex belongs to is remembered.
     PIERCE_HD bool knows(std::uint32_t pair, FeatureKind kind, std::uint32_t vertex,
                          std::uint32_t triangle, View<const Triangle> triangles) const {
         return side({pair, vertex, triangle, kind}, triangles) != 0;
@@ -52,13 +53,13 @@ private:
                has_vertex(a, b.vertex[2]);
     }
 
-    /// Calls see(record) for the feature's records until that is true.
+    /// Calls see(record) for the feature's records until `see` returns true.
     template <class See>
     PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item,
                         const See& see) const {
         if (keys.size == 0 || links[pair] == no_pair) return;
         const std::uint64_t key = feature_key(links[pair], kind, item, bits);
-        // By quarters: of three keys that are read at once, a GPU waits for one.
+        // Searches by quarters: a GPU reads three keys at once and waits as long as for one.
         std::uint32_t low = 0, high = keys.size;
         while (low < high) {
             const std::uint32_t quarter = (high - low) / 4,

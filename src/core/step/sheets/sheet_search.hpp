@@ -17,8 +17,8 @@
 /// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet
 /// during the step or come closer than the thickness. Boxes around triangles, groups of them and
 /// blocks of groups, over the whole step, are compared sixteen at a time, from the largest to the
-/// smallest, section by section (sixteen blocks); no tree, as all of them change in every step.
-/// Nothing that meets is left out.
+/// smallest, section by section (sixteen blocks). There is no tree, because all boxes change in
+/// every step. No triangles that meet are left out.
 namespace pierce::stages {
 
 /// How a pair with a sheet is searched.
@@ -30,8 +30,8 @@ struct alignas(16) SheetPair {
     std::uint8_t padding[4] = {};
     double thickness = 0;  ///< [length]
     double margin = 0;     ///< [length] vertices this close to triangles matter; more than the
-                           ///< thickness if some are through
-    float quick_thickness = 0, quick_margin = 0;  ///< not less
+                           ///< thickness if some vertices are through
+    float quick_thickness = 0, quick_margin = 0;  ///< the same in float32, not less
     std::uint32_t more_padding[2] = {};
     BodyId ids[2];
 
@@ -46,8 +46,8 @@ struct PlanSheetPair {
     View<const BodyId> ids;
     View<const Pair> pairs;
     View<const std::uint32_t> links;
-    View<const std::uint32_t> forgets;  ///< Scene::forgets_sides: read here, as a captured step is
-                                        ///< repeated with either
+    View<const std::uint32_t> forgets;  ///< Scene::forgets_sides; the stage reads it, because a
+                                        ///< captured step is repeated with either value
     View<const std::uint32_t> last_deepest;  ///< per pair of the last step, as the bits of a
                                              ///< float32
     View<SheetPair> sheet_pairs;
@@ -130,7 +130,8 @@ struct alignas(16) ClosePair {
     std::uint32_t padding = 0;
 };
 
-/// Per section of a pair's first body: the second's sections. In a body itself, each two once.
+/// Per section of a pair's first body: the second body's sections. For a body against itself, each
+/// two sections once.
 struct FindSections {
     View<const SheetPair> pairs;
     View<const SectionRow> rows;
@@ -154,8 +155,8 @@ private:
     }
 };
 
-/// Per sixteenth of a section or block that is close to another: the sixteenths of the other one
-/// that are near.
+/// Per part, a sixteenth of a section or block that is close to another one: the parts of the other
+/// one that are near.
 struct FindParts {
     View<const SheetPair> pairs;
     View<const ClosePair> close;  ///< sections, or blocks
@@ -164,7 +165,7 @@ struct FindParts {
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
 
-    /// A bit for each.
+    /// A bit for each part of the other one.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
         const std::uint32_t k = i % constants::group_size;
@@ -172,7 +173,7 @@ struct FindParts {
         if (parts.has(c.first, k))
             mask = packed[c.second].near(
                 read_whole(boxes[parts.begin(c.first) + k]).inflated(pairs[c.pair].quick_margin));
-        // In one itself each two once, and each with itself.
+        // Within one section or block, each two parts once, and each part with itself.
         if (c.first == c.second) mask &= ~std::uint32_t{0} << k;
         return ask_bits(mask, i, *this);
     }
@@ -188,7 +189,7 @@ struct FindParts {
             });
     }
 
-    /// Of a part and one of the other's: 1 if they may be near.
+    /// For a part and one of the other's parts: 1 if they may be near.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const ClosePair c = read_whole(close[i / constants::group_size]);
         const Slab mine = read_whole(slabs[parts.begin(c.first) + i % constants::group_size]);
@@ -202,11 +203,11 @@ struct alignas(16) NearTriangles {
     std::uint32_t pair = 0;
     std::uint32_t first = 0;   ///< its place
     std::uint32_t others = 0;  ///< where the group begins
-    std::uint32_t mask = 0;    ///< a bit for each of the group's
+    std::uint32_t mask = 0;    ///< a bit for each triangle of the group
 };
 
 /// Per two triangles of a near group, eight places apart: the triangles of the other group whose
-/// boxes are near each, if there are any.
+/// boxes are near each of the two, if there are any.
 struct FindTriangles {
     View<const SheetPair> pairs;
     View<const ClosePair> close;   ///< groups
@@ -223,7 +224,7 @@ struct FindTriangles {
         const std::uint32_t mask = packed[c.second].near(
             read_whole(boxes[first]).inflated(margin),
             read_whole(boxes[first + per_group]).inflated(margin));
-        // In a group itself each two once.
+        // Within one group, each two triangles once.
         return c.first == c.second
                    ? mask & (later_than(k) | later_than(k + per_group) << constants::group_size)
                    : mask;
@@ -259,7 +260,7 @@ struct alignas(16) TrianglePair {
     std::uint32_t separate = 0;           ///< 1: it is known that they do not meet
 };
 
-/// Of a triangle and another one of its body that is near: 1 if they hang together where nothing
+/// For a triangle and another one of its body that is near: 1 if they hang together where nothing
 /// folds.
 struct HangTogether {
     View<const NearTriangles> near;
@@ -280,12 +281,12 @@ struct CullTriangles {
     Interleaved<const DriftingTriangle> drifting;
     View<const FlatCorners> flat_corners;
 
-    static constexpr std::uint32_t separate_shift = asked_bits;  ///< of the bits for those that do
-                                                                 ///< not meet
+    static constexpr std::uint32_t separate_shift = asked_bits;  ///< shift of the bits for
+                                                                 ///< triangles that do not meet
     static_assert(asked_bits == constants::group_size);
 
-    /// A bit for each, and in the upper half one more if they do not meet. Those that hang together
-    /// go first: in a GPU's warp they would wait for the others.
+    /// A bit for each triangle, and in the upper half one more if the two do not meet. Triangles
+    /// that hang together are taken out first: in a GPU's warp they would wait for the others.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const NearTriangles n = read_whole(near[i]);
         const bool in_itself = pairs[n.pair].is_self();
@@ -307,7 +308,7 @@ struct CullTriangles {
             });
     }
 
-    /// Of a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if
+    /// For a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if
     /// they do not meet.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const NearTriangles n = read_whole(near[i]);

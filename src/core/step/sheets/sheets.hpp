@@ -28,8 +28,8 @@ public:
 
     /// Places all bodies over the step, while other work runs; find() then skips that.
     void bound_all(const Scene& scene) {
-        // The first step of a plan is one whose counts the host knows, so that they hold for the
-        // others.
+        // In the first step of a plan the host knows the counts, and they hold for the plan's other
+        // steps.
         if (planned_ != scene.plan->revision) {
             executor_.assign(places_.wanted, scene.bodies.size, 1u);
             place(scene);
@@ -51,14 +51,14 @@ public:
     void save(StepMemory& m) const { now_.save(executor_, m); }
     void restore(const StepMemory& m) { now_.restore(executor_, m); }
 
-    /// There are no sheets in this step.
+    /// Clears the lists: there are no sheets in this step.
     void forget() {
         features_.contacts.clear();
         now_.forget();
     }
 
     const Buffer<Contact>& contacts() const { return features_.contacts; }
-    /// What its contacts add up to.
+    /// Adds up the step's contacts.
     void add_up(typename E::template Sum<stages::ContactSums>& sums) {
         executor_.reduce(
             count_of(features_.contacts),
@@ -67,11 +67,11 @@ public:
     std::uint32_t triangle_pairs() const { return executor_.number(count_of(search_.triangles)); }
     std::uint32_t feature_pairs() const { return executor_.number(count_of(features_.features)); }
 
-    /// This step's records become the last one's.
+    /// Makes this step's records those of the last step.
     void recall() { std::swap(now_, last_); }
 
 private:
-    /// Triangles that may meet.
+    /// Finds triangles that may meet.
     void search(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
         const Count pair_count = count_of(pairs);
         const std::uint32_t bodies = scene.bodies.size;
@@ -138,7 +138,8 @@ private:
                        search_.triangles);
     }
 
-    /// Where the vertices, blocks and sections of wanted bodies are among those of all.
+    /// Finds where the vertices, blocks and sections of wanted bodies are among those of all
+    /// bodies.
     void place(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
         places_.section_counts.resize(bodies);
@@ -158,7 +159,7 @@ private:
             tools_.place(ListId::sheet_blocks, places_.block_counts, places_.block_offsets));
     }
 
-    /// Where they are over the step: vertices, triangles, and bounds of those.
+    /// Places vertices and triangles over the step, and bounds the triangles.
     void bound(const Scene& scene) {
         executor_.for_each(count_of(bounds_.vertices),
                            stages::MoveVertices{scene.bodies, view_of(places_.vertex_offsets),
@@ -200,7 +201,7 @@ private:
                                   .ends = view_of(bounds_.section_ends)});
     }
 
-    /// Corners of triangles around which nothing folds.
+    /// Finds the corners of triangles around which nothing folds.
     void find_flat_corners(const Scene& scene) {
         const stages::SheetBodies bodies = bodies_of(scene);
         bounds_.flat.resize(count_of(bounds_.vertices));
@@ -212,7 +213,7 @@ private:
             stages::PlaceFlatCorners{bodies, view_of(bounds_.flat), view_of(bounds_.flat_corners)});
     }
 
-    /// Their features, and which of those are contacts.
+    /// Finds the features of triangles that may meet, and which of them are contacts.
     void meet(const Scene& scene, const Buffer<Pair>& pairs) {
         executor_.emit(
             ListId::feature_triangles, count_of(search_.triangles),
@@ -261,8 +262,7 @@ private:
                                                     .contacts = view_of(features_.contacts)});
     }
 
-    /// The order of features, as that of the contacts among them, and room for what is remembered
-    /// of those.
+    /// Sorts the features into the order of contacts, and makes room for the contacts' records.
     void order_features(const Buffer<Pair>& pairs) {
         const Count count = count_of(features_.features);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
@@ -271,14 +271,15 @@ private:
         executor_.for_each(count,
                            stages::OrderTies{view_of(features_.features), view_of(features_.keys),
                                              view_of(features_.order)});
-        // What is past the last contact's stays: the next step searches in all of it.
+        // The keys after the last contact's key keep this value: the next step searches the whole
+        // list.
         executor_.assign(now_.keys, static_cast<std::uint32_t>(features_.features.size()),
                          ~std::uint64_t{0});
         now_.deepest.resize(count_of(pairs));
         executor_.for_each(count_of(pairs), stages::Clear{view_of(now_.deepest)});
     }
 
-    /// Which features are contacts, and for how long.
+    /// Finds which features are contacts, and for how long.
     void judge(const Scene& scene, const Buffer<Pair>& pairs, const stages::SheetMemory& memory) {
         const Count count = count_of(features_.features);
         features_.meetings.resize(count);

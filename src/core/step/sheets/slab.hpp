@@ -12,18 +12,18 @@ namespace pierce::stages {
 
 /// A group or a block of triangles over the step, between two planes along its mean normal and
 /// within a rectangle across it: float32, not smaller than what it holds. Layers that lie on each
-/// other aslant have boxes that overlap those of many others; slabs do not.
+/// other aslant have boxes that overlap those of many others; their slabs do not.
 struct alignas(16) Slab {
     Vec3f center;
     Vec3f axis[3];  ///< the normal, and two at right angles to it; unit
     float half[3] = {};
     float rounding = 0;  ///< [length] by how much sums of the above may be wrong
 
-    /// False for one that stands for nothing. Where it is one of several, those after it do so,
-    /// too.
+    /// False for a slab that stands for nothing. If it is one of several, the slabs after it stand
+    /// for nothing, too.
     PIERCE_HD bool holds_something() const { return quick_dot(axis[0], axis[0]) > 0; }
 
-    /// True if nothing of the two comes closer than `margin`. False says nothing.
+    /// True if nothing in the two slabs comes closer than `margin`. False proves nothing.
     PIERCE_HD bool is_apart(const Slab& other, float margin) const {
         return is_beside(other, margin) || is_above_or_below(other, margin) ||
                other.is_above_or_below(*this, margin);
@@ -49,7 +49,7 @@ struct alignas(16) Slab {
     }
 };
 
-/// Axes and extents of a slab to be, in double.
+/// Axes and extents from which a slab is made, in double.
 struct SlabFrame {
     Vec3d axis[3];
 

@@ -9,14 +9,15 @@ namespace pierce::stages {
 
 /// How far points of a source move relative to a target until the next full pass, if they go on as
 /// their fits did in the last step. A change of shape is left out: its bound is that of the fastest
-/// vertex, and would have all others looked at.
+/// vertex, and would make all other vertices be looked at.
 struct Approach {
-    Matrix3 turn;  ///< a point x of the source's space goes by turn * x + shift, in the target's
+    Matrix3 turn;  ///< a point x of the source's space moves by turn * x + shift, in the target's
                    ///< fit
     Vec3d shift;
     double spin = 0;  ///< how much further a point goes per length that it is away from another one
-    double most = 0;  ///< [length] nobody looks further than this; zero: nothing is predicted
-    bool known = false;  ///< else any point may go that far
+    double most = 0;  ///< [length] no prediction looks further than this; zero: nothing is
+                      ///< predicted
+    bool known = false;  ///< if false, any point may move by `most`
 
     /// How far outside the target a ball around `center`, in the source's space, is of interest.
     PIERCE_HD double reach(Vec3d center, double radius) const {

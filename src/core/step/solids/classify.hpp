@@ -31,10 +31,10 @@ struct LeavesTarget {
     }
 };
 
-/// Per ray of a sheet along a velocity: what it hits counts if the vertex gets there, or comes from
-/// there, by its motion relative to the place it hits; the ray is turned along that. As published,
-/// the vertex' own motion decides. A triangle that the vertex slides in is met by the ray ahead and
-/// by the one behind: once is enough.
+/// Per ray of a sheet along a velocity: its hit counts if the vertex gets there, or comes from
+/// there, by its motion relative to the place hit. The ray is turned along that motion. In the
+/// published method, the vertex's own motion decides. If a vertex slides in a triangle, the ray
+/// ahead and the ray behind both meet it; one meeting is enough.
 struct RelateToLayer {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -72,7 +72,7 @@ struct RelateToLayer {
 
 /// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates,
 /// and writes how they leave the target. Walks have met their triangle already; a contact that is
-/// kept was inside and is.
+/// kept was inside and still is.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -95,17 +95,17 @@ struct TestInside {
     }
 };
 
-/// True if a ray from `vertex` meets no triangle of its own body within `depth`, those around the
-/// vertex left aside: they are further away than that in the rest shape, and no point has moved by
-/// more than the deviation since.
+/// True if a ray from `vertex` meets no triangle of its own body within `depth`, apart from those
+/// around the vertex: the others are further away than that in the rest shape, and no point has
+/// moved from it by more than the deviation.
 PIERCE_HD inline bool is_free(const BodyView& body, std::uint32_t vertex, double depth) {
     return depth + 2 * (body.deviation + body.touch) < body.mesh.star_clearance[vertex];
 }
 
 /// Per ray: R1, and of a candidate the ray into its own body, unless that body's own_exit table has
-/// limited the ray already. Where the triangles it starts from show that the ray starts inside
-/// (R2), it need not look further than the hit (R3), nor be traced if nothing is that near;
-/// elsewhere it looks for its first crossing.
+/// limited the ray already. If the triangles it starts from show that the ray starts inside (R2),
+/// it need not look further than the hit (R3), and need not be traced if nothing is that near.
+/// Otherwise it looks for its first crossing.
 struct GenerateOwnRays {
     TestInside inside_target;
     View<const Pair> pairs;
@@ -152,15 +152,16 @@ struct GenerateOwnRays {
     }
 };
 
-/// Per candidate: R2 and R3. Rigid and fixed sources were cut at their own exit by ray_gen; open
-/// ones have no inside; a ray that was not traced holds. Reads own hits; writes 1 for a contact, 0
-/// otherwise.
+/// Per candidate: R2 and R3. ray_gen has limited rays of vertices of rigid and fixed sources at
+/// their own exit; open sources have no inside. A candidate whose own ray is not traced is a
+/// contact. Reads own
+/// hits; writes 1 for a contact, 0 otherwise.
 struct TestOwnExit {
     View<const BodyView> bodies;
     View<const Ray> rays;
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates;
-    View<const Ray> own_rays;  ///< empty if no source deforms
+    View<const Ray> own_rays;  ///< empty if the plan traces no own exits
     View<const Hit> own_hits;
     View<const std::uint32_t> starts_inside;
     View<std::uint32_t> keep;

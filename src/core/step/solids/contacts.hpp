@@ -25,7 +25,7 @@ PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t 
 }
 static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
-/// Per candidate: if it is kept, its key and itself.
+/// Per candidate: if it is kept, its key and its index.
 struct KeyContacts {
     View<const Chord> chords;
     View<const RaySource> sources;
@@ -42,8 +42,8 @@ struct KeyContacts {
     }
 };
 
-/// Per contact: puts the chords of an edge in their own order, if it is the first of them. The
-/// lists that they come from have none.
+/// Per contact: if it is the first chord of an edge, puts the chords of that edge in order. The
+/// lists that they come from have no order.
 struct OrderChords {
     View<const RaySource> sources;
     View<const std::uint32_t> candidates;
@@ -155,8 +155,8 @@ struct FillContact {
     }
 
 private:
-    /// A sheet's vertex belongs where it has come from: ahead is what it would meet, behind what it
-    /// has passed.
+    /// A sheet's vertex belongs where it has come from: the ray ahead hits what it would meet, the
+    /// ray behind what it has passed.
     PIERCE_HD static void of_velocity_ray(Contact& c, const RaySource& from, Vec3d p, Vec3d q,
                                           Vec3d direction, double t) {
         const bool passed = from.side == 1;

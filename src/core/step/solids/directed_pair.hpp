@@ -12,12 +12,12 @@ struct DirectedPair {
     std::uint32_t target = 0;
     Frame to_fit;        ///< source space to the target's fit frame
     Frame to_space;      ///< source space to target space
-    Approach approach;   ///< how far outside vertices are wanted too
+    Approach approach;   ///< how far outside of the target vertices are wanted, too
     float odometer = 0;  ///< the pair's
-    float step = 0;      ///< by how much it went on in this step
+    float step = 0;      ///< by how much the odometer went on in this step
     Pass pass = Pass::full;
-    bool still = false;  ///< nothing has moved since the last step, and its records hold: nor has
-                         ///< any contact
+    bool still = false;  ///< nothing has moved since the last step, and its records hold, so no
+                         ///< contact has changed
     bool along_velocity = false;  ///< rays of a sheet into itself: side 0 along the velocity, side
                                   ///< 1 against it
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction

@@ -41,12 +41,14 @@ struct MeasureDisplacement {
             m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;
             m.since_full = before.since_full + 1;
-            // float32 records tell odometers apart only so far; by then all of them have expired.
+            // float32 records can tell odometers apart only up to a limit; all records have expired
+            // before it.
             m.known = m.odometer < min_of(source.fit_box.extent(), target.fit_box.extent());
         }
         if (!m.known) {
             m.odometer = m.at_full = 0;
-            // Pairs that begin together do not have their full passes together ever after.
+            // So pairs that begin in the same step do not make all their full passes in the same
+            // steps.
             m.since_full = (pair.a + pair.b) % settings.full_every;
         }
         const double edge = min_of(source.mesh.mean_edge_length, target.mesh.mean_edge_length);

@@ -44,7 +44,8 @@ PIERCE_HD inline Vec3d start_of(const BodyView& source, const RaySource& from,
 /// How far a ray that starts in a body can get inside that body's box. Origin and direction in the
 /// body's space.
 PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d direction) {
-    const bool deforms = body.motion == Motion::deforming;  // others fit as they are
+    const bool deforms = body.motion == Motion::deforming;  // the space of other bodies is their
+                                                            // fit frame
     const Vec3d o = deforms ? body.fit.to_local(origin) : origin;
     const Vec3d d = deforms ? body.fit.rotation.transposed() * direction : direction;
     double range = body.fit_box.extent();
@@ -55,8 +56,8 @@ PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d dire
     return max_of(range, 0.0) + body.touch;
 }
 
-/// How far a ray may go before it has left its own body's box or the target's: its own exit is
-/// looked for later.
+/// How far a ray may go before it has left its own body's box or the target's: a later stage looks
+/// for its own exit.
 PIERCE_HD inline double range_in_boxes(const BodyView& source, const BodyView& target, Vec3d origin,
                                        Vec3d direction) {
     return min_of(target.fit_box.extent(), box_range(source, origin, direction));
@@ -72,8 +73,8 @@ PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& tar
 }
 
 /// A ray of a sheet's vertex along the way it has come in this step, or against it, into the sheet
-/// itself (the paper, section 5.2): as long as that way, and longer where the layer that is hit may
-/// come towards it.
+/// itself (the paper, section 5.2). The ray is as long as that way, and longer where the layer that
+/// is hit may come towards it.
 PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, bool against,
                                   std::uint32_t v) {
     Ray ray;
@@ -87,8 +88,8 @@ PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, b
     return ray;
 }
 
-/// The inward ray of a vertex into the other body of its pair; without a direction, one that hits
-/// nothing.
+/// The inward ray of a vertex into the other body of its pair; if the vertex has no direction, a
+/// ray that hits nothing.
 PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d,
                                 std::uint32_t v) {
     const BodyView& source = bodies[d.source];
@@ -101,8 +102,8 @@ PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair&
     ray.target = d.target;
     if (d.is_self()) {
         ray.excluded[0] = ray.excluded[1] = v;
-        // At rest nothing but the triangles around the vertex comes so close, and nothing has moved
-        // so far since.
+        // At rest only the triangles around the vertex come so close, and nothing has moved so far
+        // since.
         if (source.mesh.star_clearance[v] > 2 * (source.deviation + source.touch)) ray.t_max = -1.0;
     }
     return ray;
@@ -137,11 +138,11 @@ struct GenerateRay {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         hits[i] = {};
-        if (routes.size > 0 && routes[i] == Route::skip) return;  // and the ray is nobody's to read
+        if (routes.size > 0 && routes[i] == Route::skip) return;  // no stage reads the ray
         const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
         if (d.still) {
             hits[i].triangle = records[i].triangle;
-            rays[i].target = d.target;  // all that is read of it
+            rays[i].target = d.target;  // nothing else of the ray is read
             return;
         }
         if (d.along_velocity) {
@@ -170,8 +171,8 @@ private:
         const BodyView& target = bodies[d.target];
         if (!(ray.t_max >= 0)) return Route::skip;
         if (record.triangle == no_triangle || d.is_self()) return Route::full;
-        // A walk is of use if it can be certified: not where the target has changed its shape too
-        // much.
+        // A walk is of use only if it can be certified. It cannot where the target has changed its
+        // shape too much.
         if (settings.temporal == Temporal::certified)
             return 2 * target.deviation <
                            static_cast<double>(target.mesh.rings[record.triangle].gap)

@@ -81,7 +81,7 @@ struct IsUncertain {
     }
 };
 
-/// Per uncertain vertex: its ray, as long as the target's box. If that, too, meets nothing, no
+/// Per uncertain vertex: its ray, as long as the target's box. If that ray meets nothing either, no
 /// surface lies between the vertex and the far outside.
 struct ProlongRay {
     View<const BodyView> bodies;
@@ -99,8 +99,8 @@ struct ProlongRay {
     }
 };
 
-/// Per uncertain vertex: how near its target has to be to matter. Where the prolonged ray has met
-/// something there is no proof and nothing to ask.
+/// Per uncertain vertex: how near its target has to be to matter. If the prolonged ray has met
+/// something, there is no proof and nothing to look for.
 struct LimitToCertificate {
     View<const BodyView> bodies;
     View<const Hit> hits;
@@ -115,8 +115,8 @@ struct LimitToCertificate {
     }
 };
 
-/// Per uncertain vertex: until when it needs no ray. Its distance to the surface is how far it may
-/// move first.
+/// Per uncertain vertex: the odometer up to which it needs no ray. Before it needs one, it may move
+/// by its distance to the surface.
 struct Certify {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;

@@ -7,11 +7,11 @@
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
 
-/// After classify, if asked for: contacts move to the closest point of the target's surface. An
-/// inward ray leaves the target where it happens to point, which is never nearer than that. Nothing
-/// of the surface is nearer than its closest point, so the way there is inside the target (R1). It
-/// need not run through its own body: of bodies that touch in a few vertices it often does not, and
-/// the contact has passed R2 and R3 along its inward ray.
+/// After classify, if asked for: contacts move to the closest point of the target's surface. The
+/// place where an inward ray leaves the target is never nearer than the closest point. No point of
+/// the surface is nearer than the closest point, so the way there is inside the target (R1). The
+/// way need not run through the vertex's own body. For bodies that touch in a few vertices it often
+/// does not, and the contact has passed R2 and R3 along its inward ray.
 namespace pierce::stages {
 
 /// Per candidate: where to look for a closer point, if it is a contact that may move, and no
@@ -24,8 +24,8 @@ struct LimitToDepth {
     View<const std::uint32_t> candidates, keep;
     View<Ray> limited;
     View<const Pair> pairs;
-    bool all = true;  ///< else only sheets': their normals say nothing about the way out of another
-                      ///< body
+    bool all = true;  ///< if false, only contacts of sheets, whose normals say nothing about the
+                      ///< way out of another body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t r = candidates[i];

@@ -19,8 +19,8 @@ struct Gap {
     }
 };
 
-/// Of a point in the target's fit. BallsNearby (vertex_cull.hpp) asks the same of sixteen balls at
-/// once, in float32 with its rounding added.
+/// The gap of a point given in the target's fit. BallsNearby (vertex_cull.hpp) computes the same
+/// for sixteen balls at once, in float32 with its rounding added.
 PIERCE_HD inline Gap gap_to(const BodyView& target, Vec3d in_fit) {
     return {target.fit_box.distance(in_fit), target.mesh.clearance()(in_fit) - target.deviation};
 }
@@ -28,7 +28,7 @@ PIERCE_HD inline Gap gap_to(const BodyView& target, Vec3d in_fit) {
 /// R1: the ray leaves the target at its first crossing, so it starts inside.
 PIERCE_HD inline bool starts_inside(const Meeting& target) { return target.exit; }
 
-/// R2, by a ray into its own body, the triangles around its start left aside: the first crossing
+/// R2, by a ray into its own body, without the triangles around its start: the first crossing
 /// leaves that body.
 PIERCE_HD inline bool starts_in_own(const Meeting& own) { return own.exit; }
 

@@ -18,8 +18,8 @@
 /// vertices.
 namespace pierce::stages {
 
-/// True if a vertex may be proved to be outside of its target for so many steps to come, at the
-/// pace of this one, that trying pays.
+/// True if, at the pace of this step, a proof that a vertex is outside of its target may hold for
+/// so many steps that trying pays.
 PIERCE_HD inline bool proofs_pay(const DirectedPair& d, const BodyView& target) {
     return target.is_simple() && constants::certificate_limit * target.mesh.mean_edge_length >
                                      constants::certificate_steps * static_cast<double>(d.step);
@@ -92,10 +92,10 @@ struct DirectPair {
     }
 };
 
-/// Balls as a target sees them, all sixteen or a share: how far outside of its box they are, and
-/// how far outside of its solid by the clearance of their centres, less its deviation. Their
-/// centres are `center` and offsets from it, turned and placed by `to_fit`; `span` is how far the
-/// balls go from `center` at most. They are points if `radius` is null, and larger by `extra`.
+/// Balls as a target sees them, all sixteen or a share: how far outside of the target's box they
+/// are, and how far outside of its solid by the clearance of their centres, less the target's
+/// deviation. The centres are `center` plus offsets, turned and placed by `to_fit`. The balls reach
+/// at most `span` from `center`. They are points if `radius` is null, and larger by `extra`.
 template <class Share = AllOfSixteen>
 struct BallsNearby {
     float beyond_squared[Share::count] = {};
@@ -112,8 +112,8 @@ struct BallsNearby {
         const Vec3d in_grid = to_fit.to_parent(center) - corner;
         const Vec3f c = to_float(in_grid);
         const TurnedOffsets<Share> turned(offsets, to_fit.rotation);
-        // Rounded to float32 are the centre, the rotation, the offsets and their sums: an ulp of
-        // their size each at most.
+        // The centre, the rotation, the offsets and their sums are rounded to float32: each by at
+        // most an ulp of its size.
         const double rounding = 4 * constants::float_ulp *
                                 (std::fabs(in_grid.x) + std::fabs(in_grid.y) +
                                  std::fabs(in_grid.z) + span);
@@ -132,9 +132,9 @@ struct BallsNearby {
                 beyond_squared[k] += gap * gap;
             }
         }
-        // From one cell to the next the bound may lose both their diagonals. What is true stays
-        // true; but where it matters that the bound itself still holds, it is found again only if
-        // it was larger by that.
+        // From one cell to the next, the bound may drop by both cells' diagonals. A ball that is
+        // outside is still outside. But where the bound itself must be found again, that is certain
+        // only if it was larger by this drop.
         if (!target.is_simple())
             jump = static_cast<float>(2 * constants::cell_diagonal * grid.cell);
         const auto deviation = static_cast<float>(target.deviation);
@@ -145,7 +145,7 @@ struct BallsNearby {
         for (std::uint32_t k = 0; k < Share::count; ++k) {
             clearance[k] = 0;
             if (beyond_squared[k] > size[k] * size[k])
-                continue;  // the box decides: spares fetching the cell
+                continue;  // the box decides, so the cell is not fetched
             clearance[k] = step * static_cast<float>(
                                       grid.steps_at(cell[0][k], cell[1][k], cell[2][k])) -
                            deviation;
@@ -153,9 +153,9 @@ struct BallsNearby {
         }
     }
 
-    /// How far the k-th ball of the share may move, or the target, and still not be near: from a
-    /// simple target, because it is that far outside; from any other, because it would still be
-    /// found to be that far.
+    /// How far the k-th ball of the share, or the target, may move while the ball is still not
+    /// near. For a simple target, the ball is that far outside; for any other, the test would still
+    /// find it outside.
     PIERCE_HD float gap(std::uint32_t k) const {
         return max_of(std::sqrt(beyond_squared[k]), clearance[k] - jump) - size[k];
     }
@@ -167,8 +167,8 @@ PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) {
 }
 
 /// Per block: the patches that may hold a vertex inside the target or touching it. With block
-/// records: patches that were proved to be outside until now are not looked at again, and in a walk
-/// pass only those that were kept in the last step. Writes those records.
+/// records: patches that are still proved to be outside are not looked at again, and a walk pass
+/// keeps only those that were kept in the last step. Writes those records.
 template <class Share = AllOfSixteen>
 struct CullBlock {
     View<const BodyView> bodies;
@@ -202,7 +202,8 @@ struct CullBlock {
         } else if (temporal == Temporal::certified && before != nullptr &&
                    (expired(*before, d.odometer, all) &
                     ~(bodies[d.target].is_simple() ? before->kept : 0u)) == 0) {
-            // Nothing new: what was near is looked at vertex by vertex, the rest is still outside.
+            // Nothing is new: patches that were near are looked at vertex by vertex, the others are
+            // still outside.
             mask = expired(*before, d.odometer, all);
             for (std::uint32_t k = first; k < first + Share::count; ++k)
                 records[i].expiry[k] = before->expiry[k];
@@ -247,11 +248,12 @@ private:
     }
 };
 
-/// Per kept patch: the vertices that may be inside the target or touch it. With records: while the
-/// others are proved to be outside, those stay; a patch all whose vertices turn out to be outside
-/// need not be looked at until one of them may be near; in a walk pass the vertices with a triangle
-/// are kept. Writes patch records; lists, beside the vertices left, their records of the last step,
-/// and that no ray is asked for while a vertex is proved to be outside, or nothing has moved.
+/// Per kept patch: the vertices that may be inside the target or touch it. With records, these
+/// vertices stay the same while the others are proved to be outside. If all vertices of a patch
+/// turn out to be outside, the patch is not looked at until one of them may be near. A walk pass
+/// keeps the vertices with a triangle. Writes patch records. Beside the vertices left, lists their
+/// records of the last step, and routes without a ray while a vertex is proved to be outside, or
+/// nothing has moved.
 template <class Share = AllOfSixteen>
 struct CullVertices {
     View<const BodyView> bodies;

@@ -30,14 +30,15 @@ PIERCE_HD inline double height_over(const Vec3d corner[3], Vec3d direction, doub
         t * dot(normalized(cross(corner[1] - corner[0], corner[2] - corner[0])), direction));
 }
 
-/// Until when a vertex at a height over a triangle's plane is left alone, at a small risk.
+/// The odometer up to which a vertex at a height over a triangle's plane is left alone, at a small
+/// risk.
 PIERCE_HD inline float wait_until(const DirectedPair& d, double height) {
     return d.odometer + static_cast<float>(constants::prediction_wait * height);
 }
 
 /// Per walk: goes on from the record. In certified mode the result counts only if it is proved to
-/// be what a full ray would find; in the paper's, any exit ahead does, and one behind stays a
-/// prediction. Reads rays and routes; writes hits, routes and records.
+/// be what a full ray would find; in the paper's mode, any exit ahead counts, and an exit behind
+/// stays a prediction. Reads rays and routes; writes hits, routes and records.
 struct Walk {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -79,8 +80,8 @@ struct Walk {
             if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation,
                                   target.touch))
                 return;
-            // Behind a simple target's only surface nearby lies its outside: no contact. Just
-            // beyond the ray's end, a tracer decides.
+            // If a simple target's only surface nearby is behind the origin, the origin is outside:
+            // no contact. If the crossing is just beyond the ray's end, a tracer decides.
             const bool behind = crossing.t < -target.touch;
             if (behind && !target.is_simple()) return;
             if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
@@ -101,7 +102,8 @@ struct Walk {
             const DirectedPair& d = directed[2 * from.pair + from.side];
             if (!ahead && !(d.approach.most > 0)) return;
             if (crossing.t < -(d.approach.most + target.touch)) {
-                // Too far to enter before the next full pass looks at all vertices.
+                // The vertex is too far away to enter before the next full pass, which looks at all
+                // vertices.
                 routes[slot] = Route::skip;
                 record.triangle = no_triangle;
                 counts[i].lost = false;

@@ -15,7 +15,7 @@
 namespace pierce {
 namespace bvh {
 
-/// Per ray: its hit, among its candidates; none if they are too many.
+/// Per ray: its hit among its candidates; no hit if there are too many candidates.
 struct Trace {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -35,8 +35,8 @@ struct Trace {
     }
 };
 
-/// Per ray with too many candidates: its hit, through the tree. A launch of its own: the few such
-/// rays would cost all others registers.
+/// Per ray with too many candidates: its hit, through the tree. This is a separate launch, because
+/// the few such rays would cost all other rays registers.
 struct TraceTree {
     View<const BodyView> bodies;
     Forest forest;
@@ -74,9 +74,9 @@ struct Closest {
 }  // namespace bvh
 
 /// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming
-/// body, all built in one set of launches. Deforming bodies' trees are refitted when their
-/// positions have changed and somebody asks; all are rebuilt when bodies come or go and when
-/// RefitPolicy finds one that has decayed.
+/// body, all built in one set of launches. The tree of a deforming body is refitted when the body's
+/// positions have changed and the tree is wanted. All trees are rebuilt when bodies come or go and
+/// when RefitPolicy finds a tree that has decayed.
 template <Executor E>
 class BvhTracer {
 public:
@@ -84,7 +84,7 @@ public:
 
     explicit BvhTracer(TreeBuilder builder = TreeBuilder::lbvh) : builder_(builder) {}
 
-    /// Which trees there must be. `bodies` as the host sees them.
+    /// Decides which trees there must be. `bodies` are the bodies as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {
         if (!plan_.arrange(bodies)) return;
         executor.upload(plan_.trees(), trees_);
@@ -96,7 +96,7 @@ public:
         stale_ = true;
     }
 
-    /// Trees of bodies with wanted[body] != 0 fit their positions.
+    /// Makes the trees of bodies with wanted[body] != 0 fit their positions.
     void update(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
         if constexpr (E::traits.host_reads) {
             arrange(executor, bodies);
@@ -112,7 +112,7 @@ public:
                 .bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
     }
 
-    /// All trees anew.
+    /// Builds all trees anew.
     void build(E& executor, View<const BodyView> bodies) {
         builder_.build(executor, bodies, forest());
         executor.for_each(tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});

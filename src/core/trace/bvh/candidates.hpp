@@ -13,15 +13,16 @@ namespace pierce::bvh {
 /// The triangles that a ray may cross, in any order: as many as fit in 128 bytes with their number.
 struct alignas(16) Candidates {
     static constexpr std::uint32_t capacity = 31;
-    static constexpr std::uint32_t too_many = capacity + 1;  ///< there may be others
+    static constexpr std::uint32_t too_many = capacity + 1;  ///< there may be more than the list
+                                                             ///< holds
 
     std::uint32_t count = 0;
     std::uint32_t triangle[capacity];
 };
 
-/// Per ray: the triangles that it may cross; and what that cost its tree, if it moves. In float32
-/// alone: what the exact test remembers of a ray would leave a GPU few threads to wait for memory
-/// with.
+/// Per ray: the triangles that it may cross; and the work this took, if the tree's body deforms.
+/// The search uses float32 only: the exact test keeps so much about a ray that a GPU would have too
+/// few threads to hide the wait for memory.
 struct FindCandidates {
     View<const BodyView> bodies;
     Forest forest;
@@ -44,8 +45,8 @@ struct FindCandidates {
     }
 
 private:
-    // Leaves gathered before they are tested. A vertex on its own surface meets the boxes of half a
-    // dozen.
+    // How many leaves are gathered before they are tested. A vertex on its own surface meets the
+    // boxes of half a dozen leaves.
     static constexpr std::uint32_t leaf_room = 16;
 
     PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray,
@@ -63,8 +64,9 @@ private:
         bool more = !item.is_leaf();
         if (!more) leaves[found++] = item.code;
         while (true) {
-            // All threads of a warp gather leaves, then all test theirs. On the way they do the
-            // same, whatever they meet: at every branch some would wait for the others.
+            // All threads of a warp gather leaves, then all test theirs. While they gather, all
+            // threads do the same, whatever they meet: at every branch some threads would wait for
+            // the others.
             while (more && found + 2 <= leaf_room) {
                 const Node node = read_whole(forest.nodes[item.index()]);
                 ++done.nodes;

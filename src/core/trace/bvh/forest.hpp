@@ -24,7 +24,7 @@ struct Item {
     PIERCE_HD std::uint32_t index() const { return code & ~leaf_bit; }
 };
 
-/// A float32 box; of float32 points it is exact.
+/// A float32 box; the box of float32 points is exact.
 struct BoxF {
     Vec3f lower, upper;
 
@@ -61,16 +61,16 @@ struct Place {
     PIERCE_HD std::uint32_t side() const { return code & 1; }
 };
 
-/// A node holds its children's boxes, so that a ray reads one node to choose between two. One cache
-/// line's half.
+/// A node holds its children's boxes, so that a ray reads one node to choose between two. A node
+/// takes half a cache line.
 struct alignas(16) Node {
     BoxF box[2];
     Item child[2];
     Place parent;
     std::uint32_t unused = 0;
 
-    /// A child without an index that only the running thread knows: on a GPU, the node would move
-    /// to memory for that.
+    /// The child on one side, without indexing by a value known only at run time: a GPU would move
+    /// the node to memory for such an index.
     PIERCE_HD Item side(std::uint32_t which) const { return which == 0 ? child[0] : child[1]; }
 };
 static_assert(sizeof(Node) == 64);
@@ -79,9 +79,9 @@ static_assert(sizeof(Node) == 64);
 /// bodies share.
 struct Tree {
     std::uint32_t first = 0;  ///< its leaves and nodes are [first, first + count) of the forest's;
-                              ///< it has a node less
+                              ///< it has one node less than leaves
     std::uint32_t count = 0;  ///< leaves
-    std::uint32_t body = 0;   ///< whose surface it holds, or one of those
+    std::uint32_t body = 0;   ///< the body whose surface it holds, or one of several such bodies
     bool moves = false;       ///< the body deforms
     Item root;
     std::uint64_t fitted = 0;  ///< version of the positions its boxes fit
@@ -126,7 +126,7 @@ PIERCE_HD inline BoxF box_around(Vec3f a, Vec3f b, Vec3f c) {
              max_of(a.z, max_of(b.z, c.z))}};
 }
 
-/// The box of a leaf where its body is.
+/// The box of a leaf at its body's current positions.
 PIERCE_HD inline BoxF leaf_box(const BodyView& body, std::uint32_t leaf) {
     const Leaf at = read_whole(body.mesh.leaves[leaf]);
     const Vec3f last = body.positions[at.corner[3]];
@@ -135,7 +135,7 @@ PIERCE_HD inline BoxF leaf_box(const BodyView& body, std::uint32_t leaf) {
                 {last, last});
 }
 
-/// Around a body's positions, in their space.
+/// The box around a body's positions, in the space of the positions.
 PIERCE_HD inline const Box& positions_box(const BodyView& body) {
     return body.motion == Motion::deforming ? body.world_box : body.mesh.box;
 }

@@ -19,7 +19,7 @@ struct BeginsCell {
     PIERCE_HD bool operator()(std::uint32_t i) const { return lbvh.begins(i); }
 };
 
-/// Per place in sorted order: its share of building the cells' trees. A finished one is noted at
+/// Per place in sorted order: its share of building the cells' trees. A finished cell is noted at
 /// its first place.
 struct BuildCells {
     Lbvh lbvh;
@@ -31,7 +31,7 @@ struct BuildCells {
     }
 };
 
-/// Per cell: moves up to its neighbours; and where each tree's begin.
+/// Per cell: moves it next to its neighbours, and notes where each tree's cells begin.
 struct GatherCells {
     Lbvh lbvh;
     View<const Subtree> cells;
@@ -46,18 +46,19 @@ struct GatherCells {
     }
 };
 
-/// Per tree: splits its cells from the root down, each range where the surface area heuristic is
-/// least of all borders between equal bins (Wald 2007).
+/// Per tree: splits its cells from the root down. It splits each range at the border between equal
+/// bins where the surface area heuristic is least (Wald 2007).
 struct BuildTop {
     Forest forest;
-    View<Subtree> cells;               ///< reordered, each tree's among themselves
-    View<const std::uint32_t> begins;  ///< first place of every cell, in their order at first
+    View<Subtree> cells;               ///< reordered, but only within each tree
+    View<const std::uint32_t> begins;  ///< first place of every cell, in the order before
+                                       ///< reordering
     View<const std::uint32_t> first_cell;
 
     PIERCE_HD void operator()(std::uint32_t t) const {
         Tree& tree = forest.trees[t];
-        // The smaller half comes next and the larger waits, so that as many halves wait at most as
-        // a size can be halved.
+        // The smaller half comes next and the larger one waits, so that no more halves wait than
+        // the number of times that a size can be halved.
         Range waiting[constants::cell_bits];
         std::uint32_t waits = 0;
         Range now{first_cell[t], t + 1 < forest.trees.size ? first_cell[t + 1] : begins.size, {}};
@@ -70,7 +71,8 @@ struct BuildTop {
             }
             const BoxF box = box_of(now);
             const std::uint32_t middle = split(now);
-            // As in an LBVH: the node that splits before a place is the one before it.
+            // As in an LBVH, the node that splits before a place is the node at the place before
+            // it.
             const std::uint32_t node = begins[middle] - 1;
             hang(tree, now.place, Item::node(node), box);
             const Range left{now.begin, middle, Place::at(node, 0)},
@@ -116,8 +118,8 @@ private:
         return box;
     }
 
-    /// Reorders the range's cells for the best split, and returns where that is. Where no bins tell
-    /// them apart: in the middle.
+    /// Reorders the range's cells for the best split, and returns where that is. If no bins tell
+    /// the cells apart, the split is in the middle.
     PIERCE_HD std::uint32_t split(Range range) const {
         BoxF centers = BoxF::none();  // twice the centres
         for (std::uint32_t c = range.begin; c < range.end; ++c) {
@@ -189,7 +191,7 @@ private:
 template <Executor E>
 class Hlbvh {
 public:
-    /// `lbvh`: whole trees'. `forest.visits` is no_node everywhere.
+    /// `lbvh` is that of whole trees. `forest.visits` must be no_node everywhere.
     void build(E& executor, const Forest& forest, Lbvh lbvh) {
         lbvh.group_bits += constants::cell_bits;
         const std::uint32_t leaves = lbvh.leaves.size;

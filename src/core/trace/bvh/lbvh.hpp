@@ -7,9 +7,10 @@
 #include "core/trace/bvh/morton.hpp"
 #include "pierce/min_max.hpp"
 
-/// The linear BVH (Lauterbach et al. 2009): leaves sorted along a Morton curve, split where their
-/// codes differ first. Built bottom-up, hierarchy and boxes at once (Apetrei, CGVC 2014). All trees
-/// of a forest in one sort and one launch: the tree is the upper part of the key.
+/// The linear BVH (Lauterbach et al. 2009): leaves are sorted along a Morton curve and split where
+/// their codes differ first. The tree is built bottom-up, hierarchy and boxes at once (Apetrei,
+/// CGVC 2014). One sort and one launch build all trees of a forest: the tree is the upper part of
+/// the key.
 namespace pierce::bvh {
 
 /// Per place: writes a value.
@@ -22,14 +23,14 @@ struct Fill {
     PIERCE_HD void operator()(std::uint32_t i) const { values[i] = value; }
 };
 
-/// Bits of a sort key that tell trees apart, of 64; at least one.
+/// How many of a sort key's 64 bits tell trees apart; at least one.
 PIERCE_HD inline std::uint32_t tree_bits(std::uint32_t tree_count) {
     std::uint32_t bits = 1;
     while ((std::uint64_t{1} << bits) < tree_count) ++bits;
     return bits;
 }
 
-/// The cube that a box fits in: cells of a slim box's own shape would make slim nodes.
+/// The cube that a box fits in. Cells in the shape of a slim box would make slim nodes.
 PIERCE_HD inline Box cube_around(const Box& box) {
     const Vec3d sides = box.upper - box.lower;
     const double side = max_of(sides.x, max_of(sides.y, sides.z));
@@ -55,7 +56,7 @@ struct LeafKeys {
     }
 };
 
-/// A tree, or a part of one that nothing hangs on yet.
+/// A tree, or a part of one that does not hang on a node yet.
 struct Subtree {
     Item item;
     BoxF box;
@@ -64,7 +65,7 @@ struct Subtree {
     PIERCE_HD std::uint32_t leaves() const { return last - first + 1; }
 };
 
-/// The LBVH of every group of leaves, those that agree in the upper bits of their keys.
+/// The LBVH of every group of leaves; the leaves of a group agree in the upper bits of their keys.
 struct Lbvh {
     View<const BodyView> bodies;
     Forest forest;
@@ -72,8 +73,9 @@ struct Lbvh {
     View<const std::uint32_t> leaves;  ///< in that order
     std::uint32_t group_bits = 1;
 
-    /// Climbs from the leaf at place i as long as it comes second to every node, and writes child
-    /// and box there. The subtree below it, and whether that is its whole group.
+    /// Climbs from the leaf at place i as long as it is the second to reach each node, and writes
+    /// child and box there. `below` becomes the subtree below the last node reached; true if that
+    /// is the whole group.
     PIERCE_HD bool climb(std::uint32_t i, Subtree& below) const {
         const Tree& tree = tree_at(i);
         const std::uint32_t leaf = leaves[i] - tree.first;
@@ -81,8 +83,8 @@ struct Lbvh {
         while (true) {
             const bool at_begin = begins(below.first), at_end = begins(below.last + 1);
             if (at_begin && at_end) return true;
-            // The node that splits between places k and k + 1 is node k; it is the child's that
-            // differs less from beyond.
+            // Node k splits between places k and k + 1. Of the nodes at its two ends, a child
+            // belongs to the one across which the keys differ less.
             const bool is_left = at_begin || (!at_end && splits_later(below.first - 1, below.last));
             const std::uint32_t at = is_left ? below.last : below.first - 1;
             const std::uint32_t side = is_left ? 0 : 1;
@@ -92,7 +94,8 @@ struct Lbvh {
             if (other == no_node) return false;
             (is_left ? below.last : below.first) = other;
             below.item = Item::node(at);
-            // In this order whoever comes second: it matters where boxes hold NaN.
+            // The order of the boxes is the same whichever child comes second: it matters where
+            // boxes hold NaN.
             const BoxF& beside = forest.nodes[at].box[1 - side];
             below.box = is_left ? join(below.box, beside) : join(beside, below.box);
         }
@@ -102,7 +105,7 @@ struct Lbvh {
         return forest.trees[forest.tree_of_leaf[leaves[place]]];
     }
 
-    /// True if a group begins at this place, or none is left.
+    /// True if a group begins at this place, or if the list ends there.
     PIERCE_HD bool begins(std::uint32_t place) const {
         return place == 0 || place == keys.size ||
                (keys[place - 1] ^ keys[place]) >> (64 - group_bits) != 0;
@@ -118,7 +121,7 @@ private:
     }
 };
 
-/// Per place in sorted order: its share of building the trees, which are the groups.
+/// Per place in sorted order: its share of building the trees. Each tree is one group.
 struct BuildLbvh {
     Lbvh lbvh;
 

@@ -8,8 +8,9 @@
 #include "core/trace/bvh/lbvh.hpp"
 #include "pierce/min_max.hpp"
 
-/// Parallel locally-ordered clustering (Meister and Bittner, TVCG 2018): clusters in the order of a
-/// Morton curve; those that are each other's nearest join, until each tree is one.
+/// Parallel locally-ordered clustering (Meister and Bittner, TVCG 2018): clusters are in the order
+/// of a Morton curve. Two clusters that are each other's nearest join, until each tree is one
+/// cluster.
 namespace pierce::bvh {
 
 /// A subtree that looks for another one to join.
@@ -17,8 +18,8 @@ struct Cluster {
     Item item;
     BoxF box;
     std::uint32_t tree = 0;
-    std::uint32_t slot = 0;  ///< the first of its leaves' places: each place but a tree's first
-                             ///< pays for a node, the one before
+    std::uint32_t slot = 0;  ///< the first of its leaves' places. Each place but a tree's first
+                             ///< stands for one node: the node before it
 };
 
 /// Per place in sorted order: a cluster of one leaf.
@@ -36,9 +37,9 @@ struct LeafClusters {
     }
 };
 
-/// Per cluster: the one nearby, of the same tree, with which it has the smallest box. Of several,
-/// the one whose place differs in the lowest bits: so each tree has two that choose each other, and
-/// of clusters all alike, every two do.
+/// Per cluster: the nearby cluster of the same tree with which it has the smallest box. Of several,
+/// it is the one whose place differs in the lowest bits. So each tree has two clusters that choose
+/// each other, and if all clusters are alike, every two do.
 struct FindNearest {
     View<const Cluster> clusters;
     std::uint32_t count = 0;
@@ -53,7 +54,8 @@ struct FindNearest {
         float least = INFINITY;
         for (std::uint32_t j = begin; j < end; ++j) {
             if (j == i || clusters[j].tree != cluster.tree) continue;
-            // Both see the same area even if the boxes hold NaN, and then it is infinite.
+            // Both clusters see the same area even if the boxes hold NaN: the area is then
+            // infinite.
             const BoxF both = j < i ? join(clusters[j].box, cluster.box)
                                     : join(cluster.box, clusters[j].box);
             const float area = min_of(both.half_area(), INFINITY);
@@ -74,7 +76,7 @@ struct StaysCluster {
     }
 };
 
-/// Per cluster that stays: joins it with the one that chose it too.
+/// Per cluster that stays: joins it with the cluster it chose, if that one chose it, too.
 struct JoinClusters {
     Forest forest;
     View<const Cluster> clusters;
@@ -99,7 +101,7 @@ struct JoinClusters {
     }
 };
 
-/// Per cluster that is a whole tree.
+/// Per cluster that is a whole tree: makes it the tree's root.
 struct RootClusters {
     Forest forest;
     View<const Cluster> clusters;

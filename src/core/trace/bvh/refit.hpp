@@ -8,13 +8,13 @@
 
 namespace pierce::bvh {
 
-/// True if a tree's boxes no longer fit and somebody asks.
+/// True if a tree's boxes no longer fit and the tree is wanted.
 PIERCE_HD inline bool needs_refit(const Tree& tree, const BodyView& body,
                                   View<const std::uint32_t> wanted) {
     return tree.moves && wanted[tree.body] && body.active && tree.fitted != body.positions_version;
 }
 
-/// Per leaf: writes its box, and climbs as long as it comes second to every node.
+/// Per leaf: writes its box, and climbs as long as it is the second to reach each node.
 struct Refit {
     View<const BodyView> bodies;
     View<const std::uint32_t> wanted;  ///< per body
@@ -29,14 +29,14 @@ struct Refit {
              place = forest.nodes[place.node()].parent) {
             Node& node = forest.nodes[place.node()];
             node.box[place.side()] = box;
-            // Two visits a refit: whoever comes first goes home.
+            // A refit visits a node twice: the thread that comes first stops here.
             if (atomic_add(forest.visits[place.node()], 1) % 2 == 0) return;
             box = join(box, node.box[1 - place.side()]);
         }
     }
 };
 
-/// Per tree, after Refit: notes what it fits now. Counts those that changed.
+/// Per tree, after Refit: notes which positions it fits now. Counts the trees that changed.
 struct MarkFitted {
     View<const BodyView> bodies;
     View<const std::uint32_t> wanted;
@@ -53,7 +53,7 @@ struct MarkFitted {
     }
 };
 
-/// Per tree, after all were built: notes what it fits.
+/// Per tree, after all were built: notes which positions it fits.
 struct NoteFitted {
     View<const BodyView> bodies;
     View<Tree> trees;

@@ -4,9 +4,9 @@
 
 namespace pierce::bvh {
 
-/// What a random ray that meets the tree's box costs it, by the surface area heuristic (MacDonald
-/// and Booth 1990): nodes visited and leaves tested, at constants::node_cost and leaf_cost. On the
-/// host. Zero for a tree without extent.
+/// What a random ray that meets the tree's box costs, by the surface area heuristic (MacDonald and
+/// Booth 1990): nodes visited and leaves tested, at constants::node_cost and leaf_cost. It runs on
+/// the host. Zero for a tree without extent.
 inline double sah_cost(const Forest& forest, const Tree& tree) {
     if (tree.root.is_leaf()) return constants::leaf_cost;
     const Node& root = forest.nodes[tree.root.index()];

@@ -12,9 +12,10 @@
 
 namespace pierce::bvh {
 
-/// A ray in float32, for boxes. Boxes are grown by constants::slab_margin of the largest
-/// coordinate, which covers all that rounding does to the slab test, and by `touch`, from which a
-/// ray in a triangle's plane touches it: no box is missed that the exact ray meets.
+/// A ray in float32, for boxes. Boxes are grown by two margins, so that no box is missed that the
+/// exact ray meets. One is constants::slab_margin of the largest coordinate, which covers all
+/// rounding of the slab test. The other is `touch`, the distance within which a ray in a triangle's
+/// plane touches the triangle.
 class BoxRay {
 public:
     PIERCE_HD BoxRay(const Ray& ray, const Box& around, double touch) {
@@ -61,17 +62,17 @@ private:
     }
 
     double margin_ = 0;
-    float inverse_[3], low_[3], high_[3];  ///< a place x along an axis is at x * inverse + low, or
-                                           ///< high, of the ray
+    float inverse_[3], low_[3], high_[3];  ///< a coordinate x is at x * inverse + low, or x *
+                                           ///< inverse + high, along the ray
 };
 
-/// A stack of tree items. A binary tree over Morton codes is no deeper than the code has bits, 64,
-/// and the bits of a tie, 32; but a restructured tree may be. Its memory is the caller's: beside it
-/// in one object, a GPU would keep its size in memory, too.
+/// A stack of tree items. A binary tree over Morton codes is no deeper than the 64 bits of a code
+/// plus the 32 bits of a tie; but a restructured tree may be deeper. The caller owns the stack's
+/// memory: if it were in the same object, a GPU would keep the stack's size in memory, too.
 class ItemStack {
 public:
-    using Memory = std::uint32_t[constants::traversal_stack];  // no Items: they would be set to
-                                                               // nothing first
+    using Memory = std::uint32_t[constants::traversal_stack];  // not Items: each would be
+                                                               // initialized first
 
     PIERCE_HD explicit ItemStack(Memory& memory) : codes_(memory) {}
 
@@ -91,8 +92,8 @@ struct RayWork {
     std::uint32_t tests = 0;  ///< of triangles
 };
 
-/// Which of a leaf's triangles a ray with these `excluded` vertices does not hit, a bit each; of a
-/// leaf with one triangle the second.
+/// A bit for each of a leaf's triangles that a ray with these `excluded` vertices does not hit; in
+/// a leaf with one triangle, also for the missing second one.
 PIERCE_HD inline std::uint32_t excluded_of(const Leaf& leaf, const std::uint32_t (&excluded)[2]) {
     const auto has = [&](std::uint32_t k, std::uint32_t v) { return leaf.corner[k] == v; };
     std::uint32_t both = 3;
@@ -117,8 +118,8 @@ PIERCE_HD void show_all(const BodyView& body, Search& search) {
     for (std::uint32_t t = 0; t < body.mesh.triangles.size; ++t) search.test(t);
 }
 
-/// Shows a search all triangles its ray may meet, near ones first. A tree that is deeper than the
-/// stack shows all it has from there.
+/// Shows a search all triangles its ray may meet, near ones first. If the tree is deeper than the
+/// stack, it shows all triangles of the body.
 PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body,
                                 const BoxRay& ray, CrossingSearch& search) {
     const float begin = round_down(search.begin() - ray.margin());
@@ -151,8 +152,8 @@ PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const Bo
     }
 }
 
-/// Shows a search all triangles that may be closest to its point, near ones first. A tree that is
-/// deeper than the stack shows all it has from there.
+/// Shows a search all triangles that may be closest to its point, near ones first. If the tree is
+/// deeper than the stack, it shows all triangles of the body.
 PIERCE_HD inline void show_near(const Forest& forest, const Tree& tree, const BodyView& body,
                                 ClosestSearch& search) {
     ItemStack::Memory memory;

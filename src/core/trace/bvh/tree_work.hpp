@@ -20,9 +20,9 @@ struct ForestWork {
     std::uint32_t decayed = 0;  ///< trees for which a rebuild pays
 };
 
-/// Per tree, before it is refitted again: has its refit decayed? Looking at a node counts like
-/// testing a triangle. Without the nodes it would never show: every leaf is in its own box whatever
-/// became of those above.
+/// Per tree, before it is refitted again: notes whether its refit has decayed. A visit to a node
+/// counts like a test of a triangle. Without the nodes, decay would not show: every leaf fits its
+/// own box, whatever became of the boxes above.
 struct JudgeTree {
     View<TreeWork> work;
     View<const Tree> trees;

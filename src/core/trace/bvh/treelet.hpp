@@ -9,15 +9,15 @@
 #include "pierce/min_max.hpp"
 
 /// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it
-/// has seven parts, is put together anew in the best of all ways. The parts stay what they are, so
-/// what they cost is the same in all ways, and the best one is that whose nodes have the least
-/// area.
+/// has seven parts, is put together anew in the best of all ways. The parts stay the same, so they
+/// cost the same in all ways, and the best way is the one whose nodes have the least area.
 namespace pierce::bvh {
 
 /// The top of a subtree: `inner` nodes and the parts below them.
 class Treelet {
 public:
-    /// Opens parts, the largest first. The subtree has that many leaves at least.
+    /// Opens parts, the largest first, until there are `parts` of them. The subtree must have at
+    /// least that many leaves.
     PIERCE_HD Treelet(const Forest& forest, std::uint32_t root) {
         const Node& top = forest.nodes[root];
         part_[0] = Item::node(root);
@@ -36,7 +36,7 @@ public:
 
     /// Puts the nodes together anew if that makes them smaller.
     PIERCE_HD void improve(const Forest& forest) {
-        // Sets that differ in their first parts only share the box of the others.
+        // Sets that differ only in their first parts share the box of the other parts.
         constexpr std::uint32_t shared = parts / 2;
         constexpr Set firsts = (Set{1} << shared) - 1;
         for (Set others = 0; others <= all; others += firsts + 1) {
@@ -54,9 +54,9 @@ private:
 
     using Set = std::uint32_t;  ///< of parts, one bit each
     static constexpr Set all = (Set{1} << parts) - 1;
-    PIERCE_HD static bool is_one(Set set) { return (set & (set - 1)) == 0; }  ///< or none
+    PIERCE_HD static bool is_one(Set set) { return (set & (set - 1)) == 0; }  ///< also true of none
 
-    /// Of the first n parts, one that is a node.
+    /// Of the first n parts, the largest one that is a node.
     PIERCE_HD std::uint32_t largest_node(std::uint32_t n) const {
         std::uint32_t largest = n;
         for (std::uint32_t k = 0; k < n; ++k)
@@ -66,7 +66,7 @@ private:
         return largest;
     }
 
-    /// Around those parts k of a set for which begin <= k < end.
+    /// The box around those parts k of a set for which begin <= k < end.
     PIERCE_HD BoxF box_of(Set set, std::uint32_t begin = 0, std::uint32_t end = parts) const {
         BoxF box = BoxF::none();
         for (std::uint32_t k = begin; k < end; ++k)
@@ -74,8 +74,8 @@ private:
         return box;
     }
 
-    /// Area below the best node over `set`: the least of all ways to halve it. One half has the
-    /// set's first part.
+    /// Area below the best node over `set`: the least over all ways to halve `set`. The set's first
+    /// part is always in the same half.
     PIERCE_HD float least_below(Set set) const {
         const Set rest = set & (set - 1);
         float least = INFINITY;
@@ -84,7 +84,7 @@ private:
         return least;
     }
 
-    /// The other half, where that is so.
+    /// In the best way to halve `set`, the half without the set's first part.
     PIERCE_HD Set best_half(Set set) const {
         const Set rest = set & (set - 1);
         const float least = least_below(set);
@@ -118,11 +118,12 @@ private:
     BoxF box_[parts];            ///< of the parts
     std::uint32_t node_[inner];  ///< root first
     float area_ = 0;             ///< of the nodes
-    float least_[all + 1];  ///< per set of parts: area of the best tree over it, itself counted
+    float least_[all + 1];       ///< per set of parts: area of the best tree over the set, its root
+                                 ///< included
 };
 
 /// Per place in `leaves`: climbs from that leaf, counting leaves in `forest.visits`, as long as it
-/// comes second to every node, up to one with enough leaves.
+/// is the second to reach each node, up to a node with enough leaves.
 struct FindTreelets {
     Forest forest;
     View<const std::uint32_t> leaves;
@@ -144,8 +145,8 @@ struct FindTreelets {
     }
 };
 
-/// Per node whose subtree is finished: improves the treelet there, and comes to the node above if
-/// it is the last of that one's children to do so.
+/// Per node whose subtree is finished: improves the treelet there, and goes on to the node above if
+/// it is the last child of that node to get there.
 struct ImproveTreelets {
     Forest forest;
     View<const std::uint32_t> nodes, places;  ///< item i is nodes[places[i]]
@@ -176,12 +177,13 @@ struct HoldsNode {
 };
 
 /// Restructures all trees of a forest, from the leaves up. A launch improves every treelet whose
-/// subtree is finished, so that neighbouring threads all have work; when few are left, a last one
-/// climbs to the roots.
+/// subtree is finished, so that neighbouring threads all have work; when few treelets are left, a
+/// last launch climbs to the roots.
 template <Executor E>
 class TreeletRestructuring {
 public:
-    /// `leaves`: all of them, neighbours close together. Leaves no use in `forest.visits`.
+    /// `leaves`: all leaves, neighbours close together. The values it leaves in `forest.visits` are
+    /// of no use.
     void run(E& executor, const Forest& forest, View<const std::uint32_t> leaves) {
         for (Buffer* buffer : {&nodes_, &next_, &places_}) buffer->resize(leaves.size);
         for (std::uint32_t round = 0; round < constants::treelet_rounds; ++round) {
@@ -203,7 +205,7 @@ public:
 private:
     using Buffer = typename E::template Buffer<std::uint32_t>;
 
-    /// The nodes among the first n of next_ come next; how many?
+    /// Makes the nodes among the first n of next_ the next ones; returns how many there are.
     std::uint32_t keep(E& executor, std::uint32_t n) {
         std::swap(nodes_, next_);
         return executor.number(executor.select(

@@ -8,12 +8,12 @@
 
 namespace pierce::bvh {
 
-/// A ray in float32, for triangles: leaves out those that cross_triangle() does not meet for
-/// certain.
+/// A ray in float32, for triangles: leaves out those that cross_triangle() certainly does not meet.
 ///
 /// Let u be half an ulp and no coordinate relative to the origin be above R. With the origin in two
-/// parts a difference is off by 3 u R; sheared, it is below 2 R and off by 10 u R, as shears are at
-/// most 1; a product of two such is off by 44 u R^2, and an edge function by 96 u R^2.
+/// parts, a difference is off by 3 u R. A sheared difference is below 2 R and off by 10 u R, as
+/// shears are at most 1. A product of two such differences is off by 44 u R^2, and an edge function
+/// by 96 u R^2.
 class TriangleSieve {
 public:
     PIERCE_HD explicit TriangleSieve(const Ray& ray) {
@@ -25,7 +25,7 @@ public:
         low_ = to_float(ray.origin - to_double(high_));
     }
 
-    /// Of a leaf with these corners: bit k says that its triangle k may be crossed.
+    /// For a leaf with these corners: bit k says that triangle k may be crossed.
     PIERCE_HD std::uint32_t may_cross(Vec3f v0, Vec3f v1, Vec3f v2, Vec3f v3) const {
         float size = 0;
         const Vec3f a = sheared(v0, size), b = sheared(v1, size), c = sheared(v2, size),

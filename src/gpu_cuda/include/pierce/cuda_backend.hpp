@@ -11,14 +11,15 @@ namespace pierce {
 /// How steps run on the GPU.
 struct CudaOptions {
     TreeBuilder builder = TreeBuilder::trbvh;
-    bool graph = true;  ///< steady steps are one captured graph; else stage after stage, each timed
+    bool graph = true;  ///< true: steady steps run as one captured graph; false: stage after stage,
+                        ///< each timed
 };
 
-/// What keeps CUDA from being used here, for people; empty if nothing does.
+/// The reason, for people, why CUDA cannot be used here; empty if it can be used.
 std::string cuda_problem();
 
-/// The GPU backend: every stage on the device, with trees of our own. Throws InputError if there is
-/// no device to use.
+/// The GPU backend: every stage runs on the device, with trees of our own. Throws InputError if no
+/// device can be used.
 std::unique_ptr<Backend> cuda_backend(CudaOptions options = {});
 
 }  // namespace pierce

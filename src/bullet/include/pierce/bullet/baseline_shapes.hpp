@@ -11,19 +11,18 @@
 
 namespace pierce::bullet {
 
-/// What Bullet itself offers for colliding triangle meshes: the methods Pierce is compared with.
+/// Bullet's own methods for contacts of triangle meshes, with which Pierce is compared.
 enum class Baseline {
     gjk_epa,   ///< convex pieces in a dynamic tree, GJK for distance and EPA for depth
-    gjk_hull,  ///< one convex hull: the wrong answer for a concave mesh, and often used all the
-               ///< same
+    gjk_hull,  ///< one convex hull: wrong for a concave mesh, but often used
     gimpact,   ///< triangle against triangle
 };
 
 /// A shape and everything it points to.
 class BaselineShape {
 public:
-    /// `convex_pieces` are the point sets whose hulls make up the mesh; only gjk_epa looks at them,
-    /// and throws InputError if there are none.
+    /// `convex_pieces` are the point sets whose hulls make up the mesh; only gjk_epa uses them, and
+    /// it throws InputError if there are none.
     BaselineShape(Baseline method, const std::string& name, const MeshData& mesh,
                   std::span<const std::vector<Vec3f>> convex_pieces);
     /// The half space below the mesh's highest point along z.
@@ -32,8 +31,8 @@ public:
     BaselineShape(BaselineShape&&) noexcept;
 
     btCollisionShape& shape() const { return *shape_; }
-    /// How far Bullet's surface stands outside the mesh: its contacts' distances are smaller by
-    /// both shapes' margins.
+    /// How far Bullet's surface stands outside the mesh: the distances of Bullet's contacts are
+    /// smaller by the margins of both shapes.
     double margin() const { return margin_; }
 
     /// Gives a gimpact shape other vertex positions and refits its tree. Throws InputError for
@@ -50,8 +49,8 @@ private:
     double margin_ = 0;
 };
 
-/// Bullet's configuration with a clock on EPA, so that finding pairs (GJK) and finding depth (EPA)
-/// are told apart.
+/// Bullet's configuration with a clock on EPA, so that the times of finding pairs (GJK) and of
+/// finding depths (EPA) are separate.
 class TimedConfiguration : public btDefaultCollisionConfiguration {
 public:
     TimedConfiguration();

@@ -6,11 +6,11 @@
 
 namespace pierce::bullet {
 
-/// How long a soft body has stayed where it is, vibration aside.
+/// Measures how long a soft body has stayed at its place, apart from vibration.
 class CalmWatch {
 public:
-    /// After a step of `dt` [s]: a body that has stayed for Bullet's `gDeactivationTime` asks
-    /// Bullet to let its island sleep.
+    /// To be called after a step of `dt` [s]. A body that has stayed for Bullet's
+    /// `gDeactivationTime` asks Bullet to let its island sleep.
     void note(btSoftBody& soft, btScalar dt);
 
 private:

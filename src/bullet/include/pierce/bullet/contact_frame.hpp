@@ -5,9 +5,9 @@
 
 namespace pierce::bullet {
 
-/// A contact as Bullet's rigid solver wants it: the normal points from B to A, and the two points
-/// lie one depth apart along it, so that equal and opposite impulses at the points conserve angular
-/// momentum.
+/// A contact in the form that Bullet's rigid solver needs: the normal points from B to A, and the
+/// two points lie one depth apart along it, so that equal and opposite impulses at the points
+/// conserve angular momentum.
 struct FramedContact {
     Vec3d point_a, point_b;
     Vec3d normal_on_b;
@@ -16,10 +16,11 @@ struct FramedContact {
     std::uint32_t age = 0;
 };
 
-/// Takes the target's face normal instead of the ray's direction: a flat target then pushes
-/// straight out, and not along the vertex normal of whatever stands on it. The depth becomes that
-/// of the vertex below the face's plane, and the target point its foot there. A contact along a
-/// direction of separation keeps that: the face it leaves by says nothing.
+/// Uses the target's face normal instead of the ray's direction. A flat target then pushes straight
+/// out, not along the vertex normal of the body that stands on it. The depth becomes the vertex's
+/// depth below the face's plane, and the target point becomes the vertex's projection onto that
+/// plane. A contact along a direction of separation keeps that direction, as the face that its ray
+/// leaves through says nothing about the way out.
 inline FramedContact face_frame(const Contact& contact) {
     if (contact.found == Found::separation)
         return {contact.point_a,  contact.point_b,   -contact.normal,

@@ -7,19 +7,19 @@ namespace pierce::bullet {
 /// The place on a target that a node in contact holds on to.
 struct Grip {
     int face = 0;     ///< of a soft target
-    btVector3 place;  ///< of a soft target: weights of the face's nodes; of others: a point in
-                      ///< their frame
+    btVector3 place;  ///< of a soft target: weights of the face's nodes; of other targets: a point
+                      ///< in the target's frame
     btVector3 gap;    ///< of a soft target: from the place to the node
 };
 
-/// A node's contact while a step is solved. What pushes it has been given is summed up: the sum
-/// never pulls, and friction is bounded by it.
+/// A node's contact while a step is solved. The pushes that the node has been given are summed up:
+/// the sum never pulls, and it bounds friction.
 class SoftContactRow {
 public:
-    /// A contact with a rigid body or another fixed object; `grip` of the step before, or null if
+    /// A contact with a rigid body or another fixed object; `grip`: of the step before, or null if
     /// the contact is new.
     SoftContactRow(const btSoftBody& source, const btSoftBody::RContact& contact, const Grip* grip);
-    /// A contact with another soft body, whose face it is.
+    /// A contact with another soft body, `target`, to which the contact's face belongs.
     SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& target, const Grip* grip);
 
     /// Pushes the node out of the target, then back to the place it holds on to, as far as friction
@@ -28,8 +28,8 @@ public:
 
     /// False if the node touches without being pushed.
     bool presses() const { return push_ > 0; }
-    /// After solving: what the node held on to, or the place where it is, if it was new there or
-    /// slides.
+    /// After solving: the place that the node held on to, or the node's present place if the
+    /// contact is new or slides.
     Grip grip() const;
 
 private:
@@ -44,11 +44,11 @@ private:
     btSoftBody::Node* node_;
     btVector3 normal_;
     btScalar margin_, friction_, dt_ = 0;
-    bool stays_;  ///< holds on to a place of the step before, unless it slides
+    bool stays_;  ///< the node holds on to a place of the step before, unless it slides
     Grip grip_;
-    btVector3 held_;  ///< of rigid targets: the place, as it was before the step
+    btVector3 held_;  ///< of rigid targets: the place before the step
     btScalar push_ = 0;
-    btVector3 hold_{0, 0, 0};  ///< what friction has moved
+    btVector3 hold_{0, 0, 0};  ///< the motion by friction so far
 };
 
 }  // namespace pierce::bullet
