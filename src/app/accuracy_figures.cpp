@@ -47,9 +47,16 @@ private:
 /// Two bodies that turn up in `poses` random rotations, at a distance between two bounds.
 Recording random_pairs(const MeshData& a, const MeshData& b, double nearest, double farthest,
                        std::uint32_t poses, std::uint32_t seed) {
-    Recording recording{1, poses, {{"first", a, {}}, {"second", b, {}}}, {}};
+    Recording recording{.dt = 1,
+                        .frame_count = poses,
+                        .meshes = {{"first", a, {}}, {"second", b, {}}},
+                        .bodies = {}};
     for (std::uint32_t k : {0u, 1u})
-        recording.bodies.push_back({k == 0 ? "first" : "second", k, Motion::rigid, false, {}});
+        recording.bodies.push_back({.name = k == 0 ? "first" : "second",
+                                    .mesh = k,
+                                    .motion = Motion::rigid,
+                                    .ground = false,
+                                    .values = {}});
     RandomPoses random(seed);
     for (std::uint32_t i = 0; i < poses; ++i) {
         const double distance = random.uniform(nearest, farthest);
@@ -107,12 +114,12 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
         }
     for (Aim aim : {Aim::vertices, Aim::edges}) {
         const std::string at = aim == Aim::vertices ? "vertices" : "edges";
-        Curves curves{"Rays lost at " + at,
-                      "offset from the origin [ball of radius 16]",
-                      "lost [%] (bottom: none)",
-                      {},
-                      true,
-                      true};
+        Curves curves{.title = "Rays lost at " + at,
+                      .x = "offset from the origin [ball of radius 16]",
+                      .y = "lost [%] (bottom: none)",
+                      .table = {},
+                      .log_x = true,
+                      .log_y = true};
         curves.table.names.emplace_back("offset");
         std::map<std::string, std::array<std::size_t, 3>> sums;  // rays, lost in all, lost at the
                                                                  // origin
@@ -158,12 +165,12 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
         "complete [%] | "
         "gjk-hull [%] | gimpact [%] | false pairs, in this order "
         "|\n|---|---|---|---|---|---|---|---|");
-    Curves curves{"Overlapping pairs missed",
-                  "mean edge length, first : second",
-                  "missed [%] (bottom: none)",
-                  {{"ratio", "vertices", "complete", "gjk-hull", "gimpact"}, {}},
-                  true,
-                  true};
+    Curves curves{.title = "Overlapping pairs missed",
+                  .x = "mean edge length, first : second",
+                  .y = "missed [%] (bottom: none)",
+                  .table = {{"ratio", "vertices", "complete", "gjk-hull", "gimpact"}, {}},
+                  .log_x = true,
+                  .log_y = true};
     for (int step = -steps; step <= steps; ++step) {
         const MeshData first = scenes::sphere(1, finest - std::max(step, 0)),
                        second = scenes::sphere(1, finest + std::min(step, 0));
@@ -206,12 +213,12 @@ void depth_figure(const AccuracyReportOptions& options, Page& page) {
         "| overlap / diameter [%] | vertices inside | inward rays, median | p95 | max | "
         "re-projected, median | p95 | max | "
         "EPA |\n|---|---|---|---|---|---|---|---|---|");
-    Curves curves{"Depth of two equal spheres",
-                  "overlap / diameter [%]",
-                  "depth / true local depth",
-                  {{"overlap_percent", "inward rays median", "inward rays p95",
-                    "re-projected median", "re-projected p95", "EPA on hulls"},
-                   {}}};
+    Curves curves{.title = "Depth of two equal spheres",
+                  .x = "overlap / diameter [%]",
+                  .y = "depth / true local depth",
+                  .table = {{"overlap_percent", "inward rays median", "inward rays p95",
+                             "re-projected median", "re-projected p95", "EPA on hulls"},
+                            {}}};
     for (double overlap : {2.5, 5.0, 10.0, 15.0, 20.0, 25.0}) {
         const double distance = 2 - 2 * overlap / 100;
         const Recording recording = random_pairs(ball, ball, distance, distance, poses,

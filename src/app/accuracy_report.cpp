@@ -49,11 +49,11 @@ void speed_against_error_of(const std::string& scene, bool soft,
         "makes long frames longer.",
         processor, wall.count());
     page.plot(speed_against_error(results, name), "f1_" + name);
-    Scatter pairs{"Overlapping pairs missed, " + name,
-                  "median time per frame [ms]",
-                  "missed pairs",
-                  {"ms", "missed"},
-                  {}};
+    Scatter pairs{.title = "Overlapping pairs missed, " + name,
+                  .x = "median time per frame [ms]",
+                  .y = "missed pairs",
+                  .columns = {"ms", "missed"},
+                  .points = {}};
     for (const Comparison& c : results)
         pairs.points.push_back({c.name, {c.median_ms(), c.accuracy.missed_pairs_share()}});
     page.plot(pairs, "f1_pairs_" + name);

@@ -29,10 +29,13 @@ struct SheetMethod {
     bool names_features() const { return method == scenes::Method::rays; }
 };
 
-const std::array sheet_methods = {
-    SheetMethod{"continuous", SelfCollision::on}, SheetMethod{"rays", SelfCollision::rays},
-    SheetMethod{"published", SelfCollision::published},
-    SheetMethod{"bullet-clusters", SelfCollision::off, 1, scenes::Method::bullet_clusters}};
+const std::array sheet_methods = {SheetMethod{"continuous", SelfCollision::on},
+                                  SheetMethod{"rays", SelfCollision::rays},
+                                  SheetMethod{"published", SelfCollision::published},
+                                  SheetMethod{.name = "bullet-clusters",
+                                              .how = SelfCollision::off,
+                                              .ray_length = 1,
+                                              .method = scenes::Method::bullet_clusters}};
 
 /// What came of a method on a motion.
 struct SheetComparison {
@@ -80,7 +83,8 @@ std::vector<SheetComparison> compare_sheets(const std::string& name,
     std::vector<SheetComparison> results;
     std::vector<std::unique_ptr<scenes::Detector>> detectors;
     for (const SheetMethod& method : methods) {
-        results.push_back({method, {}, {}, {}, 0, 0});
+        results.push_back(
+            {.method = method, .ms = {}, .self = {}, .others = {}, .steps = 0, .missed_steps = 0});
         detectors.push_back(scenes::make_detector(scene_with(recording, method.how), method.method,
                                                   {"embree", threads, {}}));
     }
@@ -151,11 +155,11 @@ void ray_length_figure(const std::string& name, const scenes::Recording& recordi
     const std::vector<SheetComparison> results = compare_sheets(name, recording, truth, methods,
                                                                 threads);
     Curves curves{
-        "Rays of Algorithm 1, " + name,
-        "length of the rays [way of the vertex in the step]",
-        "share [1]",
-        {{"length", "rays found", "rays right", "published found", "published right"}, {}},
-        true};
+        .title = "Rays of Algorithm 1, " + name,
+        .x = "length of the rays [way of the vertex in the step]",
+        .y = "share [1]",
+        .table = {{"length", "rays found", "rays right", "published found", "published right"}, {}},
+        .log_x = true};
     for (std::size_t m = 0; m < results.size(); m += 2) {
         std::vector<double> values{results[m].method.ray_length};
         for (const SheetAccuracy& a : {results[m].self, results[m + 1].self}) {
@@ -251,12 +255,12 @@ void cloth_penetration_figure(const ClothReportOptions& options, Page& page) {
         "edge's two ends, the smaller "
         "distance to the triangle's plane.\n",
         options.falling.seconds, options.falling.dt);
-    Curves curves{"Deepest of the cloth through itself",
-                  "time [s]",
-                  "depth [m] (bottom: none)",
-                  {{"time", "paper"}, {}},
-                  false,
-                  true};
+    Curves curves{.title = "Deepest of the cloth through itself",
+                  .x = "time [s]",
+                  .y = "depth [m] (bottom: none)",
+                  .table = {{"time", "paper"}, {}},
+                  .log_x = false,
+                  .log_y = true};
     for (std::uint32_t i = 0; i < options.falling.steps(); ++i)
         curves.table.rows.push_back({(i + 1) * options.falling.dt, paper_penetration});
     page.line(

@@ -56,7 +56,16 @@ Motion capsule_motion(std::uint32_t nodes, const ClothReportOptions& options) {
     const scenes::SceneSetup scene = scenes::make_scene("cloth-capsule",
                                                         {.seed = options.seed, .nodes = nodes});
     scenes::Simulation simulation(scene, Method::rays, {"embree", options.threads, {}});
-    Motion motion{"cloth-capsule", nodes, scene.dt, options.size_seconds, {}, {}, 0, 0, 0, {}};
+    Motion motion{.name = "cloth-capsule",
+                  .nodes = nodes,
+                  .dt = scene.dt,
+                  .seconds = options.size_seconds,
+                  .tried = {},
+                  .kept = {},
+                  .self_penetration = 0,
+                  .pulled_back = 0,
+                  .all_steps = 0,
+                  .simulation_ms = {}};
     for (Recording* r : {&motion.tried.starts, &motion.tried.ends, &motion.kept.ends})
         *r = scenes::start_recording(scene, scene.dt);
     motion.all_steps = Timing{options.size_seconds, scene.dt}.steps();
@@ -81,7 +90,16 @@ Motion capsule_motion(std::uint32_t nodes, const ClothReportOptions& options) {
 Motion layers_motion(std::uint32_t nodes) {
     const scenes::Layers layers = scenes::layers_with(nodes);
     const scenes::SceneSetup scene = layers.scene();
-    Motion motion{"layers", layers.across, scene.dt, layers_seconds, {}, {}, 0, 0, 0, {}};
+    Motion motion{.name = "layers",
+                  .nodes = layers.across,
+                  .dt = scene.dt,
+                  .seconds = layers_seconds,
+                  .tried = {},
+                  .kept = {},
+                  .self_penetration = 0,
+                  .pulled_back = 0,
+                  .all_steps = 0,
+                  .simulation_ms = {}};
     motion.all_steps = Timing{layers_seconds, scene.dt}.steps();
     std::vector<Vec3f> at(layers.vertex_count());
     for (const std::uint32_t later : {0u, 1u}) {
@@ -182,7 +200,18 @@ std::vector<Row> look(const Motion& motion, const Steps& steps, const std::strin
     const auto add = [&](const char* name, Method method, int count) {
         all.push_back({scenes::make_detector(scene, method, {"embree", count, {}}), {}});
         Row& row = all.back().row;
-        row = {motion.name, ends, name, motion.nodes, count, triangles, {}, {}, {}, 0, 0, {}};
+        row = {.scene = motion.name,
+               .ends = ends,
+               .method = name,
+               .nodes = motion.nodes,
+               .threads = count,
+               .triangles = triangles,
+               .ms = {},
+               .contacts = {},
+               .crossings = {},
+               .truth_steps = 0,
+               .exact_self_penetration = 0,
+               .accuracy = {}};
     };
     for (const int count : std::set<int>{1, threads}) add("continuous", Method::rays, count);
     if (sheet_vertices(steps.ends, true) <= most_cluster_nodes)

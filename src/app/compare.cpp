@@ -62,7 +62,7 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
             left_out->push_back(m.name + ": " + error.what());
             continue;
         }
-        results.push_back({m.name, {}, 0, {}});
+        results.push_back({.name = m.name, .ms = {}, .contacts = 0, .accuracy = {}});
         counts.emplace_back(recording, m.method == Method::rays);
     }
     Progress progress(what, recording.frame_count);
@@ -182,11 +182,11 @@ int compare_recording(const CompareOptions& options) {
 }
 
 Scatter speed_against_error(std::span<const Comparison> results, const std::string& scene) {
-    Scatter plot{"Speed against error, " + scene,
-                 "median time per frame [ms]",
-                 "depth-weighted miss rate",
-                 {},
-                 {}};
+    Scatter plot{.title = "Speed against error, " + scene,
+                 .x = "median time per frame [ms]",
+                 .y = "depth-weighted miss rate",
+                 .columns = {},
+                 .points = {}};
     plot.columns = {"ms",
                     "missed_depth_share",
                     "missed_pair_depth_share",

@@ -20,10 +20,12 @@ void average_depth(const Quality& quality, int figure, Page& page) {
     const auto section = [&](const char* loop, const std::vector<Judged>& judged) {
         page.line("");
         depth_table(judged, page);
-        page.plot(Curves{fmt::format("Average penetration depth, {} {}, loop {}", quality.count,
-                                     quality.scene, loop),
-                         "time [s]", "mean depth",
-                         over_time(quality.time, columns_of(judged, &Sight::depth), depth_window)},
+        page.plot(Curves{.title = fmt::format("Average penetration depth, {} {}, loop {}",
+                                              quality.count, quality.scene, loop),
+                         .x = "time [s]",
+                         .y = "mean depth",
+                         .table = over_time(quality.time, columns_of(judged, &Sight::depth),
+                                            depth_window)},
                   name + "_" + loop);
     };
     page.line("## Figure {}: average penetration depth, {} {}\n", figure, quality.count,

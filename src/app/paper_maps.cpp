@@ -18,13 +18,13 @@ void threshold_map(const NamedRecording& named, Page& page) {
         modes.back().settings.full_every = 64;  // so that the threshold decides, not the period
     }
     measure(recording, modes, "threshold, " + name);
-    Curves curves{"What the walk threshold costs, " + name,
-                  "displacement allowed since the last full ray [edges]",
-                  "per cent, steps, ratio",
-                  {{"threshold", "missed depth [%]", "wrong triangle [%]", "lost walks [%]",
-                    "steps per walk", "off / this, narrow phase"},
-                   {}},
-                  true};
+    Curves curves{.title = "What the walk threshold costs, " + name,
+                  .x = "displacement allowed since the last full ray [edges]",
+                  .y = "per cent, steps, ratio",
+                  .table = {{"threshold", "missed depth [%]", "wrong triangle [%]",
+                             "lost walks [%]", "steps per walk", "off / this, narrow phase"},
+                            {}},
+                  .log_x = true};
     for (std::size_t m = 1; m < modes.size(); ++m) {
         const ContactError& e = modes[m].comparison.error();
         const auto walks = static_cast<double>(std::max<std::uint64_t>(modes[m].walks, 1));
@@ -59,16 +59,16 @@ void period_map(const NamedRecording& named, Page& page) {
             modes.back().settings.prediction_distance = reach * edge;
         }
     measure(recording, modes, "period, " + name);
-    HeatMap missed{"Contacts missed in their first frame, " + name,
-                   "full pass every K steps",
-                   "predictions look ahead [edges]",
-                   "per cent",
-                   {{"K", "reach", "missed_percent"}, {}}};
-    HeatMap time{"Narrow phase, " + name,
-                 "full pass every K steps",
-                 "predictions look ahead [edges]",
-                 "off / this",
-                 {{"K", "reach", "off_over_this"}, {}}};
+    HeatMap missed{.title = "Contacts missed in their first frame, " + name,
+                   .x = "full pass every K steps",
+                   .y = "predictions look ahead [edges]",
+                   .value = "per cent",
+                   .table = {{"K", "reach", "missed_percent"}, {}}};
+    HeatMap time{.title = "Narrow phase, " + name,
+                 .x = "full pass every K steps",
+                 .y = "predictions look ahead [edges]",
+                 .value = "off / this",
+                 .table = {{"K", "reach", "off_over_this"}, {}}};
     std::size_t m = 1;
     for (double reach : reaches)
         for (double period : periods) {

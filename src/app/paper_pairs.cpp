@@ -31,9 +31,11 @@ void colliding_pairs(const Quality& quality, int figure, Page& page) {
     const auto curves = [&](const char* loop, const std::vector<Judged>& judged) {
         std::vector<TimeColumn> columns = columns_of(judged, &Sight::pairs);
         columns.push_back({"rays by some depth", judged[0].found.deep_pairs});
-        page.plot(Curves{fmt::format("Colliding pairs, {} {}, loop {}", quality.count,
-                                     quality.scene, loop),
-                         "time [s]", "colliding pairs", over_time(quality.time, columns)},
+        page.plot(Curves{.title = fmt::format("Colliding pairs, {} {}, loop {}", quality.count,
+                                              quality.scene, loop),
+                         .x = "time [s]",
+                         .y = "colliding pairs",
+                         .table = over_time(quality.time, columns)},
                   fmt::format("figure_{}_{}", figure, loop));
     };
     page.line("## Figure {}: colliding pairs in each frame, {} {}\n", figure, quality.count,

@@ -38,8 +38,10 @@ void figure_9(const PaperReportOptions& options, Page& page) {
                                      "all rays, every step"};
     for (int k = 0; k < 3; ++k)
         page.line("| {} | {:.5f} | {:.4f} |", lines[k], mean(depths[k]), deepest[k]);
-    page.plot(Curves{"Penetration over time, tori, loop closed", "time [s]",
-                     "mean depth of all contacts", over_time(time, columns, depth_window)},
+    page.plot(Curves{.title = "Penetration over time, tori, loop closed",
+                     .x = "time [s]",
+                     .y = "mean depth of all contacts",
+                     .table = over_time(time, columns, depth_window)},
               "figure_9");
 }
 

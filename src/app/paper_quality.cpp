@@ -65,7 +65,11 @@ Quality measure_quality(const scenes::SceneSetup& scene, Timing timing, std::uin
     const FrameLog gjk_watching = watch(scene, rays.recording, Method::gjk_epa, {});
     const std::vector<TrueFrame> rays_truth = truth_of(rays.recording, truth_every),
                                  gjk_truth = truth_of(gjk.recording, truth_every);
-    Quality quality{scene.name, static_cast<std::uint32_t>(scene.bodies.size()) - 1, {}, {}, {}};
+    Quality quality{.scene = scene.name,
+                    .count = static_cast<std::uint32_t>(scene.bodies.size()) - 1,
+                    .time = {},
+                    .open = {},
+                    .closed = {}};
     for (const TrueFrame& t : rays_truth) quality.time.push_back(t.frame * timing.dt);
     // Rays see in the motion they brought about what they saw while they did.
     const Sight rays_sight = sight_of("rays", rays.log, rays_truth);

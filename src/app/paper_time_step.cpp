@@ -83,8 +83,11 @@ void write_phase(const char* phase, const std::string& name, std::span<const dou
         for (std::size_t i = 0; i < dts.size(); ++i)
             table.rows[i].insert(table.rows[i].end(), {values[i], fit.offset + fit.slope * dts[i]});
     }
-    page.plot(Curves{fmt::format("Penetration against the time step, tori, loop closed, {}", phase),
-                     "time step [s]", "mean over frames of a frame's depth", table},
+    page.plot(Curves{.title = fmt::format(
+                         "Penetration against the time step, tori, loop closed, {}", phase),
+                     .x = "time step [s]",
+                     .y = "mean over frames of a frame's depth",
+                     .table = table},
               name);
 }
 

@@ -183,7 +183,13 @@ void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
 Dispatcher::Dispatcher(btCollisionConfiguration* configuration, World& world,
                        ReductionSettings reduction)
     : btCollisionDispatcher(configuration),
-      state_(new State{world, reduction, {}, {}, {}, {}, {}, 0, 0}) {
+      state_(new State{.world = world,
+                       .reduction = reduction,
+                       .by_object = {},
+                       .by_body = {},
+                       .bindings = {},
+                       .pairs = {},
+                       .positions = {}}) {
     // Pierce handles pairs of bound objects. The callback has no user pointer, but it gets this
     // dispatcher as an argument.
     setNearCallback([](btBroadphasePair& pair, btCollisionDispatcher& dispatcher,

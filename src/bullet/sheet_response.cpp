@@ -399,8 +399,14 @@ void SheetResponse::State::write_step(double dt) {
 }
 
 SheetResponse::SheetResponse(World& world, SheetSettings settings)
-    : state_(new State{world, settings, SheetProjection(settings.projection), {}, {}, {}, {}, {}}) {
-}
+    : state_(new State{.world = world,
+                       .settings = settings,
+                       .projection = SheetProjection(settings.projection),
+                       .sheets = {},
+                       .obstacles = {},
+                       .sheet_of = {},
+                       .obstacle_of = {},
+                       .report = {}}) {}
 SheetResponse::~SheetResponse() = default;
 
 void SheetResponse::bind(btSoftBody& soft, BodyId body) {
@@ -424,7 +430,14 @@ void SheetResponse::bind(btSoftBody& soft, BodyId body) {
 void SheetResponse::bind(btRigidBody& rigid, BodyId body) {
     state_->obstacle_of[body] = state_->obstacles.size();
     const Pose pose = from_bullet(rigid.getWorldTransform());
-    state_->obstacles.push_back({&rigid, body, pose, pose, {}, {}, {}, {}});
+    state_->obstacles.push_back({.rigid = &rigid,
+                                 .body = body,
+                                 .start = pose,
+                                 .end = pose,
+                                 .moving = {},
+                                 .shift = {},
+                                 .turn = {},
+                                 .impulse = {}});
 }
 
 const SheetReport& SheetResponse::finish_step(double dt) {

@@ -74,7 +74,8 @@ inline __global__ void __launch_bounds__(counted_keys* counted_parts)
     __shared__ std::uint64_t lowest[most_chunks], highest[most_chunks];
     const std::uint32_t mine = threadIdx.x % counted_keys, i = blockIdx.x * counted_keys + mine;
     const std::uint32_t part = threadIdx.x / counted_keys;
-    const KeyChunks chunks{keys, items.count(), lowest, highest};
+    const KeyChunks chunks{
+        .keys = keys, .count = items.count(), .lowest = lowest, .highest = highest};
     if (part == 0) before[mine] = 0;
     if (!chunks.is_short())
         for (std::uint32_t c = threadIdx.x / warp_threads; c < chunks.size();

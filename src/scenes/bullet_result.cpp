@@ -42,9 +42,12 @@ std::vector<MethodContact> bullet_contacts(const btCollisionDispatcher& dispatch
             if (distance > 0) continue;
             // Bullet's normal points from its second body to its first.
             const Vec3d normal = bullet::from_bullet(point.m_normalWorldOnB);
-            MethodContact c{
-                std::min(first, second),          std::max(first, second), 0, no_vertex, -distance,
-                first < second ? -normal : normal};
+            MethodContact c{.a = std::min(first, second),
+                            .b = std::max(first, second),
+                            .source = 0,
+                            .vertex = no_vertex,
+                            .depth = -distance,
+                            .normal = first < second ? -normal : normal};
             c.source = c.a;
             list.push_back(c);
         }

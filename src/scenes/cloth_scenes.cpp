@@ -40,7 +40,11 @@ std::uint32_t nodes_or(const SceneParameters& parameters, std::uint32_t standard
 }
 
 SceneBody sheet_body(std::string name, std::uint32_t mesh, double spacing, double dt) {
-    SceneBody body{std::move(name), mesh, Motion::deforming, {}, false};
+    SceneBody body{.name = std::move(name),
+                   .mesh = mesh,
+                   .motion = Motion::deforming,
+                   .pose = {},
+                   .ground = false};
     body.collision = {SelfCollision::on, true, thickness_share * spacing};
     body.material = material_for(dt);
     return body;
@@ -128,7 +132,10 @@ SceneSetup cloth_catch(const SceneParameters& parameters) {
 SceneSetup cloth_twist(const SceneParameters& parameters) {
     constexpr double radius = 0.5, height = 2.5, turns = 3.0, duration = 6.0, nearer = 1.0;
     const std::uint32_t rings = nodes_or(parameters, plain_rings);
-    SceneSetup scene{"cloth-twist", {{"tube", tube(radius, height, rings, rings), {}}}, {}, 0};
+    SceneSetup scene{.name = "cloth-twist",
+                     .meshes = {{"tube", tube(radius, height, rings, rings), {}}},
+                     .bodies = {},
+                     .gravity = 0};
     scene.dt = step_for(rings, plain_rings);
     SceneBody sheet = sheet_body("tube", 0, 2 * pi * radius / rings, scene.dt);
     for (int side : {-1, 1}) {
@@ -199,21 +206,25 @@ SceneSetup ball_squash(const SceneParameters& parameters) {
     const std::uint32_t around = parameters.nodes == 0 ? 40 : std::max(parameters.nodes, 16u);
     const MeshData plate_mesh = box({-half_width, -half_width, -0.5 * plate},
                                     {half_width, half_width, 0.5 * plate});
-    SceneSetup scene{
-        "ball-squash",
-        {{"plate", plate_mesh, {plate_mesh.positions}}, {"ball", grooved_ball(around), {}}},
-        {},
-        0};
+    SceneSetup scene{.name = "ball-squash",
+                     .meshes = {{"plate", plate_mesh, {plate_mesh.positions}},
+                                {"ball", grooved_ball(around), {}}},
+                     .bodies = {},
+                     .gravity = 0};
     for (int side : {-1, 1}) {
         const double start = side * (1 + gap + 0.5 * plate);
-        SceneBody body{
-            side < 0 ? "lower plate" : "upper plate", 0, Motion::fixed, {{0, 0, start}, {}}, false};
+        SceneBody body{.name = side < 0 ? "lower plate" : "upper plate",
+                       .mesh = 0,
+                       .motion = Motion::fixed,
+                       .pose = {{0, 0, start}, {}},
+                       .ground = false};
         body.path = [=](double time) {
             return Pose{{0, 0, start - side * press * eased(time, duration)}, {}};
         };
         scene.bodies.push_back(std::move(body));
     }
-    SceneBody ball{"ball", 1, Motion::deforming, {}, false};
+    SceneBody ball{
+        .name = "ball", .mesh = 1, .motion = Motion::deforming, .pose = {}, .ground = false};
     ball.collision.self = SelfCollision::on;
     ball.shape_matching = 0.02;
     scene.bodies.push_back(std::move(ball));

@@ -45,12 +45,12 @@ public:
     std::vector<MethodContact> contacts() const override {
         std::vector<MethodContact> list;
         for (const Contact& c : scene_.world.contacts()) {
-            MethodContact m{scene_.index_of(c.a),
-                            scene_.index_of(c.b),
-                            0,
-                            no_vertex,
-                            c.penetration_depth(),
-                            c.normal};
+            MethodContact m{.a = scene_.index_of(c.a),
+                            .b = scene_.index_of(c.b),
+                            .source = 0,
+                            .vertex = no_vertex,
+                            .depth = c.penetration_depth(),
+                            .normal = c.normal};
             m.source = c.source == Side::a ? m.a : m.b;
             if (!c.is_edge()) m.vertex = c.vertex;
             list.push_back(m);

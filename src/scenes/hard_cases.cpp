@@ -126,7 +126,13 @@ MeshData small_cube_around(Vec3f center) {
 }
 
 HardContacts by_vertices(int a, int b, double depth, Vec3d push = {}) {
-    return {a, b, 0, 0, false, depth, push};
+    return {.vertices_a = a,
+            .vertices_b = b,
+            .edges_a = 0,
+            .edges_b = 0,
+            .separated = false,
+            .depth = depth,
+            .push = push};
 }
 HardContacts by_edges(int a, int b, double depth, Vec3d push = {}) {
     return {0, 0, a, b, false, depth, push};

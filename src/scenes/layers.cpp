@@ -45,7 +45,11 @@ void Layers::positions(std::uint32_t sheet, double time, std::span<Vec3f> positi
 SceneSetup Layers::scene() const {
     SceneSetup setup{"layers", {{"sheet", grid(width, depth, along, across), {}}}, {}};
     for (std::uint32_t s = 0; s < sheets; ++s) {
-        SceneBody body{"sheet " + std::to_string(s), 0, Motion::deforming, {}, false};
+        SceneBody body{.name = "sheet " + std::to_string(s),
+                       .mesh = 0,
+                       .motion = Motion::deforming,
+                       .pose = {},
+                       .ground = false};
         body.collision = {SelfCollision::on, true, thickness};
         body.motion_of = [layers = *this, s](double time, std::span<Vec3f> at) {
             layers.positions(s, time, at);

@@ -71,7 +71,12 @@ LeakCount count_tracer_leaks(double offset, Aim aim, std::size_t rays) {
         for (const Met& met : probe.meet(ball, aimed.next(batch))) leaks += met.how != Meets::exit;
         left -= batch;
     }
-    return {offset, "pierce_embree", false, aim, rays, leaks};
+    return {.offset = offset,
+            .kernel = "pierce_embree",
+            .fma = false,
+            .aim = aim,
+            .rays = rays,
+            .leaks = leaks};
 }
 
 std::vector<LeakCount> count_kernel_leaks(double offset, Aim aim, std::size_t rays) {
@@ -93,7 +98,12 @@ std::vector<LeakCount> count_kernel_leaks(double offset, Aim aim, std::size_t ra
     }
     std::vector<LeakCount> counts;
     for (const NamedKernel& k : kernels)
-        counts.push_back({offset, k.name, k.fma, aim, origins.empty() ? 0 : rays, 0});
+        counts.push_back({.offset = offset,
+                          .kernel = k.name,
+                          .fma = k.fma,
+                          .aim = aim,
+                          .rays = origins.empty() ? 0 : rays,
+                          .leaks = 0});
     for (std::size_t i = 0; i < counts[0].rays; ++i) {
         const Triangle& aimed = ball.triangles[any(engine)];
         const Vec3d a = to_double(ball.positions[aimed.vertex[0]]),

@@ -124,9 +124,14 @@ SceneSetup scene_of(const Recording& recording) {
 }
 
 Recording start_recording(const SceneSetup& scene, double dt) {
-    Recording recording{dt, 0, scene.meshes, {}};
+    Recording recording{.dt = dt, .frame_count = 0, .meshes = scene.meshes, .bodies = {}};
     for (const SceneBody& b : scene.bodies)
-        recording.bodies.push_back({b.name, b.mesh, b.motion, b.ground, {}, b.collision});
+        recording.bodies.push_back({.name = b.name,
+                                    .mesh = b.mesh,
+                                    .motion = b.motion,
+                                    .ground = b.ground,
+                                    .values = {},
+                                    .collision = b.collision});
     return recording;
 }
 

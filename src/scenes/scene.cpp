@@ -71,11 +71,11 @@ SceneSetup falling(std::string name, SceneMesh mesh, const SceneParameters& para
                      {ground_mesh(), std::move(mesh)},
                      {{"ground", 0, Motion::fixed, {}, true}}};
     for (std::uint32_t i = 0; i < parameters.count; ++i) {
-        SceneBody body{scene.meshes[1].name + " " + std::to_string(i),
-                       1,
-                       parameters.soft ? Motion::deforming : Motion::rigid,
-                       {},
-                       false};
+        SceneBody body{.name = scene.meshes[1].name + " " + std::to_string(i),
+                       .mesh = 1,
+                       .motion = parameters.soft ? Motion::deforming : Motion::rigid,
+                       .pose = {},
+                       .ground = false};
         const auto layer = i / (side * side);
         const Vec3d cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
                          static_cast<double>(layer)};

@@ -19,8 +19,9 @@ double share(std::uint64_t part, std::uint64_t all) {
 FeatureMeeting features_of(const Contact& c) {
     const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index,
                         target = (c.source == Side::a ? c.b : c.a).index;
-    if (c.is_edge()) return {true, source, c.edge, target, c.other_edge};
-    return {false, source, c.vertex, target, c.triangle};
+    if (c.is_edge())
+        return {.edges = true, .a = source, .item = c.edge, .b = target, .other = c.other_edge};
+    return {.edges = false, .a = source, .item = c.vertex, .b = target, .other = c.triangle};
 }
 
 double distance(const std::array<Vec3d, 4>& p, bool edges) {

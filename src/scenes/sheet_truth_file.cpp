@@ -28,9 +28,17 @@ std::vector<TrueSheetFrame> read_sheet_truth(const std::filesystem::path& file) 
         for (const json& entry : content.at("frames")) {
             TrueSheetFrame frame{entry.at("frame"), {}, {}};
             for (const json& m : entry.at("meetings"))
-                frame.meetings.push_back({m.at(0) == 1, m.at(1), m.at(2), m.at(3), m.at(4)});
+                frame.meetings.push_back({.edges = m.at(0) == 1,
+                                          .a = m.at(1),
+                                          .item = m.at(2),
+                                          .b = m.at(3),
+                                          .other = m.at(4)});
             for (const json& p : entry.at("piercings"))
-                frame.piercings.push_back({p.at(0), p.at(1), p.at(2), p.at(3), p.at(4)});
+                frame.piercings.push_back({.a = p.at(0),
+                                           .edge = p.at(1),
+                                           .b = p.at(2),
+                                           .triangle = p.at(3),
+                                           .depth = p.at(4)});
             frames.push_back(std::move(frame));
         }
         return frames;

@@ -187,7 +187,10 @@ void judge_frame(Judge& judge, std::uint32_t frame, std::span<const std::span<co
                                                                      right.contacts);
             if (found.empty()) continue;
             for (const ContactDifference& difference : found) {
-                validation.wrong.push_back({frame, c, difference, right.is_near_tie(difference)});
+                validation.wrong.push_back({.frame = frame,
+                                            .candidate = c,
+                                            .difference = difference,
+                                            .near_tie = right.is_near_tie(difference)});
                 validation.results[c].near_ties += validation.wrong.back().near_tie;
             }
             validation.results[c].wrong_contacts += static_cast<std::uint32_t>(found.size());

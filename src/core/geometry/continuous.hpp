@@ -134,7 +134,7 @@ private:
 
     PIERCE_HD void report(const Features& features, double t, Place place, double gap) {
         const Place whole = features.in_whole(place);
-        impact_ = {t, whole.u, whole.v, gap};
+        impact_ = {.time = t, .u = whole.u, .v = whole.v, .gap = gap};
         last_ = t;
         found_ = true;
     }

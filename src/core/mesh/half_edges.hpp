@@ -28,7 +28,11 @@ void for_each_edge(std::span<const Triangle> triangles, F visit) {
         for (std::uint8_t k = 0; k < 3; ++k) {
             const std::uint32_t from = triangles[t].vertex[(k + 1) % 3],
                                 to = triangles[t].vertex[(k + 2) % 3];
-            sides.push_back({std::min(from, to), std::max(from, to), t, k, from < to});
+            sides.push_back({.low = std::min(from, to),
+                             .high = std::max(from, to),
+                             .triangle = t,
+                             .opposite = k,
+                             .forward = from < to});
         }
     const auto edge_of = [](const HalfEdge& s) { return std::uint64_t{s.low} << 32 | s.high; };
     std::ranges::sort(sides, [&](const HalfEdge& s, const HalfEdge& other) {

@@ -56,8 +56,10 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
         const Vec3d a = to_double(body.positions[tri.vertex[0]]);
         const Vec3d n = cross(to_double(body.positions[tri.vertex[1]]) - a,
                               to_double(body.positions[tri.vertex[2]]) - a);
-        best = RayHit{state_->ids[rays[r].target], hits[r].triangle, t,
-                      body.space.rotation * normalized(n)};
+        best = RayHit{.body = state_->ids[rays[r].target],
+                      .triangle = hits[r].triangle,
+                      .t = t,
+                      .normal = body.space.rotation * normalized(n)};
     }
     return nearest;
 }

@@ -43,31 +43,31 @@ struct ContactSums {
     double depth = 0, depth_max = 0;  ///< [length]
 
     PIERCE_HD friend ContactSums operator+(const ContactSums& a, const ContactSums& b) {
-        return {a.touching_pairs + b.touching_pairs,
-                a.edges + b.edges,
-                a.reprojected + b.reprojected,
-                a.predictions_true + b.predictions_true,
-                a.self + b.self,
-                a.crossings + b.crossings,
-                a.remembered + b.remembered,
-                a.tangled + b.tangled,
-                a.depth + b.depth,
-                max_of(a.depth_max, b.depth_max)};
+        return {.touching_pairs = a.touching_pairs + b.touching_pairs,
+                .edges = a.edges + b.edges,
+                .reprojected = a.reprojected + b.reprojected,
+                .predictions_true = a.predictions_true + b.predictions_true,
+                .self = a.self + b.self,
+                .crossings = a.crossings + b.crossings,
+                .remembered = a.remembered + b.remembered,
+                .tangled = a.tangled + b.tangled,
+                .depth = a.depth + b.depth,
+                .depth_max = max_of(a.depth_max, b.depth_max)};
     }
 };
 
 /// What a contact adds to the sums; `first`: it is the first one of its pair.
 PIERCE_HD inline ContactSums sums_of(const Contact& c, bool first) {
-    return {first,
-            c.is_edge(),
-            c.reprojected,
-            c.found == Found::prediction,
-            c.a == c.b,
-            c.found == Found::crossing,
-            c.found == Found::remembered,
-            c.found == Found::tangled,
-            c.penetration_depth(),
-            c.penetration_depth()};
+    return {.touching_pairs = first,
+            .edges = c.is_edge(),
+            .reprojected = c.reprojected,
+            .predictions_true = c.found == Found::prediction,
+            .self = c.a == c.b,
+            .crossings = c.found == Found::crossing,
+            .remembered = c.found == Found::remembered,
+            .tangled = c.found == Found::tangled,
+            .depth = c.penetration_depth(),
+            .depth_max = c.penetration_depth()};
 }
 
 /// The sums over walks.

@@ -150,8 +150,10 @@ struct GenerateChordRays {
         const std::uint32_t slot = begin + i;
         chords[i] = f.chord;
         rays[slot] = ray;
-        sources[slot] = {item.directed / 2, i, static_cast<std::uint8_t>(item.directed % 2),
-                         RayStart::chord};
+        sources[slot] = {.pair = item.directed / 2,
+                         .item = i,
+                         .side = static_cast<std::uint8_t>(item.directed % 2),
+                         .start = RayStart::chord};
         hits[slot] = {};
         if (routes.size > 0) routes[slot] = ray.t_max >= 0 ? Route::full : Route::skip;
     }

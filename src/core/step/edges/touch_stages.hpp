@@ -134,8 +134,10 @@ struct KeepTouch {
         const FoundChord& f = found[places[i]];
         const std::uint32_t directed = items[segments[f.segment].item].directed;
         chords[begin + i] = f.chord;
-        sources[i] = {directed / 2, begin + i, static_cast<std::uint8_t>(directed % 2),
-                      RayStart::chord};
+        sources[i] = {.pair = directed / 2,
+                      .item = begin + i,
+                      .side = static_cast<std::uint8_t>(directed % 2),
+                      .start = RayStart::chord};
     }
 };
 

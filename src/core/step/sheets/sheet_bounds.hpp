@@ -65,8 +65,10 @@ struct SheetBodies {
     View<const MovingVertex> vertices;
 
     PIERCE_HD SheetBody operator[](std::uint32_t body) const {
-        return {views[body], views[body].mesh, vertices.data + vertex_offsets[body],
-                block_offsets[body] * triangles_per_block};
+        return {.view = views[body],
+                .mesh = views[body].mesh,
+                .vertices = vertices.data + vertex_offsets[body],
+                .first_place = block_offsets[body] * triangles_per_block};
     }
 
     /// A vertex by its place among those of all bodies.

@@ -69,16 +69,16 @@ struct CountSheetContact {
         const SheetRecord r = records[i];
         const bool first = i == 0 || pair_of(keys[i - 1], bits) != pair_of(keys[i], bits);
         const double depth = max_of(-r.distance, 0.0);
-        return {first,
-                r.is_edge,
-                0,
-                0,
-                r.is_self,
-                r.found == Found::crossing,
-                r.found == Found::remembered,
-                r.found == Found::tangled,
-                depth,
-                depth};
+        return {.touching_pairs = first,
+                .edges = r.is_edge,
+                .reprojected = 0,
+                .predictions_true = 0,
+                .self = r.is_self,
+                .crossings = r.found == Found::crossing,
+                .remembered = r.found == Found::remembered,
+                .tangled = r.found == Found::tangled,
+                .depth = depth,
+                .depth_max = depth};
     }
 };
 

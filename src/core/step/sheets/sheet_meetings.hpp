@@ -371,7 +371,8 @@ private:
         const bool unknown = !(size > constants::vanishing_normal) ||
                              !(size < 1 / constants::vanishing_normal);
         m.out = unknown ? normal : normalized(gradient);
-        return {Verdict::contact, Found::tangled, 0, unknown};
+        return {
+            .verdict = Verdict::contact, .found = Found::tangled, .side = 0, .unknown = unknown};
     }
 };
 

@@ -170,12 +170,12 @@ private:
     std::uint32_t tree_count() const { return static_cast<std::uint32_t>(plan_.trees().size()); }
 
     bvh::Forest forest() {
-        return {view_of(trees_),
-                view_of(std::as_const(tree_of_body_)),
-                view_of(std::as_const(tree_of_leaf_)),
-                view_of(nodes_),
-                view_of(leaf_places_),
-                view_of(visits_)};
+        return {.trees = view_of(trees_),
+                .tree_of_body = view_of(std::as_const(tree_of_body_)),
+                .tree_of_leaf = view_of(std::as_const(tree_of_leaf_)),
+                .nodes = view_of(nodes_),
+                .leaf_places = view_of(leaf_places_),
+                .visits = view_of(visits_)};
     }
 
     bvh::ForestPlan plan_;

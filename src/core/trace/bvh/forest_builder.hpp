@@ -30,11 +30,19 @@ public:
         sorted_keys_.resize(leaves);
         sorted_leaves_.resize(leaves);
         executor.for_each(leaves, Fill{forest.visits, no_node});
-        executor.for_each(leaves, LeafKeys{bodies, forest, bits, view_of(keys_), view_of(leaves_)});
+        executor.for_each(leaves, LeafKeys{.bodies = bodies,
+                                           .forest = forest,
+                                           .bits = bits,
+                                           .keys = view_of(keys_),
+                                           .leaves = view_of(leaves_)});
         executor.sort(leaves, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
                       view_of(sorted_leaves_));
         const auto sorted = view_of(std::as_const(sorted_leaves_));
-        const Lbvh lbvh{bodies, forest, view_of(std::as_const(sorted_keys_)), sorted, bits};
+        const Lbvh lbvh{.bodies = bodies,
+                        .forest = forest,
+                        .keys = view_of(std::as_const(sorted_keys_)),
+                        .leaves = sorted,
+                        .group_bits = bits};
         switch (how_) {
             case TreeBuilder::hlbvh:
                 hlbvh_.build(executor, forest, lbvh);

@@ -27,7 +27,12 @@ bool ForestPlan::arrange(View<const BodyView> bodies) {
         tree_of_body_[b] = moves ? next : shared.try_emplace(seen_[b].mesh_key, next).first->second;
         if (tree_of_body_[b] != next) continue;
         const auto first = static_cast<std::uint32_t>(tree_of_leaf_.size());
-        trees_.push_back({first, bodies[b].mesh.leaves.size, b, moves, {}, 0});
+        trees_.push_back({.first = first,
+                          .count = bodies[b].mesh.leaves.size,
+                          .body = b,
+                          .moves = moves,
+                          .root = {},
+                          .fitted = 0});
         tree_of_leaf_.insert(tree_of_leaf_.end(), bodies[b].mesh.leaves.size, next);
     }
     return true;

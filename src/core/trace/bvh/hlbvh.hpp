@@ -203,10 +203,16 @@ public:
         gathered_.resize(count);
         first_cell_.resize(forest.trees.size);
         const View<const std::uint32_t> begins{begins_.data(), count};
-        executor.for_each(count, GatherCells{lbvh, view_of(std::as_const(cells_)), begins,
-                                             view_of(gathered_), view_of(first_cell_)});
-        executor.for_each(forest.trees.size, BuildTop{forest, view_of(gathered_), begins,
-                                                      view_of(std::as_const(first_cell_))});
+        executor.for_each(count, GatherCells{.lbvh = lbvh,
+                                             .cells = view_of(std::as_const(cells_)),
+                                             .begins = begins,
+                                             .gathered = view_of(gathered_),
+                                             .first_cell = view_of(first_cell_)});
+        executor.for_each(forest.trees.size,
+                          BuildTop{.forest = forest,
+                                   .cells = view_of(gathered_),
+                                   .begins = begins,
+                                   .first_cell = view_of(std::as_const(first_cell_))});
     }
 
 private:

@@ -79,7 +79,10 @@ struct Lbvh {
     PIERCE_HD bool climb(std::uint32_t i, Subtree& below) const {
         const Tree& tree = tree_at(i);
         const std::uint32_t leaf = leaves[i] - tree.first;
-        below = {Item::leaf(leaf), leaf_box(bodies[tree.body], leaf), i, i};
+        below = {.item = Item::leaf(leaf),
+                 .box = leaf_box(bodies[tree.body], leaf),
+                 .first = i,
+                 .last = i};
         while (true) {
             const bool at_begin = begins(below.first), at_end = begins(below.last + 1);
             if (at_begin && at_end) return true;

@@ -33,7 +33,10 @@ struct LeafClusters {
         const std::uint32_t t = forest.tree_of_leaf[leaves[i]];
         const Tree& tree = forest.trees[t];
         const std::uint32_t leaf = leaves[i] - tree.first;
-        clusters[i] = {Item::leaf(leaf), leaf_box(bodies[tree.body], leaf), t, i};
+        clusters[i] = {.item = Item::leaf(leaf),
+                       .box = leaf_box(bodies[tree.body], leaf),
+                       .tree = t,
+                       .slot = i};
     }
 };
 
@@ -122,7 +125,10 @@ public:
         joined_.resize(count);
         nearest_.resize(count);
         places_.resize(count);
-        executor.for_each(count, LeafClusters{bodies, forest, leaves, view_of(clusters_)});
+        executor.for_each(count, LeafClusters{.bodies = bodies,
+                                              .forest = forest,
+                                              .leaves = leaves,
+                                              .clusters = view_of(clusters_)});
         while (count > forest.trees.size) {
             const auto clusters = view_of(std::as_const(clusters_));
             const auto nearest = view_of(std::as_const(nearest_)),
@@ -130,8 +136,11 @@ public:
             executor.for_each(count, FindNearest{clusters, count, view_of(nearest_)});
             count = executor.number(executor.select(ListId::tree_clusters, count,
                                                     StaysCluster{nearest}, view_of(places_)));
-            executor.for_each(count,
-                              JoinClusters{forest, clusters, nearest, places, view_of(joined_)});
+            executor.for_each(count, JoinClusters{.forest = forest,
+                                                  .clusters = clusters,
+                                                  .nearest = nearest,
+                                                  .places = places,
+                                                  .joined = view_of(joined_)});
             std::swap(clusters_, joined_);
         }
         executor.for_each(count, RootClusters{forest, view_of(std::as_const(clusters_))});

@@ -188,16 +188,20 @@ public:
         for (Buffer* buffer : {&nodes_, &next_, &places_}) buffer->resize(leaves.size);
         for (std::uint32_t round = 0; round < constants::treelet_rounds; ++round) {
             executor.for_each(leaves.size, Fill{forest.visits, 0});
-            executor.for_each(
-                leaves.size,
-                FindTreelets{forest, leaves, constants::treelet_parts << round, view_of(next_)});
+            executor.for_each(leaves.size,
+                              FindTreelets{.forest = forest,
+                                           .leaves = leaves,
+                                           .smallest = constants::treelet_parts << round,
+                                           .found = view_of(next_)});
             bool climbs = false;
             for (std::uint32_t n = keep(executor, leaves.size); n > 0;
                  n = climbs ? 0 : keep(executor, n)) {
                 climbs = n <= constants::treelet_crowd;
-                executor.for_each(
-                    n, ImproveTreelets{forest, view_of(std::as_const(nodes_)),
-                                       view_of(std::as_const(places_)), climbs, view_of(next_)});
+                executor.for_each(n, ImproveTreelets{.forest = forest,
+                                                     .nodes = view_of(std::as_const(nodes_)),
+                                                     .places = view_of(std::as_const(places_)),
+                                                     .climbs = climbs,
+                                                     .next = view_of(next_)});
             }
         }
     }

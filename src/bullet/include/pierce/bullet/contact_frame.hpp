@@ -23,15 +23,30 @@ struct FramedContact {
 /// leaves through says nothing about the way out.
 inline FramedContact face_frame(const Contact& contact) {
     if (contact.found == Found::separation)
-        return {contact.point_a,  contact.point_b,   -contact.normal,
-                contact.distance, contact.feature(), contact.age};
+        return {.point_a = contact.point_a,
+                .point_b = contact.point_b,
+                .normal_on_b = -contact.normal,
+                .distance = contact.distance,
+                .feature = contact.feature(),
+                .age = contact.age};
     const bool from_a = contact.source == Side::a;
     const Vec3d vertex = from_a ? contact.point_a : contact.point_b;
     const Vec3d on_target = from_a ? contact.point_b : contact.point_a;
     const double depth = max_of(dot(on_target - vertex, contact.face_normal), 0.0);
     const Vec3d foot = vertex + depth * contact.face_normal;
-    if (from_a) return {vertex, foot, contact.face_normal, -depth, contact.feature(), contact.age};
-    return {foot, vertex, -contact.face_normal, -depth, contact.feature(), contact.age};
+    if (from_a)
+        return {.point_a = vertex,
+                .point_b = foot,
+                .normal_on_b = contact.face_normal,
+                .distance = -depth,
+                .feature = contact.feature(),
+                .age = contact.age};
+    return {.point_a = foot,
+            .point_b = vertex,
+            .normal_on_b = -contact.face_normal,
+            .distance = -depth,
+            .feature = contact.feature(),
+            .age = contact.age};
 }
 
 }  // namespace pierce::bullet
