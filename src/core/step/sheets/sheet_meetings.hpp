@@ -149,10 +149,10 @@ private:
                                                          : 0;
         std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
         // A vertex inside a solid is pushed out along a ray. But a vertex that leaves the solid
-        // here and still ends behind the triangle has come in again, and may have slipped around
-        // the triangle's border before.
+        // here and still ends behind the triangle, or on it, has come in again, and may have
+        // slipped around the triangle's border before.
         if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) {
-            if (!met || remembered != 0 || !(height < 0)) return {};
+            if (!met || remembered != 0 || !(height <= rounding_of(face, p))) return {};
             its_side = 1;
         }
 
@@ -186,6 +186,14 @@ private:
         }
         if (met) m.time = impact.time;
         return judgement;
+    }
+
+    /// How far from the face `p` ends [length], if it touches the face but for rounding.
+    PIERCE_HD static double rounding_of(const MovingTriangle& face, const MovingPoint& p) {
+        double size = max_of(length(p.start), length(p.end));
+        for (const MovingPoint& corner : face.corner)
+            size = max_of(max_of(length(corner.start), length(corner.end)), size);
+        return constants::meeting_tolerance * size;
     }
 
     /// Weights of the first two corners at the foot of `p`; true if the foot lies in the triangle.
