@@ -49,7 +49,7 @@ void write_last_picture(World& world, const scenes::SceneSetup& scene, const fs:
 
 void require_rays(World* world, const fs::path& png) {
     if (world == nullptr && !png.empty())
-        throw InputError("--png needs --method rays: the picture is traced by them");
+        throw InputError("--png and --pictures need --method rays: they trace the pictures");
 }
 
 scenes::SceneSetup scene_of(const RunOptions& options) {

@@ -67,6 +67,25 @@ TEST_F(AppTest, ListsScenesAndPlans) {
     EXPECT_THAT(pierce("--version").text, HasSubstr("pierce 0."));
 }
 
+TEST_F(AppTest, WritesAPictureOfEveryFrame) {
+    ASSERT_EQ(pierce("run tori --count 2 --seconds 0.1 --record " + path("short")).code, 0);
+    const std::string replay = "replay " + path("short") + " --json ";
+    ASSERT_EQ(pierce(replay + path("plain.json")).code, 0);
+    ASSERT_EQ(pierce(replay + path("drawn.json") + " --pictures " + path("pictures")).code, 0);
+    const json plain = read("plain.json")["frames"], drawn = read("drawn.json")["frames"];
+    ASSERT_EQ(plain.size(), 6u);
+    for (std::size_t f = 0; f < plain.size(); ++f) {
+        EXPECT_EQ(drawn[f]["hash"], plain[f]["hash"]) << "a picture changes no contact";
+        std::ifstream png(folder / "pictures" / ("0000" + std::to_string(f) + ".png"),
+                          std::ios::binary);
+        char head[4] = {};
+        png.read(head, 4);
+        EXPECT_EQ(std::string(head + 1, 3), "PNG") << f;
+    }
+    expect_refused("replay " + path("short") + " --method gimpact --pictures " + path("none"),
+                   "--pictures need --method rays");
+}
+
 TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
     const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") +
                                " --json " + path("run.json") + " --png " + path("last.png"));
