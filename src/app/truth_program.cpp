@@ -9,8 +9,6 @@
 
 #include "pierce/error.hpp"
 
-extern char** environ;
-
 namespace pierce::app {
 
 namespace fs = std::filesystem;

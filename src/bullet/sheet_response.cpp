@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <unordered_map>
 
-#include "core/geometry/moving_point.hpp"
+#include "bullet/sheet_response_state.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/error.hpp"
 
@@ -17,32 +16,6 @@ double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Pulling back starts gently: at first a vertex keeps this part of its way to the meeting [1].
-constexpr double way_kept = 0.5;
-/// For so many detections a vertex keeps a part of its way; after them it goes back all the way.
-constexpr std::uint32_t gentle_attempts = 3;
-/// After so many detections the vertices around it go back, too, ring by ring.
-constexpr std::uint32_t single_attempts = 8;
-/// After so many detections the whole body goes back. By then twenty rings have gone back, which is
-/// further than anything spreads that would still end.
-constexpr std::uint32_t ring_attempts = 28;
-
-struct Sheet {
-    btSoftBody* soft = nullptr;
-    BodyId body;
-    MovingNodes nodes;
-    std::vector<Vec3f> end;  ///< the positions given to detection; the next step starts from them
-    std::vector<bool> pulled_back;
-};
-
-struct Obstacle {
-    btRigidBody* rigid = nullptr;
-    BodyId body;
-    Pose start, end;
-    MovingBody moving;
-    Vec3d shift, turn, impulse;  ///< summed over all rounds
-};
-
 /// A pose after a small turn about its position, and a shift.
 Pose moved(const Pose& pose, Vec3d shift, Vec3d turn) {
     const Quaternion& q = pose.rotation;
@@ -50,63 +23,6 @@ Pose moved(const Pose& pose, Vec3d shift, Vec3d turn) {
     const double angle = length(turn), half = std::sin(0.5 * angle), w = std::cos(0.5 * angle);
     const Vec3d axis = half * normalized(turn), turned = w * v + q.w * axis + cross(axis, v);
     return {pose.position + shift, {turned.x, turned.y, turned.z, w * q.w - dot(axis, v)}};
-}
-
-}  // namespace
-
-struct SheetResponse::State {
-    World& world;
-    SheetSettings settings;
-    SheetProjection projection;
-    std::vector<std::unique_ptr<Sheet>> sheets;
-    std::vector<Obstacle> obstacles;
-    std::unordered_map<BodyId, Sheet*> sheet_of;
-    std::unordered_map<BodyId, std::size_t> obstacle_of;
-    SheetReport report;
-    /// False while no sheet is through anything when a step begins. Then only what meets during the
-    /// step has to be repaired.
-    bool is_crossed = true;
-
-    void read_step();
-    void detect();
-    void count_contacts();
-    bool has_violation() const;
-    bool counts(const Contact& c) const;
-    bool project();
-    void move_bodies();
-    void keep_apart();
-    bool pull_back(std::uint32_t attempt);
-    void pull_back(Sheet& sheet, std::uint32_t vertex, double share);
-    void pull_back_around(Sheet& sheet);
-    void write_step(double dt);
-
-    bool concerns_sheet(const Contact& c) const {
-        return sheet_of.contains(c.a) || sheet_of.contains(c.b);
-    }
-    SheetProjection::Point source_point(const Contact& c);
-    SheetProjection::Point target_point(const Contact& c);
-    SheetProjection::Point solid_point(BodyId body, Vec3d point);
-    Vec3d start_of(BodyId body, Vec3d end) const;
-    MovingPoint vertex_motion(BodyId body, std::uint32_t vertex) const;
-    Vec3d out_of(const Contact& c) const;
-};
-
-namespace {
-
-BodyId source_of(const Contact& c) { return c.source == Side::a ? c.a : c.b; }
-BodyId target_of(const Contact& c) { return c.source == Side::a ? c.b : c.a; }
-bool is_met(const Contact& c) { return c.of_sheet && c.found == Found::crossing; }
-
-/// Calls visit(body, vertex) for every vertex of a contact.
-template <class Visit>
-void each_vertex(const World& world, const Contact& c, const Visit& visit) {
-    visit(source_of(c), c.vertex);
-    if (c.is_edge()) visit(source_of(c), c.edge_end);
-    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
-    for (int k = 0; k < 3; ++k)
-        // A vertex may meet a corner, where the other corners have no weight, but the whole
-        // triangle counts. Where an edge meets an edge, the opposite corner does not count.
-        if (!c.is_edge() || c.barycentric[k] != 0) visit(target_of(c), t.vertex[k]);
 }
 
 }  // namespace
@@ -298,58 +214,6 @@ void SheetResponse::State::move_bodies() {
         o.shift += o.moving.shift;
         o.turn += o.moving.turn;
     }
-}
-
-void SheetResponse::State::pull_back(Sheet& sheet, std::uint32_t vertex, double share) {
-    const Vec3d start = to_double(sheet.nodes.start[vertex]);
-    Vec3d& end = sheet.nodes.end[vertex];
-    end = start + share * (end - start);
-    sheet.pulled_back[vertex] = true;
-}
-
-/// Pulls back all vertices of triangles with a vertex that was pulled back before.
-void SheetResponse::State::pull_back_around(Sheet& sheet) {
-    const std::vector<bool> before = sheet.pulled_back;
-    for (const Triangle& t : world.mesh(world.mesh_of(sheet.body)).triangles())
-        if (before[t.vertex[0]] || before[t.vertex[1]] || before[t.vertex[2]])
-            for (std::uint32_t v : t.vertex) pull_back(sheet, v, 0);
-}
-
-/// Pulls back the vertices of all features that have met; false if none of them can go back any
-/// further.
-bool SheetResponse::State::pull_back(std::uint32_t attempt) {
-    bool moved = false;
-    report.crossings_left = 0;
-    for (const Contact& c : world.contacts()) {
-        if (!is_met(c)) continue;
-        bool could = false;
-        each_vertex(world, c, [&](BodyId body, std::uint32_t v) {
-            const auto found = sheet_of.find(body);
-            if (found == sheet_of.end()) return;
-            Sheet& sheet = *found->second;
-            // The test uses the detected position: an earlier contact of this list may have pulled
-            // the vertex back since.
-            if (sheet.end[v] == sheet.nodes.start[v]) return;
-            could = true;
-            pull_back(sheet, v, attempt < gentle_attempts ? way_kept * c.time : 0.0);
-        });
-        moved |= could;
-        // Things that do not move have not met; they are only too close together to be told apart.
-        const auto moves = [&](BodyId body) {
-            const auto found = obstacle_of.find(body);
-            return found != obstacle_of.end() &&
-                   !(obstacles[found->second].start == obstacles[found->second].end);
-        };
-        if (!could && (moves(c.a) || moves(c.b))) ++report.crossings_left;
-    }
-    if (!moved) return false;
-    for (const auto& sheet : sheets) {
-        if (attempt >= ring_attempts)
-            for (std::uint32_t v = 0; v < sheet->end.size(); ++v) pull_back(*sheet, v, 0);
-        else if (attempt >= single_attempts)
-            pull_back_around(*sheet);
-    }
-    return true;
 }
 
 void SheetResponse::State::keep_apart() {

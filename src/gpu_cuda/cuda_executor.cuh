@@ -109,7 +109,7 @@ public:
 
     /// Runs work that is independent of everything issued before join(). In bounded steps the work
     /// has a stream of its own, so that it fills what other stages leave free on the GPU. It is
-    /// done as a whole, or not at all if a list has outgrown its room before.
+    /// done as a whole, unless a list has outgrown its room before, or one of its own lists does.
     template <class Work>
     void beside(const Work& work) {
         if (!bounded_) return work();
@@ -329,7 +329,9 @@ private:
             throw std::logic_error("a step has more totals than there is room for");
         // Exact steps may have any number of totals, as their totals are not read later.
         std::uint32_t* const place = totals_.data() + bank_ * most_totals + next_ % most_totals;
-        return {bounded_ ? min_of(known_bound(id), most) : most, place, overflow_.data()};
+        return {.room = bounded_ ? min_of(known_bound(id), most) : most,
+                .total = place,
+                .overflow = {overflow_.data(), is_beside_}};
     }
 
     /// The count for a total that has been written, or will be.
@@ -457,7 +459,7 @@ private:
     Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks
     Buffer<std::uint32_t> blocks_done_;  ///< of a reduction, and of a reduction beside the rest
     Buffer<std::uint32_t> overflow_;  ///< whether a total has overflowed, and whether one had when
-                                      ///< the work beside the rest began
+                                      ///< the work beside the rest began, or has there
     std::uint32_t* host_totals_ = nullptr;  ///< the totals of both banks, and whether one has
                                             ///< overflowed
     Buffer<std::byte> scratch_;

@@ -68,7 +68,7 @@ struct BeginLists {
 struct Emitted {
     std::uint32_t room;
     std::uint32_t* total;  ///< zero at first
-    std::uint32_t* overflow;
+    Overflow overflow;
     BlockSums sums;
     bool in_order;
 };
@@ -118,7 +118,7 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads
         if (lane == 0) {
             begin = before;
             if (to.in_order && blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
-            if (sum > 0 && before + sum > to.room) *to.overflow = 1;
+            if (sum > 0 && before + sum > to.room) to.overflow.set();
         }
     }
     __syncthreads();

@@ -144,16 +144,25 @@ struct FillWith {
     __device__ void operator()(std::uint32_t i) const { items[i] = value; }
 };
 
+/// Says that a list has outgrown its room: to the step, and to the work beside the rest if the list
+/// is part of it. Items::overflow is one of the two flags.
+struct Overflow {
+    std::uint32_t* flags;  ///< of the step, and of the work beside the rest
+    bool is_beside;
+
+    __device__ void set() const { flags[0] = flags[is_beside] = 1; }
+};
+
 /// Writes a total: the sum of a scan, or the number of items that a selection has listed. The total
 /// is limited to the room; `overflow` says whether it was larger.
 struct NoteTotal {
     std::uint32_t room;
     std::uint32_t* total;
-    std::uint32_t* overflow;
+    Overflow overflow;
 
     __device__ void note(std::uint32_t sum) const {
         *total = min_of(sum, room);
-        if (sum > room) *overflow = 1;
+        if (sum > room) overflow.set();
     }
     __device__ void operator()(std::ptrdiff_t, std::uint32_t sum) const { note(sum); }
 };

@@ -82,4 +82,19 @@ FrameResult bullet_result(TimedDispatcher& dispatcher,
     return result;
 }
 
+FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) {
+    result.times.clear();
+    result.name_stages(report.stages);
+    result.times.push_back({"response", report.response_ms});
+    result.response_ms = report.response_ms;
+    result.total_ms = report.detection_ms + report.response_ms;
+    result.crossings = report.crossings;
+    result.remembered = report.remembered;
+    result.tangled = report.tangled;
+    result.rounds = report.rounds;
+    result.pulled_back = report.pulled_back;
+    result.crossings_left = report.crossings_left;
+    return result;
+}
+
 }  // namespace pierce::scenes

@@ -3,6 +3,7 @@
 #include <btBulletCollisionCommon.h>
 
 #include "pierce/bullet/baseline_shapes.hpp"
+#include "pierce/bullet/sheet_response.hpp"
 #include "scenes/method.hpp"
 
 namespace pierce::scenes {
@@ -31,6 +32,9 @@ enum class Margin { counts, left_out };
 FrameResult bullet_result(TimedDispatcher& dispatcher,
                           const std::vector<bullet::BaselineShape>& shapes, Margin margins,
                           double detection_ms, double refit_ms, double epa_ms);
+
+/// A step's result, with the times of all detections of the step added up.
+FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report);
 
 /// The points of all manifolds at which bodies overlap.
 std::vector<MethodContact> bullet_contacts(const btCollisionDispatcher& dispatcher,

@@ -6,6 +6,16 @@
 
 namespace pierce::scenes {
 
+double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>& position) {
+    double volume = 0;
+    const Vec3d base = position(0);
+    for (const Triangle& t : mesh.triangles)
+        volume += dot(position(t.vertex[0]) - base,
+                      cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) /
+                  6;
+    return volume;
+}
+
 MassProperties mass_properties(const MeshData& mesh) {
     Vec3d reference;
     for (Vec3f p : mesh.positions) reference += to_double(p);

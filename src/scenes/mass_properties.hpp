@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+
 #include "pierce/mesh.hpp"
 #include "pierce/pose.hpp"
 
@@ -12,6 +15,9 @@ struct MassProperties {
     Vec3d inertia;           ///< principal moments about the centre
     Matrix3 principal_axes;  ///< rows are the axes, right-handed
 };
+
+/// The volume that a mesh encloses with its vertices at other positions.
+double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>& position);
 
 /// Integrates over the tetrahedra that the triangles span with the centroid. Throws InputError if
 /// the volume is not positive.

@@ -5,7 +5,7 @@
 
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh_build/box_tree.hpp"
-#include "core/step/sheets/sheet_features.hpp"
+#include "core/step/sheets/open_features.hpp"
 
 namespace pierce::scenes {
 namespace {

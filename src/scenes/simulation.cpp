@@ -1,7 +1,6 @@
 #include "scenes/simulation.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
-#include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
@@ -21,19 +20,13 @@
 #include "scenes/sheet_crossings.hpp"
 #include "scenes/soft_damping.hpp"
 #include "scenes/soft_sheet.hpp"
+#include "scenes/soft_solid.hpp"
 
 namespace pierce::scenes {
 namespace {
 
-/// How soft bodies keep their shape, in Bullet's terms.
-constexpr btScalar link_stiffness = btScalar(1.0);
-constexpr btScalar soft_damping = btScalar(0.01);
+/// The part of the vibration of soft bodies that a step takes away.
 constexpr btScalar vibration_damping = btScalar(0.5);
-constexpr btScalar soft_friction = btScalar(1.0);
-constexpr btScalar contact_hardness = btScalar(1.0);
-constexpr int soft_iterations = 8;
-constexpr int bending_distance = 2;
-
 constexpr btScalar friction = btScalar(0.5);
 constexpr btScalar rolling_friction = btScalar(0.02);
 constexpr btScalar angular_damping = btScalar(0.1);
@@ -54,16 +47,6 @@ public:
     double detection_ms = 0;
 };
 
-double volume_of(const MeshData& mesh, const std::function<Vec3d(std::uint32_t)>& position) {
-    double volume = 0;
-    const Vec3d base = position(0);
-    for (const Triangle& t : mesh.triangles)
-        volume += dot(position(t.vertex[0]) - base,
-                      cross(position(t.vertex[1]) - base, position(t.vertex[2]) - base)) /
-                  6;
-    return volume;
-}
-
 std::vector<Vec3f> node_positions(const btSoftBody& soft) {
     std::vector<Vec3f> positions;
     for (int n = 0; n < soft.m_nodes.size(); ++n)
@@ -82,22 +65,6 @@ SceneSetup rigid_part(SceneSetup scene) {
     std::erase_if(scene.bodies,
                   [](const SceneBody& body) { return body.motion == Motion::deforming; });
     return scene;
-}
-
-/// A step's result, with the times of all detections of the step added up.
-FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) {
-    result.times.clear();
-    result.name_stages(report.stages);
-    result.times.push_back({"response", report.response_ms});
-    result.response_ms = report.response_ms;
-    result.total_ms = report.detection_ms + report.response_ms;
-    result.crossings = report.crossings;
-    result.remembered = report.remembered;
-    result.tangled = report.tangled;
-    result.rounds = report.rounds;
-    result.pulled_back = report.pulled_back;
-    result.crossings_left = report.crossings_left;
-    return result;
 }
 
 }  // namespace
@@ -241,31 +208,9 @@ void Simulation::State::measure_sheets() {
 void Simulation::State::add_soft(std::uint32_t index) {
     const SceneBody& body = scene.bodies[index];
     const MeshData& mesh = scene.meshes[body.mesh].data;
-    const Frame start = frame_of(body.pose);
-    std::vector<btScalar> coordinates;
-    for (Vec3f p : mesh.positions) {
-        const btVector3 x = bullet::to_bullet(start.to_parent(to_double(p)));
-        coordinates.insert(coordinates.end(), {x.x(), x.y(), x.z()});
-    }
-    std::vector<int> indices;
-    for (const Triangle& t : mesh.triangles)
-        for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
-    // The body is not randomised, so that node and face numbers are vertex and triangle numbers.
-    soft[index].reset(btSoftBodyHelpers::CreateFromTriMesh(
-        world->getWorldInfo(), coordinates.data(), indices.data(),
-        static_cast<int>(mesh.triangles.size()), false));
+    soft[index] = soft_solid(world->getWorldInfo(), body, mesh);
     btSoftBody& made = *soft[index];
-    made.m_materials[0]->m_kLST = link_stiffness;
-    made.generateBendingConstraints(bending_distance);
-    made.m_cfg.piterations = soft_iterations;
-    made.m_cfg.kDP = soft_damping;
-    made.m_cfg.kDF = soft_friction;
-    made.m_cfg.kMT = static_cast<btScalar>(body.shape_matching);
-    made.m_cfg.kKHR = made.m_cfg.kCHR = made.m_cfg.kSHR = contact_hardness;
-    made.m_cfg.collisions = 0;  // Bullet's own soft collisions stay off; the contacts are Pierce's
     mass[index] = mass_properties(mesh).mass;
-    made.setTotalMass(static_cast<btScalar>(mass[index]));
-    made.setPose(false, true);
     made.setUserIndex(static_cast<int>(index));
     world->addSoftBody(&made);
     ray_dispatcher().bind(made, rays->bodies[index]);

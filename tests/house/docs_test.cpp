@@ -67,6 +67,10 @@ TEST(DocsTest, LinksLeadSomewhere) {
     EXPECT_GT(links, 20u);
 }
 
+TEST(DocsTest, NoPageIsEmpty) {
+    for (const fs::path& page : pages()) EXPECT_GT(text_of(page).size(), 100u) << page;
+}
+
 TEST(DocsTest, FilesThatAreNamedAreThere) {
     std::vector<std::string> files;
     for (const char* folder : {"src", "tests", "bench", "data", "docs", "cmake"})
@@ -125,6 +129,16 @@ TEST(DocsTest, CodeIsNoWiderThanAHundredColumns) {
                           100)
                     << entry.path() << ": " << line;
         }
+}
+
+TEST(DocsTest, LongFilesAreExceptionsOfTheStyle) {
+    const std::string style = text_of(root / "docs/style.md");
+    for (const auto& entry : fs::recursive_directory_iterator(root / "src")) {
+        const std::string text = entry.is_regular_file() ? text_of(entry.path()) : "";
+        if (std::ranges::count(text, '\n') <= 400) continue;
+        EXPECT_NE(style.find('`' + entry.path().filename().string() + '`'), std::string::npos)
+            << entry.path() << " has more than 400 lines";
+    }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/execute/stage_traits.hpp"
 #include "core/step/common/bounds.hpp"
 #include "core/step/common/count.hpp"
+#include "core/step/common/frame_fit.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/common/step_memory.hpp"

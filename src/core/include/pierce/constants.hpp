@@ -184,8 +184,7 @@ inline constexpr float grid_thinness = 0x1p-16f;
 inline constexpr float quick_normal_rounding = 0x1p-20f;
 
 /// What a product of four lengths in float32 may lose [largest coordinate to the fourth]. The sum
-/// of the roundings is written out where it is used (sheet_features.hpp), with half as much to
-/// spare.
+/// of the roundings is written out where it is used (quick_prism.hpp), with half as much to spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;
 
 /// The lengths between which float32 products of four lengths are used [length]. Below

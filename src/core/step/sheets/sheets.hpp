@@ -10,6 +10,7 @@
 #include "core/step/common/step_memory.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/sheets/flat_stars.hpp"
+#include "core/step/sheets/open_features.hpp"
 #include "core/step/sheets/sheet_contacts.hpp"
 #include "core/step/sheets/sheet_lists.hpp"
 

@@ -1,5 +1,5 @@
 // What float32 says about the features of sheets, against double: it may only say less.
-#include "core/step/sheets/sheet_features.hpp"
+#include "core/step/sheets/quick_prism.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "core/device/quick_math.hpp"
+#include "core/step/sheets/quick_triangle.hpp"
+
+/// Cheap tests in float32 of whether features may be close; they err on the side of "may be".
+namespace pierce::stages {
+
+/// An upper bound of the error of float32 in a product of four lengths. Let u be half an ulp and no
+/// coordinate be above `size`. Differences of coordinates are below 2 size and off by 4 u size;
+/// their cross product is below 8 size^2 and off by 48 u size^2; the cross product of that with
+/// another difference is below 32 size^3 and off by 320 u size^3; and the dot product with one more
+/// difference is off by 2600 u size^4.
+PIERCE_HD inline float made_up_of_four(float size) {
+    return constants::quick_product_rounding * (size * size) * (size * size);
+}
+
+/// The space over and under a triangle at the end of the step, as far as `margin` [length].
+struct QuickPrism {
+    Vec3f at[3], normal, inward[3];
+    float margin = 0, made_up = 0, made_up_along_normal = 0;
+
+    PIERCE_HD QuickPrism(Vec3f a, Vec3f b, Vec3f c, float reach, float size)
+        : at{a, b, c}, normal(quick_cross(b - a, c - a)), margin(reach) {
+        for (int k = 0; k < 3; ++k) inward[k] = quick_cross(normal, at[k == 2 ? 0 : k + 1] - at[k]);
+        made_up = made_up_of_four(size);
+        made_up_along_normal = made_up_along(normal, size);
+    }
+
+    /// False if a point is outside for certain.
+    PIERCE_HD bool may_hold(Vec3f p) const {
+        return !(quick_dot(inward[0], p - at[0]) < -made_up) &&
+               !(quick_dot(inward[1], p - at[1]) < -made_up) &&
+               !(quick_dot(inward[2], p - at[2]) < -made_up) &&
+               !is_beyond(margin, std::fabs(quick_dot(normal, p - at[0])) - made_up_along_normal,
+                          normal);
+    }
+};
+
+/// False if the closest points of two segments' lines are certainly not within both segments, or
+/// certainly further apart than `margin` [length].
+PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float margin, float size) {
+    const Vec3f d = q - p, e = s - r, n = quick_cross(d, e), way = r - p;
+    const float made_up = made_up_of_four(size);
+    // The place along the first, times |n|^2, is way . (e x n); one less if `way` comes from the
+    // second end. The place along the second is way . (d x n).
+    const Vec3f beside_e = quick_cross(e, n), beside_d = quick_cross(d, n);
+    return !(quick_dot(way, beside_e) < -made_up) && !(quick_dot(r - q, beside_e) > made_up) &&
+           !(quick_dot(way, beside_d) < -made_up) && !(quick_dot(s - p, beside_d) > made_up) &&
+           !is_beyond(margin, std::fabs(quick_dot(n, way)) - made_up_along(n, size), n);
+}
+
+}  // namespace pierce::stages
