@@ -239,6 +239,7 @@ std::vector<Row> look(const Motion& motion, const Steps& steps, const std::strin
         progress.show(s + 1);
     }
     std::vector<Row> rows;
+    rows.reserve(all.size());
     for (Looked& l : all) rows.push_back(std::move(l.row));
     return rows;
 }

@@ -148,6 +148,7 @@ void add_convex_pieces(scenes::SceneSetup& scene) {
 int compare_recording(const CompareOptions& options) {
     const scenes::Recording recording = scenes::read_recording(options.folder);
     std::vector<ComparedMethod> methods;
+    methods.reserve(options.methods.size());
     for (const std::string& name : options.methods) methods.push_back(compared_method_named(name));
     if (methods.empty()) methods.assign(compared_methods().begin(), compared_methods().end());
     check_writable(options.json);

@@ -30,24 +30,28 @@ void FrameLog::add(const FrameResult& frame) { frames_.push_back(frame); }
 
 std::vector<double> FrameLog::column(double FrameResult::*member) const {
     std::vector<double> values;
+    values.reserve(frames_.size());
     for (const FrameResult& f : frames_) values.push_back(f.*member);
     return values;
 }
 
 std::vector<double> FrameLog::column(std::uint32_t FrameResult::*member) const {
     std::vector<double> values;
+    values.reserve(frames_.size());
     for (const FrameResult& f : frames_) values.push_back(f.*member);
     return values;
 }
 
 std::vector<double> FrameLog::touching_pairs() const {
     std::vector<double> values;
+    values.reserve(frames_.size());
     for (const FrameResult& f : frames_) values.push_back(static_cast<double>(f.touching.size()));
     return values;
 }
 
 std::vector<double> FrameLog::stage(const std::string& name) const {
     std::vector<double> values;
+    values.reserve(frames_.size());
     for (const FrameResult& f : frames_)
         for (const scenes::NamedTime& t : f.times)
             if (t.name == name) values.push_back(t.milliseconds);

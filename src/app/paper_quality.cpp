@@ -47,6 +47,7 @@ Sight sight_of(std::string name, const std::vector<TrueFrame>& truth) {
     sight.name = std::move(name);
     for (const TrueFrame& t : truth) {
         std::vector<double> depths;
+        depths.reserve(t.inside.size());
         for (const scenes::TrueVertex& v : t.inside) depths.push_back(v.depth);
         sight.pairs.push_back(static_cast<double>(t.overlapping.size()));
         sight.depth.push_back(mean(depths));

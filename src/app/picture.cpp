@@ -62,9 +62,10 @@ void mark(std::vector<png_byte>& pixels, std::array<int, 2> at) {
             if (x * x + y * y > dot_radius * dot_radius || column < 0 || column >= width ||
                 row < 0 || row >= height)
                 continue;
+            const auto first = static_cast<std::ptrdiff_t>(row) * width + column;
+            png_byte* const pixel = pixels.data() + 3 * first;
             for (int k = 0; k < 3; ++k)
-                pixels[static_cast<std::size_t>(3 * (row * width + column) + k)] = static_cast<
-                    png_byte>(std::lround(255 * contact_color[k]));
+                pixel[k] = static_cast<png_byte>(std::lround(255 * contact_color[k]));
         }
 }
 

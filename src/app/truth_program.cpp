@@ -24,6 +24,7 @@ void run_truth_program(std::vector<std::string> arguments) {
     check_truth_program();
     arguments.insert(arguments.begin(), truth_program().string());
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     pid_t child = 0;

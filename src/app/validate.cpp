@@ -68,6 +68,7 @@ bool is_small(const scenes::Recording& recording) {
 
 std::vector<scenes::Candidate> asked_for(const std::vector<std::string>& backends) {
     std::vector<scenes::Candidate> candidates;
+    candidates.reserve(backends.size());
     for (const std::string& name : backends)
         candidates.push_back({name, scenes::make_backend({name})});
     return candidates;

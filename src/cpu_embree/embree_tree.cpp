@@ -21,8 +21,9 @@ void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
 
 /// One ray on its way through Embree. The context is the first member, so that the leaf callback
 /// can reach the others from it.
+// NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): init_context() fills the context
 struct Tree::Query {
-    QueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init): init_context() does it
+    QueryContext context;
     CrossingSearch* search = nullptr;
     double start = 0;  ///< the place on our ray where Embree's ray begins
     double slack = 0;  ///< how much further than the search's limit Embree looks

@@ -22,6 +22,7 @@ struct ContactDifference {
     std::optional<Contact> found, right;
 
     /// The contact that exists: it says which vertex or edge the difference is about.
+    // One of the two is there. NOLINTNEXTLINE(bugprone-unchecked-optional-access)
     const Contact& subject() const { return found ? *found : *right; }
 };
 
