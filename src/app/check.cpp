@@ -1,6 +1,7 @@
 #include "app/check.hpp"
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <nlohmann/json.hpp>
 
 #include "app/cloth_figures.hpp"
 #include "app/cloth_size_figure.hpp"

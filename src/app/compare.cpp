@@ -1,6 +1,7 @@
 #include "app/compare.hpp"
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <numbers>

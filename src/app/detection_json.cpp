@@ -1,5 +1,7 @@
 #include "app/detection_json.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace pierce::app {
 namespace {
 

@@ -1,6 +1,7 @@
 #include "app/explain.hpp"
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
 #include "app/detection_json.hpp"

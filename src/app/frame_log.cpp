@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <sys/utsname.h>
 #include <tbb/version.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <fstream>

@@ -1,6 +1,7 @@
 #include "app/paper_report.hpp"
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 

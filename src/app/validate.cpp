@@ -1,6 +1,7 @@
 #include "app/validate.hpp"
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
