@@ -170,6 +170,12 @@ void add_validate(CLI::App& app, int& code) {
                      "for small scenes only")
         ->delimiter(',')
         ->expected(2, -1);
+    command
+        ->add_option("--modes", options->modes,
+                     "what rays remember of the last step: full (nothing), walk, walk-predict, "
+                     "certified; all if not given")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"full", "walk", "walk-predict", "certified"}));
     add_coverage(*command, options->world);
     command->add_option("--json", options->json, "write all figures and wrong contacts to FILE")
         ->type_name("FILE");

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/commands.hpp"
+#include "app/compare.hpp"
 #include "app/detection_json.hpp"
 #include "app/frame_log.hpp"
 #include "app/progress.hpp"
@@ -125,10 +126,15 @@ void print(const Validation& validation) {
         fmt::print("  and {} more\n", validation.wrong.size() - printed_contacts);
 }
 
-std::string verdict(const Validation& validation) {
-    if (validation.differing_frames == 0)
-        return "all backends have the same contacts in every frame";
-    std::string text = fmt::format("backends differ in {} of {} frames",
+/// What all backends found in one mode.
+struct ModeResult {
+    std::string mode;
+    Validation validation;
+};
+
+std::string verdict(const ModeResult& result) {
+    const Validation& validation = result.validation;
+    std::string text = fmt::format("{}: backends differ in {} of {} frames", result.mode,
                                    validation.differing_frames, validation.frames);
     for (const Validation::Result& r : validation.results)
         if (r.wrong_contacts > 0)
@@ -137,11 +143,29 @@ std::string verdict(const Validation& validation) {
     return text;
 }
 
+bool agree(const ModeResult& result) { return result.validation.differing_frames == 0; }
+
+std::string verdict(const std::vector<ModeResult>& results) {
+    std::string text;
+    for (const ModeResult& result : results)
+        if (!agree(result)) text += (text.empty() ? "" : "\n") + verdict(result);
+    return text.empty() ? "all backends have the same contacts in every frame" : text;
+}
+
+Settings settings_of(const ValidateOptions& options, const std::string& mode) {
+    const Settings& remembering = compared_method_named(mode).settings;
+    Settings settings = options.world;
+    settings.temporal = remembering.temporal;
+    settings.predict = remembering.predict;
+    return settings;
+}
+
 json to_json(const std::optional<Contact>& contact) {
     return contact ? contact_json(*contact) : json();
 }
 
-json to_json(const Validation& validation) {
+json to_json(const ModeResult& result) {
+    const Validation& validation = result.validation;
     json backends = json::array(), wrong = json::array();
     for (const Validation::Result& r : validation.results) {
         const Spread ms = spread_of(r.ms);
@@ -159,7 +183,8 @@ json to_json(const Validation& validation) {
                          {"near_tie", w.near_tie},
                          {"found", to_json(w.difference.found)},
                          {"right", to_json(w.difference.right)}});
-    return {{"frames", validation.frames},
+    return {{"mode", result.mode},
+            {"frames", validation.frames},
             {"differing_frames", validation.differing_frames},
             {"backends", backends},
             {"wrong", wrong}};
@@ -169,36 +194,43 @@ json to_json(const Validation& validation) {
 
 int validate(const ValidateOptions& options) {
     check_writable(options.json);
-    std::vector<scenes::Candidate> candidates = asked_for(options.backends);
+    asked_for(options.backends);  // refuses unknown names before anything is simulated
     const scenes::Recording recording = frames_of(options);
     std::vector<std::string> left_out;
-    if (candidates.empty()) candidates = all_for(recording, left_out);
-    Validation validation;
-    {
-        Progress progress("validating", recording.frame_count);
-        validation = scenes::validate(recording, std::move(candidates), options.world,
-                                      options.every,
-                                      [&](std::uint32_t done) { progress.show(done); });
+    std::vector<ModeResult> results;
+    for (const std::string& mode : options.modes) {
+        left_out.clear();
+        std::vector<scenes::Candidate> candidates = options.backends.empty()
+                                                        ? all_for(recording, left_out)
+                                                        : asked_for(options.backends);
+        Progress progress("validating " + mode, recording.frame_count);
+        results.push_back(
+            {mode, scenes::validate(recording, std::move(candidates), settings_of(options, mode),
+                                    options.every, [&](std::uint32_t n) { progress.show(n); })});
     }
     fmt::print("{}: {} bodies, {} of {} frames\n", options.input, recording.bodies.size(),
-               validation.frames, recording.frame_count);
-    print(validation);
+               results.front().validation.frames, recording.frame_count);
+    for (const ModeResult& result : results) {
+        fmt::print(" {}\n", result.mode);
+        print(result.validation);
+    }
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
-    fmt::print("{}\n", verdict(validation));
+    fmt::print("{}\n", verdict(results));
     if (!options.json.empty()) {
-        json result = to_json(validation);
         json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
-        settings.erase("backend");
+        for (const char* of_mode : {"backend", "temporal", "predict"}) settings.erase(of_mode);
         settings.update(
             {{"command", "validate"}, {"input", options.input}, {"every", options.every}});
-        result.update({{"machine", machine_json()},
-                       {"versions", versions_json()},
-                       {"settings", settings},
-                       {"left_out", left_out},
-                       {"verdict", verdict(validation)}});
-        write_json_file(options.json, result);
+        json modes = json::array();
+        for (const ModeResult& result : results) modes.push_back(to_json(result));
+        write_json_file(options.json, {{"modes", modes},
+                                       {"machine", machine_json()},
+                                       {"versions", versions_json()},
+                                       {"settings", settings},
+                                       {"left_out", left_out},
+                                       {"verdict", verdict(results)}});
     }
-    return validation.differing_frames == 0 ? 0 : 1;
+    return std::ranges::all_of(results, agree) ? 0 : 1;
 }
 
 }  // namespace pierce::app

@@ -17,12 +17,14 @@ struct ValidateOptions {
     std::optional<double> seconds;
     std::uint32_t every = 1;
     std::vector<std::string> backends;  ///< empty: all that can run here
+    std::vector<std::string> modes = {"full", "walk", "walk-predict", "certified"};  ///< what rays
+                                                                                     ///< remember
     Settings world;
     std::filesystem::path json;  ///< empty: none
 };
 
-/// Gives the same frames to several backends. Returns 0 if all of them find the same contacts, bit
-/// for bit, and 1 otherwise.
+/// Gives the same frames to several backends, in each mode. Returns 0 if all of them find the same
+/// contacts, bit for bit, and 1 otherwise.
 int validate(const ValidateOptions& options);
 
 }  // namespace pierce::app

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "bullet/soft_response.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/bullet/soft_response.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::bullet {

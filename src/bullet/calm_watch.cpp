@@ -1,4 +1,4 @@
-#include "pierce/bullet/calm_watch.hpp"
+#include "bullet/calm_watch.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 

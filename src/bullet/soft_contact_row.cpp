@@ -1,4 +1,4 @@
-#include "pierce/bullet/soft_contact_row.hpp"
+#include "bullet/soft_contact_row.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 

@@ -1,4 +1,4 @@
-#include "pierce/bullet/soft_response.hpp"
+#include "bullet/soft_response.hpp"
 
 #include <BulletSoftBody/btSoftBodyInternals.h>
 

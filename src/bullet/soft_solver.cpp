@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "pierce/bullet/calm_watch.hpp"
-#include "pierce/bullet/soft_contact_row.hpp"
+#include "bullet/calm_watch.hpp"
+#include "bullet/soft_contact_row.hpp"
 
 namespace pierce::bullet {
 namespace {

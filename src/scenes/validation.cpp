@@ -171,6 +171,25 @@ Judgement Judge::judge(std::uint32_t frame, std::uint32_t a, std::uint32_t b) {
 
 namespace {
 
+/// Notes where a candidate's list differs from the right one, and whether that is a near tie.
+template <class IsNearTie>
+bool note_wrong(std::uint32_t frame, std::uint32_t candidate, std::span<const Contact> list,
+                std::span<const Contact> right, const IsNearTie& is_near_tie,
+                Validation& validation) {
+    Validation::Result& result = validation.results[candidate];
+    const std::vector<ContactDifference> found = differences(list, right);
+    for (const ContactDifference& difference : found) {
+        const bool near_tie = is_near_tie(difference);
+        validation.wrong.push_back({.frame = frame,
+                                    .candidate = candidate,
+                                    .difference = difference,
+                                    .near_tie = near_tie});
+        result.near_ties += near_tie;
+    }
+    result.wrong_contacts += static_cast<std::uint32_t>(found.size());
+    return !found.empty();
+}
+
 /// Lets the judge decide about the pairs for which the lists differ, and notes what is wrong in
 /// which list.
 void judge_frame(Judge& judge, std::uint32_t frame, std::span<const std::span<const Contact>> lists,
@@ -182,22 +201,45 @@ void judge_frame(Judge& judge, std::uint32_t frame, std::span<const std::span<co
     std::set<std::uint32_t> wrong;
     for (const auto& [a, b] : disputed) {
         const Judgement right = judge.judge(frame, a, b);
-        for (std::uint32_t c = 0; c < lists.size(); ++c) {
-            const std::vector<ContactDifference> found = differences(of_pair(lists[c], {a, b}),
-                                                                     right.contacts);
-            if (found.empty()) continue;
-            for (const ContactDifference& difference : found) {
-                validation.wrong.push_back({.frame = frame,
-                                            .candidate = c,
-                                            .difference = difference,
-                                            .near_tie = right.is_near_tie(difference)});
-                validation.results[c].near_ties += validation.wrong.back().near_tie;
-            }
-            validation.results[c].wrong_contacts += static_cast<std::uint32_t>(found.size());
-            wrong.insert(c);
-        }
+        const auto is_near_tie = [&](const ContactDifference& d) { return right.is_near_tie(d); };
+        for (std::uint32_t c = 0; c < lists.size(); ++c)
+            if (note_wrong(frame, c, of_pair(lists[c], {a, b}), right.contacts, is_near_tie,
+                           validation))
+                wrong.insert(c);
     }
     for (std::uint32_t c : wrong) ++validation.results[c].wrong_frames;
+}
+
+/// The reference on the frames that the candidates get, as far as they are asked for.
+class Follower {
+public:
+    Follower(const Recording& recording, const Settings& settings, std::uint32_t every)
+        : recording_(recording),
+          every_(every),
+          detector_(make_detector(scene_of(recording), reference_backend(), settings)) {}
+
+    /// The right contacts in a frame; frames must be asked for in order.
+    std::span<const Contact> contacts_in(std::uint32_t frame) {
+        for (; next_ <= frame; next_ += every_) {
+            put_frame(*detector_, recording_, next_);
+            detector_->detect();
+        }
+        return detector_->world()->contacts();
+    }
+
+private:
+    const Recording& recording_;
+    std::uint32_t every_, next_ = 0;
+    std::unique_ptr<Detector> detector_;
+};
+
+void follow_frame(Follower& follower, std::uint32_t frame,
+                  std::span<const std::span<const Contact>> lists, Validation& validation) {
+    const std::span<const Contact> right = follower.contacts_in(frame);
+    for (std::uint32_t c = 0; c < lists.size(); ++c)
+        if (note_wrong(
+                frame, c, lists[c], right, [](const auto&) { return false; }, validation))
+            ++validation.results[c].wrong_frames;
 }
 
 }  // namespace
@@ -216,8 +258,9 @@ Validation validate(const Recording& recording, std::vector<Candidate> candidate
         result.name = candidate.name;
         result.description = detectors.back()->world()->backend();
     }
-    std::optional<Judge> judge;  // made only when there is something to judge, as it has to make
-                                 // the meshes
+    // Made only when there is something to decide, as both have to make the meshes.
+    std::optional<Judge> judge;
+    std::optional<Follower> follower;
     for (std::uint32_t f = 0; f < recording.frame_count; f += every) {
         std::set<std::uint64_t> hashes;
         std::vector<std::span<const Contact>> lists;
@@ -232,8 +275,13 @@ Validation validate(const Recording& recording, std::vector<Candidate> candidate
         ++validation.frames;
         if (hashes.size() > 1) {
             ++validation.differing_frames;
-            if (!judge) judge.emplace(recording, settings, every);
-            judge_frame(*judge, f, lists, validation);
+            if (settings.temporal == Temporal::paper) {
+                if (!follower) follower.emplace(recording, settings, every);
+                follow_frame(*follower, f, lists, validation);
+            } else {
+                if (!judge) judge.emplace(recording, settings, every);
+                judge_frame(*judge, f, lists, validation);
+            }
         }
         if (progress) progress(f + 1);
     }

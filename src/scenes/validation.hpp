@@ -88,8 +88,9 @@ struct Validation {
 };
 
 /// Gives every `every`-th frame to all candidates, in turns. The judge decides about the pairs for
-/// which their lists differ. `progress` gets the number of frames that are done. Throws InputError
-/// unless there are two candidates at least.
+/// which their lists differ. With Temporal::paper, what is right depends on the steps before: the
+/// reference, which follows the same frames, decides, and nothing is a near tie. `progress` gets
+/// the number of frames that are done. Throws InputError unless there are two candidates at least.
 Validation validate(const Recording& recording, std::vector<Candidate> candidates,
                     const Settings& settings, std::uint32_t every = 1,
                     const std::function<void(std::uint32_t)>& progress = {});

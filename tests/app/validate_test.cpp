@@ -1,6 +1,10 @@
 // pierce validate, and what the command says about the backend it runs on.
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <map>
+#include <string>
+
 #include "app/command.hpp"
 #include "support/backends.hpp"
 
@@ -23,15 +27,23 @@ TEST_F(ValidateCommandTest, FindsThatAllBackendsOfASceneAgree) {
                     AllOf(HasSubstr("tori: 5 bodies, 9 of 90 frames\n"), HasSubstr("wrong frames"),
                           HasSubstr("all backends have the same contacts in every frame\n")));
         const json written = read("validation.json");
-        EXPECT_EQ(written["frames"], 9);
-        EXPECT_EQ(written["differing_frames"], 0);
-        EXPECT_TRUE(written["wrong"].empty());
-        ASSERT_EQ(written["backends"].size(), has_backend("cuda") ? 4u : 3u);
-        for (const json& backend : written["backends"]) {
-            EXPECT_GT(backend["contacts"], 10);
-            EXPECT_EQ(backend["contacts"], written["backends"][0]["contacts"]);
-            EXPECT_GT(backend["ms"]["median"], 0);
+        ASSERT_EQ(written["modes"].size(), 4u);
+        std::map<std::string, std::uint32_t> contacts;
+        for (const json& mode : written["modes"]) {
+            EXPECT_EQ(mode["frames"], 9);
+            EXPECT_EQ(mode["differing_frames"], 0);
+            EXPECT_TRUE(mode["wrong"].empty());
+            ASSERT_EQ(mode["backends"].size(), has_backend("cuda") ? 4u : 3u);
+            for (const json& backend : mode["backends"]) {
+                EXPECT_GT(backend["contacts"], mode["mode"] == "walk" ? 0 : 10);
+                EXPECT_EQ(backend["contacts"], mode["backends"][0]["contacts"]);
+                EXPECT_GT(backend["ms"]["median"], 0);
+            }
+            contacts[mode["mode"]] = mode["backends"][0]["contacts"];
         }
+        EXPECT_EQ(contacts["certified"], contacts["full"]);
+        EXPECT_LT(contacts["walk"], contacts["full"]);
+        EXPECT_LE(contacts["walk"], contacts["walk-predict"]);
         EXPECT_EQ(outcome.text.find("left out: cuda: the cuda backend cannot run here: ") ==
                       std::string::npos,
                   has_backend("cuda"))
@@ -42,11 +54,12 @@ TEST_F(ValidateCommandTest, FindsThatAllBackendsOfASceneAgree) {
 TEST_F(ValidateCommandTest, TakesRecordingsAndTheBackendsItIsTold) {
     ASSERT_EQ(pierce("run tori --count 3 --seconds 1.5 --record " + path("motion")).code, 0);
     const Outcome outcome = pierce("validate " + path("motion") +
-                                   " --every 20 --backends bvh,embree");
+                                   " --every 20 --modes walk,certified --backends bvh,embree");
     EXPECT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_THAT(outcome.text, AllOf(HasSubstr("4 bodies, 5 of 90 frames"), HasSubstr("embree 3."),
-                                    HasSubstr("bvh, 1 thread"), Not(HasSubstr("reference")),
-                                    Not(HasSubstr("left out"))));
+                                    HasSubstr("bvh, 1 thread"), HasSubstr("\n walk\n"),
+                                    HasSubstr("\n certified\n"), Not(HasSubstr("\n full\n")),
+                                    Not(HasSubstr("reference")), Not(HasSubstr("left out"))));
 }
 
 TEST_F(ValidateCommandTest, LeavesTheReferenceOutOfLargeScenes) {
@@ -65,6 +78,7 @@ TEST_F(ValidateCommandTest, RefusesWhatItCannotValidate) {
                    "--count, --soft and --seconds are for scenes");
     expect_refused("validate tori --every 0", "--every");
     expect_refused("validate tori --seconds 0", "--seconds");
+    expect_refused("validate tori --modes paper", "--modes");
     expect_refused("validate tori --backends bvh", "--backends");
     expect_refused("validate tori --backends bvh,optix", "unknown backend 'optix'");
     expect_refused("validate tori --json /nowhere/x.json", "/nowhere/x.json");

@@ -73,6 +73,48 @@ TEST_P(EquivalenceTest, BackendsAndThreadCountsAgree) {
     }
 }
 
+/// Frames follow each other as in a simulation, so that there is much to remember.
+Recording record_every_step(const Case& wanted) {
+    const SceneSetup scene = make_scene(wanted.scene, {6, wanted.soft, 3});
+    Simulation simulation(scene, Method::rays, {"embree", 1});
+    Recording recording = start_recording(scene, dt);
+    for (int i = 0; i < 110; ++i) {
+        simulation.step(dt);
+        if (i >= 80) simulation.record(recording);
+    }
+    return wanted.as_vertices ? as_deforming(recording) : recording;
+}
+
+TEST_P(EquivalenceTest, BackendsAgreeWhateverRaysRemember) {
+    const Recording recording = record_every_step(GetParam());
+    std::vector<std::uint64_t> without_memory;
+    for (const Settings& settings :
+         {Settings{.temporal = Temporal::off}, Settings{.temporal = Temporal::certified},
+          Settings{.temporal = Temporal::paper, .predict = false},
+          Settings{.temporal = Temporal::paper, .predict = true},
+          Settings{.temporal = Temporal::paper, .predict = true, .full_every = 3}}) {
+        SCOPED_TRACE(testing::Message()
+                     << "temporal " << static_cast<int>(settings.temporal) << ", predict "
+                     << settings.predict << ", full every " << settings.full_every);
+        std::uint32_t expected_contacts = 0, contacts = 0;
+        const auto expected = hashes(recording, {"reference", 1, settings}, expected_contacts);
+        EXPECT_GT(expected_contacts, 100u);
+        if (settings.temporal == Temporal::off) without_memory = expected;
+        if (settings.temporal == Temporal::certified) {
+            EXPECT_EQ(expected, without_memory);
+        }
+        EXPECT_EQ(hashes(recording, {"bvh", 1, settings}, contacts), expected);
+        if (test::has_backend("cuda")) {
+            EXPECT_EQ(hashes(recording, {"cuda", 1, settings}, contacts), expected);
+        }
+        for (int threads : {1, 3}) {
+            EXPECT_EQ(hashes(recording, {"embree", threads, settings}, contacts), expected)
+                << threads << " threads";
+            EXPECT_EQ(contacts, expected_contacts);
+        }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Scenes, EquivalenceTest,
     testing::Values(Case{"tori", false, false}, Case{"tori", false, true},

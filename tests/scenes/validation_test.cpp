@@ -211,6 +211,30 @@ TEST(ValidationTest, SaysWhichContactsAreNearTies) {
     }
 }
 
+TEST(ValidationTest, InThePapersModeTheReferenceDecidesThatFollowsTheFrames) {
+    const auto drop_third = [](std::vector<Contact>& contacts) {
+        contacts.erase(contacts.begin() + 2);
+    };
+    for (bool soft : {false, true}) {
+        const Recording recording = pile(soft, 24);
+        for (bool predict : {false, true}) {
+            const Settings settings{.temporal = Temporal::paper, .predict = predict};
+            const Validation honest = validate(recording, all_honest(), settings);
+            EXPECT_EQ(honest.differing_frames, 0u);
+            EXPECT_GT(honest.results[0].contacts, 500u);
+            // In a frame between full passes, brute force without memory has more contacts.
+            const Validation dropped = validate(recording, honest_and(21, drop_third), settings);
+            EXPECT_EQ(dropped.differing_frames, 1u);
+            EXPECT_EQ(dropped.results[0].wrong_contacts, 1u);
+            EXPECT_EQ(dropped.results[1].wrong_contacts, 0u);
+            ASSERT_EQ(dropped.wrong.size(), 1u);
+            EXPECT_EQ(dropped.wrong[0].frame, 21u);
+            EXPECT_FALSE(dropped.wrong[0].difference.found);
+            EXPECT_FALSE(dropped.wrong[0].near_tie);
+        }
+    }
+}
+
 TEST(ValidationTest, NeedsTwo) {
     std::vector<Candidate> one;
     one.push_back({"bvh", bvh_backend()});
