@@ -12,6 +12,7 @@
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 
+#include "core/device/lanes.hpp"
 #include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/execute/list_id.hpp"
@@ -137,7 +138,8 @@ public:
     template <class F>
     void for_each(Count n, const F& stage) {
         if (n.bound == 0) return;
-        const std::uint32_t threads = n.bound < cuda::many_items || cuda::launch_of<F>.is_uneven
+        const std::uint32_t threads = has_rooms<F>() ? room_threads
+                                      : n.bound < cuda::many_items || cuda::launch_of<F>.is_uneven
                                           ? cuda::few_threads
                                           : cuda::block_threads;
         cuda::run_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
@@ -253,6 +255,8 @@ public:
 
     bool are_few_sixteens(const Count& groups) const { return groups.bound <= cuda::few_sixteens; }
     Count in_sixteens(const Count& groups) const { return constants::group_size * groups; }
+
+    Count in_lanes(const Count& things) const { return Lanes::count * things; }
 
     std::uint32_t number(const Count& count) const {
         if (count.exact == nullptr) return count.bound;

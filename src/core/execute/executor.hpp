@@ -67,6 +67,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     // True for so few groups of sixteen that there are enough threads for each of the sixteen.
     { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
+    { executor.in_lanes(n) } -> std::same_as<typename E::Count>;
     executor.settle();
     // Runs work that is independent of everything issued before join(); the work may run
     // concurrently.

@@ -58,6 +58,7 @@ enum class ListId : std::uint8_t {
     // trees
     tree_cells,
     tree_clusters,
+    tree_ranges,
     treelets,
     count
 };

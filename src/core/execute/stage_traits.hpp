@@ -27,6 +27,16 @@ constexpr bool in_order() {
         return false;
 }
 
+/// True for a stage whose lanes meet in a Room (`static constexpr bool has_rooms = true`). A GPU
+/// runs it in blocks of room_threads.
+template <class Stage>
+constexpr bool has_rooms() {
+    if constexpr (requires { Stage::has_rooms; })
+        return Stage::has_rooms;
+    else
+        return false;
+}
+
 /// What select() lists for an item that is wanted: the item, or `listed(item)` if the test has that
 /// function.
 template <class F>

@@ -51,8 +51,8 @@ inline constexpr std::uint32_t treelet_parts = 7;
 /// the one before.
 inline constexpr std::uint32_t treelet_rounds = 3;
 
-/// When no more treelets than this are ready, threads climb on to the treelets above by themselves.
-/// A GPU that has room for all of them gains nothing from a launch per level, and waits for every
+/// When no more treelets than this are ready, lanes climb on to the treelets above by themselves. A
+/// GPU that has room for all of them gains nothing from a launch per level, and waits for every
 /// launch.
 inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 
@@ -60,12 +60,19 @@ inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 /// and Bittner 2018): twice as far doubles the work and gains a few per cent of a tree's cost.
 inline constexpr std::uint32_t cluster_radius = 8;
 
-/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side, so that a
-/// tree has 4096 at most and one thread can put them together.
+/// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side.
 inline constexpr std::uint32_t cell_bits = 12;
 
 /// Bins along each axis between which a split of cells is tried (Wald 2007).
 inline constexpr std::uint32_t split_bins = 16;
+
+/// A range of so few cells is split by looking at every cell: less work than bins, and more exact.
+inline constexpr std::uint32_t few_cells = 8;
+
+/// A range of at most so many cells is split down to its cells at once. With more, the halves of a
+/// range would wait for each other; with less, there would be more launches.
+inline constexpr std::uint32_t split_alone_bits = 6,
+                               split_alone = std::uint32_t{1} << split_alone_bits;
 
 /// A triangle whose three edge functions are all below this lies in a plane with the ray
 /// [sum of the products of the vertex distances]. Double rounding of nine products, with a factor

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <bit>
 #include "core/step/common/records.hpp"
 
 #include "core/body/body_view.hpp"
+#include "core/device/ordered_float.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/oriented_box.hpp"
@@ -15,12 +15,6 @@
 /// b). The stage sorts and sweeps along x, then tests the oriented boxes. If bodies are few, a
 /// device tests all pairs at once.
 namespace pierce::stages {
-
-/// A key that orders like the number it is made from.
-PIERCE_HD inline std::uint32_t ordered_bits(float value) {
-    const auto bits = std::bit_cast<std::uint32_t>(value);
-    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-}
 
 /// Bits of a sweep key.
 inline constexpr int sweep_key_bits = 32;

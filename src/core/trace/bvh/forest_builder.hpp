@@ -9,7 +9,7 @@
 #include "core/trace/bvh/hlbvh.hpp"
 #include "core/trace/bvh/lbvh.hpp"
 #include "core/trace/bvh/ploc.hpp"
-#include "core/trace/bvh/treelet.hpp"
+#include "core/trace/bvh/treelet_restructuring.hpp"
 #include "pierce/tree_builder.hpp"
 
 namespace pierce::bvh {

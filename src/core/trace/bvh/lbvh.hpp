@@ -37,6 +37,15 @@ PIERCE_HD inline Box cube_around(const Box& box) {
     return {box.lower, box.lower + Vec3d{side, side, side}};
 }
 
+/// By how many bits the code of a tree's leaves is shorter than 63: the grid of a small tree's
+/// cells is coarser (hlbvh.hpp), about as many cells as leaves in a volume, so that a cell of a
+/// surface has several leaves.
+PIERCE_HD inline std::uint32_t coarseness(std::uint32_t leaves) {
+    std::uint32_t bits = 1;
+    while (bits < constants::cell_bits && (std::uint32_t{1} << bits) < leaves) ++bits;
+    return constants::cell_bits - bits;
+}
+
 /// Per leaf: its sort key and its place in the meshes' order.
 struct LeafKeys {
     View<const BodyView> bodies;
@@ -51,7 +60,8 @@ struct LeafKeys {
         const BoxF box = leaf_box(body, i - forest.trees[t].first);
         const Vec3d center = 0.5 * (to_double(box.lower) + to_double(box.upper));
         keys[i] = std::uint64_t{t} << (64 - bits) |
-                  morton_code(center, cube_around(positions_box(body))) >> (bits - 1);
+                  morton_code(center, cube_around(positions_box(body))) >>
+                      (bits - 1 + coarseness(forest.trees[t].count));
         leaves[i] = i;
     }
 };

@@ -1,222 +1,228 @@
 #pragma once
 
+#include <cstdint>
 #include <utility>
 
-#include "core/device/atomics.hpp"
-#include "core/device/view.hpp"
-#include "core/execute/executor.hpp"
-#include "core/trace/bvh/lbvh.hpp"
-#include "pierce/min_max.hpp"
+#include "core/device/bits.hpp"
+#include "core/device/lanes.hpp"
+#include "core/device/loops.hpp"
+#include "core/device/quick_math.hpp"
+#include "core/trace/bvh/forest.hpp"
+#include "core/trace/bvh/part_sets.hpp"
 
-/// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it
-/// has seven parts, is put together anew in the best of all ways. The parts stay the same, so they
-/// cost the same in all ways, and the best way is the one whose nodes have the least area.
 namespace pierce::bvh {
 
-/// The top of a subtree: `inner` nodes and the parts below them.
+/// The top of a subtree: `inner` nodes and the parts below them. It can be put together anew in the
+/// best of all ways: the parts stay the same, so they cost the same in all ways, and the best way
+/// is the one whose nodes have the least area (Karras and Aila, HPG 2013). `Who` works on it, Lanes
+/// or one thread Alone.
+template <class Who>
 class Treelet {
+    static constexpr std::uint32_t parts = treelet_parts, inner = parts - 1;
+    static constexpr PartSet all = all_parts;
+
 public:
+    /// Per set of parts: area of the best tree over the set, its root included.
+    using Areas = SharedNumbers<Who, all + 1>;
+
     /// Opens parts, the largest first, until there are `parts` of them. The subtree must have at
     /// least that many leaves.
-    PIERCE_HD Treelet(const Forest& forest, std::uint32_t root) {
-        const Node& top = forest.nodes[root];
-        part_[0] = Item::node(root);
-        box_[0] = join(top.box[0], top.box[1]);
+    PIERCE_HD Treelet(const Forest& forest, std::uint32_t root, Areas& least) : least_(least) {
+        float size[parts];
+        const auto put = [&](std::uint32_t k, Item part, const BoxF& box) {
+            part_[k] = part;
+            box_[k] = box;
+            const float area = box.half_area();
+            size[k] = part.is_leaf() ? -1 : area < INFINITY ? area : INFINITY;
+        };
+        put(0, Item::node(root), join(forest.nodes[root].box[0], forest.nodes[root].box[1]));
+        PIERCE_UNROLLED_LOOP
         for (std::uint32_t n = 0; n < inner; ++n) {
-            const std::uint32_t k = largest_node(n + 1);
-            node_[n] = part_[k].index();
-            area_ += box_[k].half_area();
+            std::uint32_t largest = 0;
+            float most = size[0];
+            PIERCE_UNROLLED_LOOP
+            for (std::uint32_t k = 1; k <= n; ++k) {
+                if (!(size[k] > most)) continue;
+                largest = k;
+                most = size[k];
+            }
+            area_ += most;
+            node_[n] = at(part_, largest).index();
             const Node& node = forest.nodes[node_[n]];
-            part_[k] = node.child[0];
-            box_[k] = node.box[0];
-            part_[n + 1] = node.child[1];
-            box_[n + 1] = node.box[1];
+            PIERCE_UNROLLED_LOOP
+            for (std::uint32_t k = 0; k <= n; ++k)
+                if (k == largest) put(k, node.child[0], node.box[0]);
+            put(n + 1, node.child[1], node.box[1]);
         }
     }
 
-    /// Puts the nodes together anew if that makes them smaller.
-    PIERCE_HD void improve(const Forest& forest) {
-        // Sets that differ only in their first parts share the box of the other parts.
-        constexpr std::uint32_t shared = parts / 2;
-        constexpr Set firsts = (Set{1} << shared) - 1;
-        for (Set others = 0; others <= all; others += firsts + 1) {
-            const BoxF beyond = box_of(others, shared, parts);
-            for (Set set = others; set <= (others | firsts); ++set)
-                least_[set] = is_one(set) ? 0
-                                          : join(box_of(set, 0, shared), beyond).half_area() +
-                                                least_below(set);
-        }
-        if (least_[all] < area_) rebuild(forest);
+    /// Puts the nodes together anew if that makes them smaller. `sets` are those of the lane.
+    PIERCE_HD void improve(const Forest& forest, const ShareOfSets<Who>& sets) {
+        measure_sets();
+        Who::settle();
+        if constexpr (Who::count == 1)
+            add_below_each(std::make_integer_sequence<PartSet, all>());
+        else
+            add_below_by_size(sets);
+        float least = INFINITY;
+        each_half(all, [&](PartSet half) {
+            least = quick_min(least_[half] + least_[all ^ half], least);
+        });
+        if (least_[all] + Who::least(least) < area_) rebuild(forest);
     }
 
 private:
-    static constexpr std::uint32_t parts = constants::treelet_parts, inner = parts - 1;
-
-    using Set = std::uint32_t;  ///< of parts, one bit each
-    static constexpr Set all = (Set{1} << parts) - 1;
-    PIERCE_HD static bool is_one(Set set) { return (set & (set - 1)) == 0; }  ///< also true of none
-
-    /// Of the first n parts, the largest one that is a node.
-    PIERCE_HD std::uint32_t largest_node(std::uint32_t n) const {
-        std::uint32_t largest = n;
-        for (std::uint32_t k = 0; k < n; ++k)
-            if (!part_[k].is_leaf() &&
-                (largest == n || box_[k].half_area() > box_[largest].half_area()))
-                largest = k;
-        return largest;
+    /// One of the items of an array that is kept in registers.
+    template <class T, std::size_t n>
+    PIERCE_HD static T at(const T (&items)[n], std::uint32_t which) {
+        T item = items[0];
+        PIERCE_UNROLLED_LOOP
+        for (std::uint32_t k = 1; k < n; ++k)
+            if (k == which) item = items[k];
+        return item;
     }
 
-    /// The box around those parts k of a set for which begin <= k < end.
-    PIERCE_HD BoxF box_of(Set set, std::uint32_t begin = 0, std::uint32_t end = parts) const {
+    /// Notes the area of the box of every set of two parts or more, and zero for the others. Sets
+    /// that differ only in their first parts share the box of the other parts.
+    PIERCE_HD void measure_sets() {
+        constexpr std::uint32_t shared = parts / 2, firsts = 1u << shared;
+        Who::share(0, (all + 1) >> shared, [&](PartSet others) {
+            BoxF box[firsts];
+            box[0] = BoxF::none();
+            PIERCE_UNROLLED_LOOP
+            for (std::uint32_t k = shared; k < parts; ++k)
+                if (others >> (k - shared) & 1) extend(box[0], box_[k]);
+            PIERCE_UNROLLED_LOOP
+            for (PartSet first = 0; first < firsts; ++first) {
+                PIERCE_UNROLLED_LOOP
+                for (std::uint32_t k = 0; k < shared; ++k)
+                    if (first >> k == 1) {
+                        box[first] = box[first ^ 1u << k];
+                        extend(box[first], box_[k]);
+                    }
+                const PartSet set = others << shared | first;
+                least_[set] = has_one_part(set) ? 0 : box[first].half_area();
+            }
+        });
+    }
+
+    PIERCE_HD static void extend(BoxF& box, const BoxF& by) {
+        for (int axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = quick_min(by.lower[axis], box.lower[axis]);
+            box.upper[axis] = quick_max(by.upper[axis], box.upper[axis]);
+        }
+    }
+
+    PIERCE_HD BoxF box_of(PartSet set) const {
         BoxF box = BoxF::none();
-        for (std::uint32_t k = begin; k < end; ++k)
+        PIERCE_UNROLLED_LOOP
+        for (std::uint32_t k = 0; k < parts; ++k)
             if (set >> k & 1) box.extend(box_[k]);
         return box;
     }
 
-    /// Area below the best node over `set`: the least over all ways to halve `set`. The set's first
-    /// part is always in the same half.
-    PIERCE_HD float least_below(Set set) const {
-        const Set rest = set & (set - 1);
+    /// Adds to the area of every set the area below the best node over it: the least over all ways
+    /// to halve the set. Its first part is always in the same half. Sets of two parts have no node
+    /// below. The halves of a set have smaller numbers. All is known when this is compiled, so that
+    /// the loads do not wait for each other.
+    template <PartSet... set>
+    PIERCE_HD void add_below_each(std::integer_sequence<PartSet, set...> /*all but the largest*/) {
+        (add_below<set>(), ...);
+    }
+    template <PartSet set>
+    PIERCE_HD void add_below() {
+        constexpr std::uint32_t size = size_of(set);
+        if constexpr (size > 2)
+            least_[set] += least_below<set>(
+                std::make_integer_sequence<PartSet, (1u << (size - 1)) - 1>());
+    }
+    template <PartSet set, PartSet... n>
+    PIERCE_HD float least_below(
+        std::integer_sequence<PartSet, n...> /*0, 1 .. one less than halves*/) {
         float least = INFINITY;
-        for (Set half = rest; half != 0; half = (half - 1) & rest)
-            least = min_of(least_[half] + least_[set ^ half], least);
+        ((least = quick_min(least_[nth_half<set, n + 1>] + least_[set ^ nth_half<set, n + 1>],
+                            least)),
+         ...);
         return least;
     }
+    template <PartSet set, PartSet n>
+    static constexpr PartSet nth_half = subset(set&(set - 1), n);
 
-    /// In the best way to halve `set`, the half without the set's first part.
-    PIERCE_HD Set best_half(Set set) const {
-        const Set rest = set & (set - 1);
-        const float least = least_below(set);
-        Set half = rest;
-        while (least_[half] + least_[set ^ half] > least) half = (half - 1) & rest;
-        return half;
-    }
-
-    PIERCE_HD void rebuild(const Forest& forest) const {
-        const Tree& tree = forest.trees[forest.tree_of_leaf[node_[0]]];
-        Set set[inner] = {all};
-        std::uint32_t known = 1;
-        for (std::uint32_t n = 0; n < inner; ++n) {
-            const Set half = best_half(set[n]), halves[2] = {set[n] ^ half, half};
-            for (std::uint32_t side = 0; side < 2; ++side) {
-                Item child;
-                if (is_one(halves[side])) {
-                    std::uint32_t k = 0;
-                    while (halves[side] >> k != 1) ++k;
-                    child = part_[k];
-                } else {
-                    set[known] = halves[side];
-                    child = Item::node(node_[known++]);
+    /// The same by lanes, in order of size: the halves of a set have fewer parts than the set.
+    PIERCE_HD void add_below_by_size(const ShareOfSets<Who>& sets) {
+        PIERCE_UNROLLED_LOOP
+        for (std::uint32_t size = 3; size < parts; ++size) {
+            sets.each_of(size, [&](PartSet set) {
+                const PartSet rest = set & (set - 1);
+                float least = INFINITY;
+                PartSet half = 0;
+                PIERCE_UNROLLED_LOOP
+                for (std::uint32_t n = 1; n < 1u << (size - 1); ++n) {
+                    half = (half - rest) & rest;
+                    least = quick_min(least_[half] + least_[set ^ half], least);
                 }
-                set_child(forest, tree, Place::at(node_[n], side), child, box_of(halves[side]));
-            }
+                least_[set] += least;
+            });
+            Who::settle();
         }
     }
 
+    /// Shows every half of `set` that is without the set's first part to one of those who work.
+    template <class See>
+    PIERCE_HD void each_half(PartSet set, const See& see) const {
+        const PartSet rest = set & (set - 1);
+        if constexpr (Who::count == 1) {
+            for (PartSet half = rest; half != 0; half = (half - 1) & rest) see(half);
+        } else {
+            Who::share(1, 1u << bit_count(rest), [&](std::uint32_t n) { see(subset(rest, n)); });
+        }
+    }
+
+    /// In the best way to halve `set`, the half without the set's first part.
+    PIERCE_HD PartSet best_half(PartSet set) const {
+        PartSet best = set & (set - 1);
+        float least = INFINITY;
+        each_half(set, [&](PartSet half) {
+            const float area = least_[half] + least_[set ^ half];
+            if (!(area < least)) return;
+            least = area;
+            best = half;
+        });
+        const std::uint32_t have_it = Who::ask(least == Who::least(least));
+        return Who::from(have_it == 0 ? 0 : lowest_bit(have_it), best);
+    }
+
+    /// Finds which parts each node is over, then writes the sides of the nodes.
+    PIERCE_HD void rebuild(const Forest& forest) const {
+        SetList over, half;  // per node: the parts it is over, and those on its side 1
+        over.put(0, all);
+        std::uint32_t known = 1;
+        for (std::uint32_t n = 0; n < inner; ++n) {
+            const PartSet one = best_half(over[n]), other = over[n] ^ one;
+            half.put(n, one);
+            if (!has_one_part(other)) over.put(known++, other);
+            if (!has_one_part(one)) over.put(known++, one);
+        }
+        const Tree& tree = forest.trees[forest.tree_of_leaf[node_[0]]];
+        Who::share(0, 2 * inner, [&](std::uint32_t k) {
+            const std::uint32_t n = k / 2, side = k % 2;
+            const PartSet set = side == 0 ? over[n] ^ half[n] : half[n];
+            Item child;
+            PIERCE_UNROLLED_LOOP
+            for (std::uint32_t i = 0; i < parts; ++i)
+                if (set == 1u << i) child = part_[i];
+            PIERCE_UNROLLED_LOOP
+            for (std::uint32_t i = 1; i < inner; ++i)
+                if (set == over[i]) child = Item::node(node_[i]);
+            set_child(forest, tree, Place::at(at(node_, n), side), child, box_of(set));
+        });
+    }
+
+    Areas& least_;
     Item part_[parts];
     BoxF box_[parts];            ///< of the parts
     std::uint32_t node_[inner];  ///< root first
     float area_ = 0;             ///< of the nodes
-    float least_[all + 1];       ///< per set of parts: area of the best tree over the set, its root
-                                 ///< included
-};
-
-/// Per place in `leaves`: climbs from that leaf, counting leaves in `forest.visits`, as long as it
-/// is the second to reach each node, up to a node with enough leaves.
-struct FindTreelets {
-    Forest forest;
-    View<const std::uint32_t> leaves;
-    std::uint32_t smallest = 0;  ///< leaves that are enough
-    View<std::uint32_t> found;   ///< the node, or no_node
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        found[i] = no_node;
-        std::uint32_t count = 1;
-        for (Place place = forest.leaf_places[leaves[i]]; !place.is_root();
-             place = forest.nodes[place.node()].parent) {
-            const std::uint32_t others = atomic_add(forest.visits[place.node()], count);
-            if (others == 0) return;
-            count += others;
-            if (count < smallest) continue;
-            found[i] = place.node();
-            return;
-        }
-    }
-};
-
-/// Per node whose subtree is finished: improves the treelet there, and goes on to the node above if
-/// it is the last child of that node to get there.
-struct ImproveTreelets {
-    Forest forest;
-    View<const std::uint32_t> nodes, places;  ///< item i is nodes[places[i]]
-    bool climbs = false;  ///< goes on with the node above; otherwise leaves it to the next launch
-    View<std::uint32_t> next;  ///< the node above, or no_node
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        std::uint32_t node = nodes[places[i]];
-        next[i] = no_node;
-        while (true) {
-            Treelet(forest, node).improve(forest);
-            const Place place = forest.nodes[node].parent;
-            if (place.is_root()) return;
-            node = place.node();
-            if (atomic_add(forest.visits[node], 1) == 0) return;
-            if (climbs) continue;
-            next[i] = node;
-            return;
-        }
-    }
-};
-
-/// True for places that hold a node.
-struct HoldsNode {
-    View<const std::uint32_t> nodes;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return nodes[i] != no_node; }
-};
-
-/// Restructures all trees of a forest, from the leaves up. A launch improves every treelet whose
-/// subtree is finished, so that neighbouring threads all have work; when few treelets are left, a
-/// last launch climbs to the roots.
-template <Executor E>
-class TreeletRestructuring {
-public:
-    /// `leaves`: all leaves, neighbours close together. The values it leaves in `forest.visits` are
-    /// of no use.
-    void run(E& executor, const Forest& forest, View<const std::uint32_t> leaves) {
-        for (Buffer* buffer : {&nodes_, &next_, &places_}) buffer->resize(leaves.size);
-        for (std::uint32_t round = 0; round < constants::treelet_rounds; ++round) {
-            executor.for_each(leaves.size, Fill{forest.visits, 0});
-            executor.for_each(leaves.size,
-                              FindTreelets{.forest = forest,
-                                           .leaves = leaves,
-                                           .smallest = constants::treelet_parts << round,
-                                           .found = view_of(next_)});
-            bool climbs = false;
-            for (std::uint32_t n = keep(executor, leaves.size); n > 0;
-                 n = climbs ? 0 : keep(executor, n)) {
-                climbs = n <= constants::treelet_crowd;
-                executor.for_each(n, ImproveTreelets{.forest = forest,
-                                                     .nodes = view_of(std::as_const(nodes_)),
-                                                     .places = view_of(std::as_const(places_)),
-                                                     .climbs = climbs,
-                                                     .next = view_of(next_)});
-            }
-        }
-    }
-
-private:
-    using Buffer = typename E::template Buffer<std::uint32_t>;
-
-    /// Makes the nodes among the first n of next_ the next ones; returns how many there are.
-    std::uint32_t keep(E& executor, std::uint32_t n) {
-        std::swap(nodes_, next_);
-        return executor.number(executor.select(
-            ListId::treelets, n, HoldsNode{view_of(std::as_const(nodes_))}, view_of(places_)));
-    }
-
-    Buffer nodes_, next_, places_;
 };
 
 }  // namespace pierce::bvh
