@@ -1,8 +1,10 @@
 // Steps on the GPU, positions already there: times beside what was found, and Embree's answer to
 // the same frames.
-//   pierce_gpu_steps RECORDING|lattice:COUNT... [--steps N] [--check N] [--stages] [--builder NAME]
-// A recording's frames are replayed; a lattice is COUNT soft tori that touch their neighbours and
-// wobble. Prints CSV.
+//   pierce_gpu_steps RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT...
+//       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
+// A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
+// wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. MODE is what
+// rays remember of the last step: full (nothing), walk, walk-predict or certified. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -30,12 +32,42 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
+double mean(const std::vector<double>& values) {
+    double sum = 0;
+    for (double value : values) sum += value;
+    return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+/// Where a torus of a lattice of `count` is at frame `f`.
+Pose pose_in_lattice(std::uint32_t i, std::uint32_t count, std::uint32_t f) {
+    const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(count))));
+    const double t = 0.05 * f + 0.7 * i;
+    return {{4.2 * (i % side), 4.2 * (i / side % side), 1.7 * (i / side / side)},
+            {0.2 * std::sin(t), 0.2 * std::cos(1.3 * t), 0.1 * std::sin(0.7 * i), 0.9}};
+}
+
+/// Rigid tori of the paper's scene that touch their neighbours, and turn if they move.
+scenes::Recording rigid_lattice(std::uint32_t count, std::uint32_t frames, bool moves) {
+    scenes::Recording recording;
+    recording.frame_count = frames;
+    recording.meshes.push_back({"torus", scenes::torus(2, 0.5, 30, 10), {}});
+    recording.bodies.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        recording.bodies[i].motion = Motion::rigid;
+        for (std::uint32_t f = 0; f < frames; ++f)
+            for (const Pose p = pose_in_lattice(i, count, moves ? f : 0);
+                 double value : {p.position.x, p.position.y, p.position.z, p.rotation.x,
+                                 p.rotation.y, p.rotation.z, p.rotation.w})
+                recording.bodies[i].values.push_back(static_cast<float>(value));
+    }
+    return recording;
+}
+
 /// Tori of the paper's scene that touch their neighbours and wobble.
 scenes::Recording lattice(std::uint32_t count, std::uint32_t frames) {
     scenes::Recording recording;
     recording.frame_count = frames;
     recording.meshes.push_back({"torus", scenes::torus(2, 0.5, 30, 10), {}});
-    const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(count))));
     const std::vector<Vec3f>& shape = recording.meshes[0].data.positions;
     recording.bodies.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -44,9 +76,7 @@ scenes::Recording lattice(std::uint32_t count, std::uint32_t frames) {
         const double phase = 0.7 * i;
         for (std::uint32_t f = 0; f < frames; ++f) {
             const double t = 0.05 * f + phase;
-            const Frame at = frame_of(
-                {{4.2 * (i % side), 4.2 * (i / side % side), 1.7 * (i / side / side)},
-                 {0.2 * std::sin(t), 0.2 * std::cos(1.3 * t), 0.1 * std::sin(phase), 0.9}});
+            const Frame at = frame_of(pose_in_lattice(i, count, f));
             for (const Vec3f& p : shape) {
                 const double squeeze = 1 + 0.03 * std::sin(2 * t + p.x);
                 const Vec3f q = to_float(
@@ -64,8 +94,9 @@ struct Player {
     World world;
     std::vector<BodyId> bodies;
 
-    Player(const scenes::Recording& played, std::unique_ptr<Backend> backend)
-        : recording(played), world(std::move(backend)) {
+    Player(const scenes::Recording& played, std::unique_ptr<Backend> backend,
+           const Settings& settings)
+        : recording(played), world(std::move(backend), settings) {
         std::vector<MeshId> meshes;
         for (const auto& mesh : recording.meshes)
             meshes.push_back(world.add_mesh(mesh.name, mesh.data));
@@ -99,8 +130,14 @@ struct Player {
 struct Options {
     std::uint32_t steps = 64, checks = 8;
     bool stages = false;
-    std::string builder = "trbvh";
+    std::string builder = "trbvh", memory = "certified";
 };
+
+Settings settings_named(const std::string& memory) {
+    if (memory == "full") return {.temporal = Temporal::off};
+    if (memory == "certified") return {};
+    return {.temporal = Temporal::paper, .predict = memory == "walk-predict"};
+}
 
 TreeBuilder builder_named(const std::string& name) {
     if (name == "lbvh") return TreeBuilder::lbvh;
@@ -109,8 +146,9 @@ TreeBuilder builder_named(const std::string& name) {
 }
 
 void run(const std::string& name, const scenes::Recording& recording, const Options& options) {
-    const auto& [steps, checks, stages, builder] = options;
-    Player gpu(recording, cuda_backend({.builder = builder_named(builder), .graph = !stages}));
+    const auto& [steps, checks, stages, builder, memory] = options;
+    Player gpu(recording, cuda_backend({.builder = builder_named(builder), .graph = !stages}),
+               settings_named(memory));
     std::size_t vertices = 0, triangles = 0;
     std::vector<std::size_t> first;
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
@@ -124,7 +162,7 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     std::vector<Vec3f> staged(vertices);
     for (auto& buffer : device) buffer.resize(static_cast<std::uint32_t>(vertices));
 
-    std::vector<double> wall, on_device;
+    std::vector<double> wall, on_device, full_rays, walks, lost;
     std::map<std::string, std::vector<double>> by_stage;
     std::vector<std::string> order;
     std::vector<std::uint64_t> hashes;
@@ -147,6 +185,9 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
         if (i < 8) continue;  // trees, buffers and graphs come into being
         wall.push_back(last.milliseconds);
         on_device.push_back(last.device_milliseconds);
+        full_rays.push_back(last.rays);
+        walks.push_back(last.walks);
+        lost.push_back(last.lost_walks);
         for (const StageTime& t : last.stages) {
             if (by_stage[name_of(t.stage)].empty()) order.push_back(name_of(t.stage));
             by_stage[name_of(t.stage)].push_back(t.milliseconds);
@@ -156,17 +197,19 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     std::uint32_t differ = 0;
     std::vector<double> embree;
     if (checks > 0) {
-        Player cpu(recording, embree_backend());
+        Player cpu(recording, embree_backend(), settings_named(memory));
         for (std::uint32_t i = 0; i < checks; ++i) {
             cpu.put(frame_of_step(i));
             embree.push_back(cpu.world.detect().milliseconds);
             differ += contact_hash(cpu.world.contacts()) != hashes[i];
         }
     }
-    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u\n", name.c_str(),
-                recording.bodies.size(), triangles, builder.c_str(), stages ? "stages" : "graph",
-                last.pairs, last.rays + last.own_rays, last.contacts, last.touching_pairs,
-                median(on_device), median(wall), median(embree), checks, differ);
+    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f\n",
+                name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
+                stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
+                last.touching_pairs, median(on_device), median(wall), median(embree), checks,
+                differ, memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks),
+                mean(lost));
     if (stages)
         for (const std::string& stage : order)
             std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
@@ -187,6 +230,8 @@ int main(int argc, char** argv) {
             options.checks = static_cast<std::uint32_t>(std::stoul(argv[++i]));
         else if (argument == "--builder" && i + 1 < argc)
             options.builder = argv[++i];
+        else if (argument == "--memory" && i + 1 < argc)
+            options.memory = argv[++i];
         else if (argument == "--stages")
             options.stages = true;
         else
@@ -195,10 +240,15 @@ int main(int argc, char** argv) {
     options.checks = std::min(options.checks, options.steps);
     std::puts(
         "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,"
-        "embree_ms,checked,"
-        "differ");
+        "embree_ms,checked,differ,memory,device_mean_ms,wall_mean_ms,mean_full_rays,mean_walks,"
+        "mean_lost");
     for (const std::string& scene : scenes) {
-        if (scene.starts_with("lattice:")) {
+        const bool rests = scene.starts_with("rest:");
+        if (rests || scene.starts_with("rigid:")) {
+            const auto count = static_cast<std::uint32_t>(
+                std::stoul(scene.substr(scene.find(':') + 1)));
+            pierce::run(scene, pierce::rigid_lattice(count, 32, !rests), options);
+        } else if (scene.starts_with("lattice:")) {
             const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(8)));
             pierce::run(scene, pierce::lattice(count, count > 2000 ? 4 : 16), options);
         } else {

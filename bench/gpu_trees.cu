@@ -42,6 +42,7 @@ struct AimInward {
         ray.t_max = against ? outward : bodies[b].mesh.box.extent();
         ray.outward = predicts ? outward : 0;
         ray.target = b;
+        ray.touch = bodies[b].touch;
         ray.excluded[0] = ray.excluded[1] = v;
         rays[i] = ray;
     }
