@@ -32,7 +32,10 @@ std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Mot
     for (Vec3f p : mesh.positions) body.fit_box.extend(to_double(p));
     body.world_box = body.mesh.box = body.fit_box;
     body.touch = constants::touch_tolerance * body.fit_box.extent();
-    for (Ray& ray : rays) ray.target = 0;
+    for (Ray& ray : rays) {
+        ray.target = 0;
+        ray.touch = touch(mesh, ray.origin);
+    }
 
     std::vector<Hit> hits(rays.size());
     backend_->closest_hits({&body, 1}, view_of(std::as_const(rays)), view_of(hits));
@@ -46,6 +49,11 @@ std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Mot
                   m.t, hits[i].triangle};
     }
     return met;
+}
+
+double RayProbe::touch(const MeshData& mesh, Vec3d origin) {
+    const double reach = std::min(extent_of(mesh), Box{origin, origin}.max_coordinate());
+    return constants::touch_tolerance * reach;
 }
 
 Met RayProbe::meet(const MeshData& mesh, Vec3d origin, Vec3d direction, Motion motion) {

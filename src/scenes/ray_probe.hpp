@@ -21,6 +21,8 @@ class RayProbe {
 public:
     explicit RayProbe(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
 
+    /// [length] The touch tolerance of a ray into the mesh, as if its source were a point.
+    static double touch(const MeshData& mesh, Vec3d origin);
     /// What each ray meets first in a body of the mesh. The rays' targets are set to that body.
     std::vector<Met> meet(const MeshData& mesh, std::vector<Ray> rays,
                           Motion motion = Motion::fixed);

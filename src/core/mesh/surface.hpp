@@ -9,8 +9,7 @@ namespace pierce {
 struct Surface {
     View<const Vec3f> positions;
     View<const Triangle> triangles;
-    double touch = 0;  ///< [length] crossings closer than this are one; constants::touch_tolerance
-                       ///< times the extent
+    double touch = 0;  ///< [length] no ray against it has a larger touch tolerance
 };
 
 }  // namespace pierce

@@ -30,6 +30,7 @@ std::vector<double> own_exits_of(const MeshView& mesh) {
         ray.direction = -normalized(to_double(mesh.normals[v]));
         if (length_squared(ray.direction) == 0) continue;
         ray.t_max = mesh.box.extent();
+        ray.touch = surface.touch;
         ray.excluded[0] = ray.excluded[1] = v;
         const Hit hit = first_crossing(ray, surface, [&](CrossingSearch& search) {
             tree.for_each_that(

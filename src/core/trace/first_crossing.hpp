@@ -35,15 +35,14 @@ public:
         excluded_[1] = ray.excluded[1];
         outward_ = ray.outward;
         first_pass_ = !(ray.t_min > 0);
-        after_ = first_pass_ ? surface.touch : ray.t_min;
+        touch_ = ray.touch;
+        after_ = first_pass_ ? touch_ : ray.t_min;
     }
 
     /// Triangles beyond this need not be shown any more. It only shrinks.
-    PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + surface_.touch; }
+    PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + touch_; }
     /// Triangles before this need not be shown.
-    PIERCE_HD double begin() const {
-        return first_pass_ ? -max_of(outward_, surface_.touch) : after_;
-    }
+    PIERCE_HD double begin() const { return first_pass_ ? -max_of(outward_, touch_) : after_; }
 
     PIERCE_HD void test(std::uint32_t triangle) {
         const Triangle& t = surface_.triangles[triangle];
@@ -54,21 +53,21 @@ public:
         const Crossing crossing = cross_triangle(ray_, a, b, c);
         if (crossing.kind == Crossing::none) return;
         if (crossing.kind == Crossing::coplanar) {
-            if (first_pass_ && touches_triangle(ray_.origin, a, b, c, surface_.touch))
+            if (first_pass_ && touches_triangle(ray_.origin, a, b, c, touch_))
                 coplanar_ = min_of(triangle, coplanar_);
             return;
         }
         if (crossing.t <= after_) {
             if (!first_pass_) return;
-            if (crossing.t >= -surface_.touch)
+            if (crossing.t >= -touch_)
                 start_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
             else if (crossing.t >= -outward_)
                 look_behind(triangle, crossing);
             return;
         }
-        if (crossing.t > t_max_ + surface_.touch) return;
+        if (crossing.t > t_max_ + touch_) return;
         if (summing_) {
-            if (crossing.t <= nearest_ + surface_.touch)
+            if (crossing.t <= nearest_ + touch_)
                 window_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
             return;
         }
@@ -96,7 +95,7 @@ public:
         }
         if (!summing_) {
             if (nearest_triangle_ == no_triangle) return settle(no_triangle, false);
-            if (nearest_clean_ && second_ > nearest_ + surface_.touch)
+            if (nearest_clean_ && second_ > nearest_ + touch_)
                 return settle(nearest_triangle_, nearest_exit_);
             summing_ = true;
             window_ = {};
@@ -105,7 +104,7 @@ public:
         if (window_.weight >= constants::crossing_weight) return settle(window_.exit, true);
         if (window_.weight <= -constants::crossing_weight) return settle(window_.entry, false);
         grazed_ = true;
-        after_ = nearest_ + surface_.touch;
+        after_ = nearest_ + touch_;
         summing_ = false;
         nearest_ = second_ = std::numeric_limits<double>::infinity();
         nearest_triangle_ = no_triangle;
@@ -147,6 +146,7 @@ private:
     ShearedRay ray_;
     std::uint32_t excluded_[2];
     double t_max_ = 0;
+    double touch_ = 0;
     double after_ = 0;
     double nearest_ = std::numeric_limits<double>::infinity();
     double second_ = std::numeric_limits<double>::infinity();

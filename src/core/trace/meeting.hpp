@@ -29,10 +29,10 @@ PIERCE_HD inline Meeting meeting_at(Vec3d p, double t, Vec3d a, Vec3d b, Vec3d c
 
 /// The meeting of a ray with a triangle it crosses, or lies in.
 PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Vec3d a, Vec3d b,
-                                    Vec3d c, double touch) {
+                                    Vec3d c) {
     if (crossing.kind == Crossing::coplanar) return meeting_at(ray.origin, 0, a, b, c);
     Meeting m;
-    m.t = crossing.t > touch ? crossing.t : 0.0;
+    m.t = crossing.t > ray.touch ? crossing.t : 0.0;
     for (int k = 0; k < 3; ++k) m.barycentric[k] = crossing.weight[k];
     m.exit = crossing.sign > 0;
     return m;
@@ -45,8 +45,7 @@ PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint3
     const Vec3d a = to_double(surface.positions[t.vertex[0]]);
     const Vec3d b = to_double(surface.positions[t.vertex[1]]);
     const Vec3d c = to_double(surface.positions[t.vertex[2]]);
-    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c,
-                      surface.touch);
+    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c);
 }
 
 }  // namespace pierce

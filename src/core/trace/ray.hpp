@@ -17,10 +17,12 @@ struct alignas(16) Ray {
                          ///< touch at the origin
     double outward = 0;  ///< [length] if the ray does not leave its target ahead, the search looks
                          ///< this far behind the origin
+    double touch = 0;    ///< [length] crossings closer than this are one, and the origin touches a
+                         ///< surface that is closer
     std::uint32_t target = 0;                            ///< body
     std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices
                                                          ///< are not hit
-    std::uint32_t padding[3] = {};
+    std::uint32_t padding = 0;
 };
 
 /// What a ray starts from.

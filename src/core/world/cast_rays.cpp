@@ -36,6 +36,7 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
             ray.direction = to_space.rotation * direction;
             ray.t_max = views[b].fit_box.extent() + 2 * views[b].touch;
             ray.target = b;
+            ray.touch = views[b].touch;
             rays.push_back(ray);
             line.push_back(i);
         }

@@ -36,6 +36,7 @@ public:
         directed_.target = target;
         directed_.to_fit = relative_frame(source_.space, target_.fit);
         directed_.to_space = relative_frame(source_.space, target_.space);
+        directed_.touch = stages::touch_between(source_, target_, directed_.to_space);
     }
 
     Explanation answer() {
@@ -111,9 +112,8 @@ private:
         }
         if (!source_.mesh.closed) {
             result_.own_exit = range;
-            because(rules::leaves_target_first(meeting.t, range, target_.touch)
-                        ? Reason::contact
-                        : Reason::beyond_range);
+            because(rules::leaves_target_first(meeting.t, range, ray.touch) ? Reason::contact
+                                                                            : Reason::beyond_range);
             return;
         }
         const std::optional<double> own = own_exit();
@@ -122,9 +122,8 @@ private:
             return;
         }
         result_.own_exit = *own;
-        because(rules::leaves_target_first(meeting.t, *own, target_.touch)
-                    ? Reason::contact
-                    : Reason::own_exit_first);
+        because(rules::leaves_target_first(meeting.t, *own, ray.touch) ? Reason::contact
+                                                                       : Reason::own_exit_first);
     }
 
     /// Length of the ray inside its own body; nothing if the ray does not start inside.
@@ -134,6 +133,7 @@ private:
         ray.origin = to_double(source_.positions[vertex_]);
         ray.t_max = source_.fit_box.extent();
         ray.target = source_index_;
+        ray.touch = source_.touch;
         ray.excluded[0] = ray.excluded[1] = vertex_;
         const Hit hit = first_hit(ray);
         if (hit.triangle == no_triangle) {

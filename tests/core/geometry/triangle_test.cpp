@@ -32,6 +32,7 @@ Found find(const MeshData& mesh, Vec3d origin, Vec3d direction, std::uint32_t ex
     ray.origin = origin;
     ray.direction = normalized(direction);
     ray.t_max = 2 * box.extent();
+    ray.touch = surface.touch;
     ray.excluded[0] = ray.excluded[1] = excluded;
     const Hit hit = first_crossing(ray, surface, [&](CrossingSearch& search) {
         const std::uint32_t n = surface.triangles.size;

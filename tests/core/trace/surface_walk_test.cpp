@@ -15,9 +15,9 @@
 namespace pierce {
 namespace {
 
-Hit traced(const MeshView& mesh, View<const Vec3f> positions, const Ray& ray) {
-    const Surface surface{positions, mesh.triangles,
-                          constants::touch_tolerance * mesh.box.extent()};
+Hit traced(const MeshView& mesh, View<const Vec3f> positions, Ray ray) {
+    ray.touch = constants::touch_tolerance * mesh.box.extent();
+    const Surface surface{positions, mesh.triangles, ray.touch};
     return first_crossing(ray, surface, [&](CrossingSearch& search) {
         for (std::uint32_t t = 0; t < surface.triangles.size; ++t) search.test(t);
     });

@@ -42,7 +42,6 @@ struct AdvanceSegment {
         const std::uint32_t i = active[k];
         Segment& segment = segments[i];
         Ray& ray = rays[i];
-        const Surface surface = bodies[ray.target].surface();
         counts[k] = 0;
         finished[i] = 1;
         if (hits[k].grazed) mark_touching(i);
@@ -50,13 +49,13 @@ struct AdvanceSegment {
             if (segment.inside) add(k, segment.enter, ray.t_max);
             return;
         }
-        const Meeting m = meet(ray, surface, hits[k].triangle);
+        const Meeting m = meet(ray, bodies[ray.target].surface(), hits[k].triangle);
         if (m.exit && (segment.inside || !segment.crossed))
             add(k, segment.enter, min_of(m.t, ray.t_max));
         segment.crossed = true;
         segment.inside = !m.exit;
         segment.enter = m.t;
-        ray.t_min = m.t + surface.touch;
+        ray.t_min = m.t + ray.touch;
         finished[i] = !(ray.t_min < ray.t_max);
         if (finished[i] && segment.inside) add(k, segment.enter, ray.t_max);
     }
@@ -64,7 +63,7 @@ struct AdvanceSegment {
 private:
     PIERCE_HD void add(std::uint32_t k, double begin, double end) const {
         const std::uint32_t i = active[k];
-        if (!(end - begin > bodies[rays[i].target].touch)) return mark_touching(i);
+        if (!(end - begin > rays[i].touch)) return mark_touching(i);
         const std::uint32_t item = segments[i].item;
         const BodyView& source = bodies[directed[items[item].directed].source];
         const Edge& edge = source.mesh.edges[items[item].edge];
@@ -147,6 +146,7 @@ struct GenerateChordRays {
                                        : source.range;
         if (!(length_squared(direction) > 0)) ray.t_max = -1.0;
         ray.target = d.target;
+        ray.touch = d.touch;
         const std::uint32_t slot = begin + i;
         chords[i] = f.chord;
         rays[slot] = ray;

@@ -255,6 +255,7 @@ struct GenerateSegments {
         ray.origin = a + spans[slot].begin * ray.direction;
         ray.t_max = length_squared(ray.direction) > 0 ? spans[slot].end - spans[slot].begin : -1.0;
         ray.target = d.target;
+        ray.touch = d.touch;
         rays[i] = ray;
         segments[i] = {};
         segments[i].item = slot;

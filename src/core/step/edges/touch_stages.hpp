@@ -26,8 +26,8 @@ struct OnlyTouches {
 };
 
 /// [length] How far the bodies of a pair are moved against each other, if their edges only touch.
-PIERCE_HD inline double nudge_of(View<const BodyView> bodies, const DirectedPair& d) {
-    return constants::nudge * max_of(bodies[d.source].touch, bodies[d.target].touch);
+PIERCE_HD inline double nudge_of(View<const DirectedPair> directed, std::uint32_t direction) {
+    return constants::nudge * touch_of_pair(directed, direction);
 }
 
 /// Per segment to be cast again: its ray, as if one body of the pair had moved a little. Edges that
@@ -51,7 +51,8 @@ struct NudgeSegment {
         // A device can use an array of constants only in what the compiler evaluates.
         constexpr Vec3d along{constants::nudge_direction[0], constants::nudge_direction[1],
                               constants::nudge_direction[2]};
-        const Vec3d move = (item.directed % 2 == 0 ? sign : -sign) * nudge_of(bodies, d) * along;
+        const Vec3d move = (item.directed % 2 == 0 ? sign : -sign) *
+                           nudge_of(directed, item.directed) * along;
         const Edge& edge = source.mesh.edges[item.edge];
         Ray& ray = rays[i];
         ray.origin = d.to_space.to_parent(to_double(source.positions[edge.vertex[0]])) +
@@ -80,11 +81,13 @@ PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const Direc
     into_target.direction = normalized(d.to_space.rotation * direction);
     into_target.t_max = leads ? bodies[d.target].fit_box.extent() : -1.0;
     into_target.target = d.target;
+    into_target.touch = d.touch;
     into_source.origin = start;
     into_source.direction = direction;
     const bool has_inside = source.is_solid() && source.mesh.simple;
     into_source.t_max = leads && has_inside ? source.fit_box.extent() : -1.0;
     into_source.target = d.source;
+    into_source.touch = source.touch;
 }
 
 /// True for chords whose two rays leave both bodies: the bodies overlap there. A ray that is not
@@ -114,9 +117,10 @@ struct GenerateTouchRays {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         FoundChord& f = found[i];
-        const DirectedPair& d = directed[items[segments[f.segment].item].directed];
-        f.chord.skin = constants::skin * max_of(bodies[d.source].touch, bodies[d.target].touch);
-        write_inside_rays(bodies, d, f.chord, f.chord.skin, rays[2 * i], rays[2 * i + 1]);
+        const std::uint32_t direction = items[segments[f.segment].item].directed;
+        f.chord.skin = constants::skin * touch_of_pair(directed, direction);
+        write_inside_rays(bodies, directed[direction], f.chord, f.chord.skin, rays[2 * i],
+                          rays[2 * i + 1]);
     }
 };
 

@@ -66,10 +66,9 @@ struct AdvanceOutward {
         goes_on[i] = 0;
         if (hits[i].triangle == no_triangle) return;
         Ray& ray = outward[active[i]];
-        const Surface surface = bodies[ray.target].surface();
-        const Meeting m = meet(ray, surface, hits[i].triangle);
+        const Meeting m = meet(ray, bodies[ray.target].surface(), hits[i].triangle);
         winding[active[i]] += m.exit ? 1 : -1;
-        ray.t_min = max_of(m.t, ray.t_min) + surface.touch;
+        ray.t_min = max_of(m.t, ray.t_min) + ray.touch;
         goes_on[i] = ray.t_min < ray.t_max;
     }
 };

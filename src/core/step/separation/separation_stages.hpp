@@ -67,6 +67,7 @@ struct GeneratePartRays {
             ray.origin = d.to_space.to_parent(start);
             ray.direction = {0, 0, 1};
             ray.target = d.target;
+            ray.touch = d.touch;
             ray.t_max = part_near(target, in_fit, in_fit).empty() ? -1.0 : target.fit_box.extent();
             rays[offsets[i] + k] = ray;
             sources[offsets[i] + k] = {i / 2, v, static_cast<std::uint8_t>(i % 2)};
@@ -117,9 +118,9 @@ struct GenerateStrandedChordRays {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const RaySource& from = sources[stranded[i]];
-        const DirectedPair& d = directed[2 * from.pair + from.side];
-        const double least = constants::least_inside *
-                             max_of(bodies[d.source].touch, bodies[d.target].touch);
+        const std::uint32_t direction = 2 * from.pair + from.side;
+        const DirectedPair& d = directed[direction];
+        const double least = constants::least_inside * touch_of_pair(directed, direction);
         const Chord& chord = chords[from.item];
         write_inside_rays(bodies, d, chord, max_of(chord.skin, least), rays[2 * i],
                           rays[2 * i + 1]);
@@ -196,6 +197,7 @@ struct SeparationRays {
         ray.t_max = target.fit_box.extent();
         if (from.start == RayStart::chord) ray.t_min = chords[from.item].skin;
         ray.target = d.target;
+        ray.touch = d.touch;
         from.separates = true;
         rays[begin + i] = ray;
         sources[begin + i] = from;

@@ -133,6 +133,7 @@ struct GenerateOwnRays {
             ray.direction = relative_frame(target.space, body.space).rotation *
                             into_target.direction;
             ray.target = body_index;
+            ray.touch = body.touch;
             const Edge edge = is_vertex ? Edge{{source.item, source.item}, {}}
                                         : body.mesh.edges[chords[source.item].edge];
             ray.excluded[0] = edge.vertex[0];
@@ -179,7 +180,7 @@ struct TestOwnExit {
         const Meeting own = meet(own_rays[i], bodies[own_rays[i].target].surface(),
                                  own_hits[i].triangle);
         keep[i] = rules::starts_in_own(own) &&
-                  rules::leaves_target_first(meetings[r].t, own.t, bodies[rays[r].target].touch);
+                  rules::leaves_target_first(meetings[r].t, own.t, rays[r].touch);
     }
 };
 

@@ -84,6 +84,7 @@ PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, b
     const double more = body.collision.self == SelfCollision::rays ? body.travel : 0.0;
     ray.t_max = length_squared(way) > 0 ? length(way) + more : -1.0;
     ray.target = d.target;
+    ray.touch = d.touch;
     ray.excluded[0] = ray.excluded[1] = v;
     return ray;
 }
@@ -100,6 +101,7 @@ PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair&
     ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction)
                                               : -1.0;
     ray.target = d.target;
+    ray.touch = d.touch;
     if (d.is_self()) {
         ray.excluded[0] = ray.excluded[1] = v;
         // At rest only the triangles around the vertex come so close, and nothing has moved so far

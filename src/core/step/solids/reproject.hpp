@@ -61,7 +61,7 @@ struct MoveToClosest {
         const Vec3d point = closest_point(ray.origin, surface, closest[i]),
                     way = point - ray.origin;
         const double depth = length(way);
-        if (!(depth > surface.touch) || !(depth < ray.t_max) || is_degenerate(a, b, c)) return;
+        if (!(depth > ray.touch) || !(depth < ray.t_max) || is_degenerate(a, b, c)) return;
         ray.direction = normalized(way);
         hits[i] = {closest[i]};
         meetings[i] = meeting_at(point, depth, a, b, c);

@@ -64,6 +64,7 @@ struct DirectPair {
         d.to_fit = known ? memory[i].relative : relative_frame(source.space, target.fit);
         d.to_space = target.motion == Motion::deforming ? relative_frame(source.space, target.space)
                                                         : d.to_fit;
+        d.touch = touch_between(source, target, d.to_space);
         if (!d.is_self()) d.approach.most = source.reach + target.reach;
         if (memory.size > 0) {
             const PairMemory& m = memory[i];

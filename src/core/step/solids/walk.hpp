@@ -78,30 +78,29 @@ struct Walk {
                                      ? target.fit.rotation.transposed() * ray.direction
                                      : ray.direction;
             if (!is_only_crossing(target.mesh.rings[at], crossing, in_fit, target.deviation,
-                                  target.touch))
+                                  ray.touch))
                 return;
             // If a simple target's only surface nearby is behind the origin, the origin is outside:
             // no contact. If the crossing is just beyond the ray's end, a tracer decides.
-            const bool behind = crossing.t < -target.touch;
+            const bool behind = crossing.t < -ray.touch;
             if (behind && !target.is_simple()) return;
-            if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + target.touch)) return;
+            if (crossing.t > ray.t_max && !(crossing.t > ray.t_max + ray.touch)) return;
             if (!behind && crossing.t <= ray.t_max) hits[slot].triangle = at;
             if (behind) {
                 const double free = distance_in_front(
                     target.mesh.rings[at], crossing,
                     height_over(corner, ray.direction, crossing.t));
                 const DirectedPair& d = directed[2 * sources[slot].pair + sources[slot].side];
-                record.expiry = d.odometer +
-                                static_cast<float>(
-                                    max_of(free - 2 * (target.touch + target.deviation), 0.0));
+                record.expiry = d.odometer + static_cast<float>(max_of(
+                                                 free - 2 * (ray.touch + target.deviation), 0.0));
             }
         } else {
             if (crossing.kind != Crossing::transversal || !(crossing.sign > 0)) return;
-            const bool ahead = crossing.t >= -target.touch;
+            const bool ahead = crossing.t >= -ray.touch;
             const RaySource from = sources[slot];
             const DirectedPair& d = directed[2 * from.pair + from.side];
             if (!ahead && !(d.approach.most > 0)) return;
-            if (crossing.t < -(d.approach.most + target.touch)) {
+            if (crossing.t < -(d.approach.most + ray.touch)) {
                 // The vertex is too far away to enter before the next full pass, which looks at all
                 // vertices.
                 routes[slot] = Route::skip;
@@ -113,12 +112,12 @@ struct Walk {
             record.predicted = !ahead;
             record.expiry = ahead ? 0
                                   : wait_until(d, height_over(corner, ray.direction, crossing.t));
-            if (ahead && crossing.t <= ray.t_max + target.touch) hits[slot].triangle = at;
+            if (ahead && crossing.t <= ray.t_max + ray.touch) hits[slot].triangle = at;
         }
         counts[i].lost = false;
         routes[slot] = Route::walked;
         record.triangle = at;
-        meetings[slot] = meeting_of(crossing, ray, corner[0], corner[1], corner[2], target.touch);
+        meetings[slot] = meeting_of(crossing, ray, corner[0], corner[1], corner[2]);
     }
 
 private:
