@@ -1,12 +1,11 @@
 #pragma once
 
-#include "core/step/common/records.hpp"
-
 #include "core/body/body_view.hpp"
 #include "core/device/ordered_float.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/oriented_box.hpp"
+#include "core/step/common/records.hpp"
 #include "pierce/body.hpp"
 #include "pierce/ids.hpp"
 #include "pierce/min_max.hpp"

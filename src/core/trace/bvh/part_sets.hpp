@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "pierce/constants.hpp"
 #include "core/device/loops.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/host_device.hpp"
 
 /// Sets of the parts of a treelet.

@@ -5,6 +5,7 @@
 #include "core/device/atomics.hpp"
 #include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
+#include "core/trace/bvh/lbvh.hpp"
 #include "core/trace/bvh/treelet.hpp"
 
 /// Treelet restructuring (Karras and Aila, HPG 2013): the top of every subtree, cut off where it
