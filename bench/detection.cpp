@@ -4,9 +4,9 @@
 //   pierce_bench --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 
-#include "scenes/detector.hpp"
-#include "scenes/recording.hpp"
-#include "scenes/simulation.hpp"
+#include "scenes/detect/detector.hpp"
+#include "scenes/recording/recording.hpp"
+#include "scenes/simulate/simulation.hpp"
 
 namespace {
 

@@ -15,8 +15,8 @@
 #include "pierce/cuda_backend.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/world.hpp"
-#include "scenes/layers.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/layers.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace pierce {
 namespace {

@@ -19,8 +19,8 @@
 #include "pierce/cuda_backend.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/world.hpp"
-#include "scenes/recording.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
+#include "scenes/recording/recording.hpp"
 
 namespace pierce {
 namespace {

@@ -19,7 +19,7 @@
 #include "core/trace/bvh/sah.hpp"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "pierce/world.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace pierce {
 namespace {
@@ -168,7 +168,7 @@ void run(const std::string& name, const MeshData& data, std::uint32_t count, boo
     for (const auto& [builder, label] :
          {std::pair{TreeBuilder::lbvh, "lbvh"}, std::pair{TreeBuilder::hlbvh, "hlbvh"},
           std::pair{TreeBuilder::trbvh, "trbvh"}, std::pair{TreeBuilder::ploc, "ploc"}}) {
-        BvhTracer<CudaExecutor> tracer(builder);
+        BvhTracer<CudaExecutor> tracer({builder});
         tracer.arrange(executor, view_of(std::as_const(bodies)));
         const double build = time(9, [&] { tracer.build(executor, views); });
         const double refit = time(

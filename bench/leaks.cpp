@@ -2,7 +2,7 @@
 //   pierce_leaks [rays [kernel_rays]]
 // First the library's tracer, `rays` in all (default 10^7), at the origin and at 1e5. Then single
 // triangle tests, `kernel_rays` each (default 20000), at offsets of 0 and 2^0 to 2^24.
-#include "scenes/leaks.hpp"
+#include "scenes/measure/leaks.hpp"
 
 #include <cstdio>
 #include <cstdlib>

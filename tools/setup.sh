@@ -2,7 +2,7 @@
 
 packages=(g++ cmake ninja-build pkg-config
           libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev
-          libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libcgal-dev libcgal-demo gnuplot-nox
+          libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo gnuplot-nox
           libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev)
 
 # Installs the packages that are not installed yet, with sudo if need be; says nothing if there are none.

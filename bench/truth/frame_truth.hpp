@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/recording.hpp"
+#include "scenes/recording/recording.hpp"
 #include "truth/exact_mesh.hpp"
 
 namespace pierce::truth {

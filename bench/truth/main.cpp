@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/progress.hpp"
+#include "app/output/progress.hpp"
 #include "pierce/error.hpp"
 #include "truth/frame_truth.hpp"
 #include "truth/sheet_truth.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_view.hpp"
-#include "scenes/recording.hpp"
+#include "scenes/recording/recording.hpp"
 #include "truth/meeting.hpp"
 
 namespace pierce::truth {

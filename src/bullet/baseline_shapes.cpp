@@ -17,8 +17,10 @@ namespace {
 // GImpact needs a margin; this is the default margin of its parts.
 constexpr btScalar gimpact_margin = btScalar(0.01);
 
-std::unique_ptr<btCollisionShape> hull_of(std::span<const Vec3f> points) {
+std::unique_ptr<btCollisionShape> hull_of(std::span<const Vec3f> points,
+                                          std::optional<double> margin) {
     auto hull = std::make_unique<btConvexHullShape>();
+    if (margin) hull->setMargin(static_cast<btScalar>(*margin));
     for (Vec3f p : points) hull->addPoint(to_bullet(p), false);
     hull->recalcLocalAabb();
     return hull;
@@ -34,10 +36,11 @@ struct BaselineShape::Triangles {
 };
 
 BaselineShape::BaselineShape(Baseline method, const std::string& name, const MeshData& mesh,
-                             std::span<const std::vector<Vec3f>> convex_pieces) {
+                             std::span<const std::vector<Vec3f>> convex_pieces,
+                             std::optional<double> margin) {
     switch (method) {
         case Baseline::gjk_hull:
-            shape_ = hull_of(mesh.positions);
+            shape_ = hull_of(mesh.positions, margin);
             margin_ = shape_->getMargin();
             break;
         case Baseline::gjk_epa: {
@@ -46,7 +49,7 @@ BaselineShape::BaselineShape(Baseline method, const std::string& name, const Mes
             auto compound = std::make_unique<btCompoundShape>(
                 true, static_cast<int>(convex_pieces.size()));
             for (const std::vector<Vec3f>& piece : convex_pieces) {
-                parts_.push_back(hull_of(piece));
+                parts_.push_back(hull_of(piece, margin));
                 compound->addChildShape(btTransform::getIdentity(), parts_.back().get());
             }
             margin_ = parts_.front()->getMargin();

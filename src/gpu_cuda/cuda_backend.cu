@@ -31,7 +31,7 @@ public:
     explicit CudaBackend(CudaOptions options)
         : options_(options),
           name_(device_name()),
-          tracer_(options.builder),
+          tracer_({options.builder, options.rebuild}),
           mirror_(executor_),
           pipeline_(executor_, tracer_) {
         for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
@@ -94,7 +94,7 @@ private:
 
     /// True if the course of steps does not depend on what they find.
     bool can_repeat(const Plan& plan) const {
-        return options_.graph && !plan.is_complete() && !plan.meets_itself;
+        return options_.graph && !options_.rebuild && !plan.is_complete() && !plan.meets_itself;
     }
 
     void restart() {

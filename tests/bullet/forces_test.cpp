@@ -17,9 +17,9 @@
 #include "pierce/error.hpp"
 #include "pierce/penalty_force.hpp"
 #include "pierce/reference_backends.hpp"
-#include "scenes/shapes.hpp"
-#include "scenes/simulation.hpp"
-#include "scenes/soft_damping.hpp"
+#include "scenes/named/shapes.hpp"
+#include "scenes/simulate/simulation.hpp"
+#include "scenes/simulate/soft_damping.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

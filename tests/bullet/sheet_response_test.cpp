@@ -8,9 +8,9 @@
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/embree_backend.hpp"
-#include "scenes/shapes.hpp"
-#include "scenes/sheet_crossings.hpp"
-#include "scenes/soft_sheet.hpp"
+#include "scenes/detect/soft_sheet.hpp"
+#include "scenes/named/shapes.hpp"
+#include "scenes/simulate/sheet_crossings.hpp"
 #include "support/random.hpp"
 
 namespace pierce::bullet {

@@ -16,8 +16,8 @@
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/bullet/bullet_dispatcher.hpp"
 #include "pierce/bullet/soft_solver.hpp"
-#include "scenes/shapes.hpp"
-#include "scenes/soft_damping.hpp"
+#include "scenes/named/shapes.hpp"
+#include "scenes/simulate/soft_damping.hpp"
 
 namespace pierce {
 namespace {

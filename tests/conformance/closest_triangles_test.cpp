@@ -11,7 +11,7 @@
 #include "core/trace/brute_force_tracer.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "cpu_embree/embree_tracer.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

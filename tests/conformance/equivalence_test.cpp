@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "pierce/contact_hash.hpp"
-#include "scenes/detector.hpp"
-#include "scenes/recording.hpp"
-#include "scenes/simulation.hpp"
+#include "scenes/detect/detector.hpp"
+#include "scenes/recording/recording.hpp"
+#include "scenes/simulate/simulation.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 

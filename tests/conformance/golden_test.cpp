@@ -8,9 +8,9 @@
 #include <map>
 #include <sstream>
 
-#include "scenes/detector.hpp"
-#include "scenes/recording.hpp"
-#include "scenes/simulation.hpp"
+#include "scenes/detect/detector.hpp"
+#include "scenes/recording/recording.hpp"
+#include "scenes/simulate/simulation.hpp"
 #include "support/backends.hpp"
 
 namespace pierce {

@@ -11,9 +11,9 @@
 #include "pierce/mesh_check.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
-#include "scenes/hard_cases.hpp"
-#include "scenes/ray_probe.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/measure/ray_probe.hpp"
+#include "scenes/named/hard_cases.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/metamorphic.hpp"
 

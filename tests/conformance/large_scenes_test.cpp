@@ -14,7 +14,7 @@
 #include "pierce/embree_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
-#include "scenes/mesh_io.hpp"
+#include "scenes/files/mesh_io.hpp"
 #include "support/random.hpp"
 #include "truth/exact_mesh.hpp"
 

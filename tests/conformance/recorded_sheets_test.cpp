@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <map>
 
-#include "scenes/crossing_motion.hpp"
-#include "scenes/detector.hpp"
-#include "scenes/sheet_accuracy.hpp"
+#include "scenes/detect/detector.hpp"
+#include "scenes/measure/sheet_accuracy.hpp"
+#include "scenes/simulate/crossing_motion.hpp"
 #include "support/backends.hpp"
 #include "truth/sheet_truth.hpp"
 

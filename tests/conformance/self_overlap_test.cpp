@@ -9,7 +9,7 @@
 #include "pierce/contact_hash.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"

@@ -14,7 +14,7 @@
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 

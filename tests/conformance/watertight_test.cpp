@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "scenes/aimed_rays.hpp"
-#include "scenes/ray_probe.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/measure/aimed_rays.hpp"
+#include "scenes/measure/ray_probe.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
 
 namespace pierce {

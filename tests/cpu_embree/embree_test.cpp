@@ -12,7 +12,7 @@
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

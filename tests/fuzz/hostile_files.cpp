@@ -14,11 +14,11 @@
 #include "fuzz/player.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
-#include "scenes/mesh_io.hpp"
-#include "scenes/npy.hpp"
-#include "scenes/recording.hpp"
-#include "scenes/sheet_truth_file.hpp"
-#include "scenes/truth_file.hpp"
+#include "scenes/files/mesh_io.hpp"
+#include "scenes/files/npy.hpp"
+#include "scenes/files/sheet_truth_file.hpp"
+#include "scenes/files/truth_file.hpp"
+#include "scenes/recording/recording.hpp"
 
 namespace pierce::fuzz {
 namespace {

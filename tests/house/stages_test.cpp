@@ -12,7 +12,7 @@
 #include "pierce/reference_backends.hpp"
 #include "pierce/stage.hpp"
 #include "pierce/world.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace pierce {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace pierce::test {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace pierce::truth {
 

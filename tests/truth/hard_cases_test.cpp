@@ -1,7 +1,7 @@
 // How far the bodies of the hard cases overlap, by exact predicates.
 #include <gtest/gtest.h>
 
-#include "scenes/hard_cases.hpp"
+#include "scenes/named/hard_cases.hpp"
 #include "truth/cubes.hpp"
 #include "truth/exact_mesh.hpp"
 #include "truth/minimum_translation.hpp"

@@ -13,8 +13,8 @@
 
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/error.hpp"
-#include "scenes/shapes.hpp"
-#include "scenes/sheet_truth_file.hpp"
+#include "scenes/files/sheet_truth_file.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 #include "truth/exact_continuous.hpp"
 

@@ -62,6 +62,8 @@ static_assert(constants::patch_size == Offsets::count && constants::block_size =
 struct SeenPatch {
     Vec3d center;
     Offsets offsets;
+    float motion = 0;  ///< [length] none of its vertices moved further in the last step
+    float padding = 0;
 };
 
 /// Spheres around the patches (patch.hpp) of a block, in the space of the positions.

@@ -351,6 +351,7 @@ private:
                                                               .directed = view_of(cull_.directed),
                                                               .blocks = view_of(cull_.blocks),
                                                               .temporal = temporal,
+                                                              .seen = scene.seen,
                                                               .last = last_.of_vertices(),
                                                               .records = view_of(now_.blocks)},
                            cull_.patches);
@@ -362,6 +363,7 @@ private:
                 .directed = view_of(cull_.directed),
                 .patches = view_of(cull_.patches),
                 .temporal = temporal,
+                .seen = scene.seen,
                 .last = last_.of_vertices(),
                 .links = view_of(pairs_.links),
                 .last_keys = view_of(last_.contact_keys),

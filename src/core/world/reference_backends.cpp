@@ -13,10 +13,10 @@ std::unique_ptr<Backend> reference_backend() {
         std::make_unique<BruteForceTracer>());
 }
 
-std::unique_ptr<Backend> bvh_backend() {
+std::unique_ptr<Backend> bvh_backend(TreeOptions trees) {
     return std::make_unique<PipelineBackend<SerialExecutor, BvhTracer<SerialExecutor>>>(
         "bvh, 1 thread", std::make_unique<SerialExecutor>(),
-        std::make_unique<BvhTracer<SerialExecutor>>());
+        std::make_unique<BvhTracer<SerialExecutor>>(trees));
 }
 
 }  // namespace pierce

@@ -224,16 +224,20 @@ const StepStats& World::detect() {
     s.stats = {};
     s.refresh_views();
     const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
+    const bool certifies = s.plan.settings.temporal == Temporal::certified,
+               rests = certifies && s.rest.now();
     const Scene scene{.bodies = view_of(s.views),
                       .ids = view_of(std::as_const(s.ids)),
                       .block_items = view_of(std::as_const(s.block_items)),
                       .ranges = view_of(std::as_const(s.ranges)),
                       .blocks = view_of(std::as_const(s.blocks)),
                       .patches = view_of(std::as_const(s.patches)),
-                      .seen = view_of(std::as_const(s.seen)),
-                      .plan = &s.plan,
+                      .seen = view_of(std::as_const(rests ? s.not_seen : s.seen)),
+                      .plan = rests ? &s.resting_plan : &s.plan,
                       .forgets_sides = {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);
+    if (certifies) s.rest.note(s.stats, s.plan.measures_deformation);
+    s.stats.rested = rests;
     s.end_motion();
     s.stepped = true;
     s.stats.milliseconds = std::chrono::duration<double, std::milli>(

@@ -18,7 +18,7 @@ namespace pierce {
 namespace {
 
 constexpr std::uint64_t mark = 0x646c726f77637270;  // "prcworld"
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 
 }  // namespace
 
@@ -35,6 +35,11 @@ void transfer(A& archive, Settings& s) {
                  s.full_every, s.walk_threshold);
     transfer(archive, s.coverage, Coverage::complete);
     transfer(archive, s.temporal, Temporal::certified);
+}
+
+template <class A>
+void transfer(A& archive, MemoryRest& r) {
+    transfer_all(archive, r.tried, r.poor, r.resting, r.rests);
 }
 
 template <class A>
@@ -175,7 +180,7 @@ void World::save(std::ostream& out) const {
     StepMemory memory = s.backend->memory();
 
     ArchiveWriter archive;
-    transfer_all(archive, s.settings, s.next_key, s.forgets_sides);
+    transfer_all(archive, s.settings, s.next_key, s.forgets_sides, s.rest);
     transfer_length(archive, s.meshes.slots().size());
     for (auto& slot : s.meshes.slots()) {
         transfer_all(archive, slot.generation, slot.used);
@@ -219,7 +224,9 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     transfer(archive, settings);
     World world(std::move(backend), settings);
     State& s = *world.state_;
-    transfer_all(archive, s.next_key, s.forgets_sides);
+    transfer_all(archive, s.next_key, s.forgets_sides, s.rest);
+    require(s.rest.resting <= constants::memory_first_rest << constants::memory_doublings,
+            "a rest that is too long");
     std::set<std::uint64_t> keys;
     restore_slots<SavedMesh>(archive, s.meshes, [&](SavedMesh saved) {
         require(saved.key != 0 && saved.key < s.next_key && keys.insert(saved.key).second,

@@ -80,6 +80,16 @@ void World::State::end_motion() {
     for (auto& slot : bodies.slots()) slot.thing.moved = false;
 }
 
+namespace {
+
+void list_stages(Plan& plan) {
+    plan.stages.clear();
+    for (const StageInfo& stage : stage_table())
+        if (stage.needed(plan)) plan.stages.push_back(stage.id);
+}
+
+}  // namespace
+
 void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
@@ -108,8 +118,12 @@ void World::State::make_plan() {
     plan.casts_rays = solids || plan.velocity_rays;
     // Where no rays are cast, there is nothing to remember of them.
     if (!plan.casts_rays) plan.settings.temporal = Temporal::off;
-    if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay())
+    if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay()) {
         plan.settings.temporal = Temporal::off;
+        plan.notes.push_back(
+            "Temporal::certified runs as Temporal::off: on this backend tracing a ray costs less "
+            "than the proof that it is needless; the contacts are the same");
+    }
 
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
@@ -155,8 +169,11 @@ void World::State::make_plan() {
     // nothing about the way out.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
     plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || plan.is_complete());
-    for (const StageInfo& stage : stage_table())
-        if (stage.needed(plan)) plan.stages.push_back(stage.id);
+    list_stages(plan);
+    resting_plan = plan;
+    resting_plan.settings.temporal = Temporal::off;
+    list_stages(resting_plan);
+    not_seen.assign(slots.size(), {});
     planned = true;
 }
 

@@ -9,6 +9,7 @@
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/world/memory_rest.hpp"
 #include "pierce/backend.hpp"
 #include "pierce/world.hpp"
 
@@ -63,6 +64,9 @@ struct World::State {
     // What a step reads. It is made anew when bodies are added, removed or change kind.
     bool planned = false;
     Plan plan;
+    Plan resting_plan;  ///< the same without memory
+    MemoryRest rest;
+    std::vector<View<SeenPatch>> not_seen;  ///< what a resting step compares deforming bodies with
     std::vector<BodyView> views;
     std::vector<BodyId> ids;
     std::vector<BlockItem> block_items;

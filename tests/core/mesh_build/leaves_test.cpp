@@ -7,7 +7,7 @@
 #include <array>
 
 #include "core/trace/bvh/traversal.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce::bvh {

@@ -11,7 +11,7 @@
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/self_intersections.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
 

@@ -13,7 +13,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
 

@@ -9,7 +9,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/trace/first_crossing.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {

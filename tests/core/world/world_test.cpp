@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "pierce/error.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace pierce {
 namespace {

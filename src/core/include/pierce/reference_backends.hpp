@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "pierce/backend.hpp"
+#include "pierce/tree_builder.hpp"
 
 namespace pierce {
 
@@ -12,6 +13,6 @@ std::unique_ptr<Backend> reference_backend();
 
 /// A backend of one thread and our own trees, the same ones that the GPU uses. It allows tests of
 /// those trees on any machine.
-std::unique_ptr<Backend> bvh_backend();
+std::unique_ptr<Backend> bvh_backend(TreeOptions trees = {});
 
 }  // namespace pierce

@@ -13,4 +13,11 @@ enum class TreeBuilder : std::uint8_t {
     ploc,   ///< neighbours on the Morton curve are joined, the nearest first
 };
 
+/// How trees of our own are made and kept.
+struct TreeOptions {
+    TreeBuilder builder = TreeBuilder::lbvh;
+    bool rebuild = false;  ///< every step builds all trees anew; else they are refitted, and built
+                           ///< anew when they have decayed
+};
+
 }  // namespace pierce

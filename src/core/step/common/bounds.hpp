@@ -125,6 +125,7 @@ private:
         float longest_way = 0;
         for (std::uint32_t k = 0; k < constants::patch_size; ++k)
             longest_way = max_of(way[k], longest_way);
+        patch.motion = std::sqrt(longest_way);
         return longest_way;
     }
 
@@ -236,7 +237,8 @@ struct MeasureReach {
         body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
         if (body.seen)
             body.reach = min_of(
-                settings.full_every * largest_motion(body.last_fit, body.fit, body.fit_box),
+                settings.full_every *
+                    (largest_motion(body.last_fit, body.fit, body.fit_box) + body.shape_motion),
                 body.reach);
     }
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "core/body/body_view.hpp"
 #include "pierce/body.hpp"
 #include "pierce/min_max.hpp"
@@ -8,8 +10,8 @@
 namespace pierce::stages {
 
 /// How far points of a source move relative to a target until the next full pass, if they go on as
-/// their fits did in the last step. A change of shape is left out: its bound is that of the fastest
-/// vertex, and would make all other vertices be looked at.
+/// their fits, and the source's patches within it, did in the last step. Where the target changes
+/// its shape, its own vertices look ahead.
 struct Approach {
     Matrix3 turn;  ///< a point x of the source's space moves by turn * x + shift, in the target's
                    ///< fit
@@ -18,10 +20,15 @@ struct Approach {
     double most = 0;  ///< [length] no prediction looks further than this; zero: nothing is
                       ///< predicted
     bool known = false;  ///< if false, any point may move by `most`
+    std::uint8_t padding[3] = {};
+    float steps = 0;  ///< for how many steps a change of the source's shape goes on; zero: it has
+                      ///< none
 
-    /// How far outside the target a ball around `center`, in the source's space, is of interest.
-    PIERCE_HD double reach(Vec3d center, double radius) const {
-        return known ? min_of(length(turn * center + shift) + spin * radius, most) : most;
+    /// How far outside the target a ball around `center`, in the source's space, is of interest,
+    /// if its points move within the source by `change` at most in a step.
+    PIERCE_HD double reach(Vec3d center, double radius, double change = 0) const {
+        if (!known) return most;
+        return min_of(length(turn * center + shift) + spin * radius + steps * change, most);
     }
 };
 
@@ -41,6 +48,7 @@ PIERCE_HD inline Approach approach_of(const BodyView& source, const BodyView& ta
     a.most = source.reach + target.reach;
     a.known = true;
     if (source.motion == Motion::deforming) {  // its space is the world
+        a.steps = static_cast<float>(steps);
         const Frame to_fit = source.fit.inverse();
         a.shift += a.turn * to_fit.origin;
         a.turn = a.turn * to_fit.rotation;

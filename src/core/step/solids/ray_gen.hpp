@@ -155,7 +155,7 @@ struct GenerateRay {
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)
             ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]),
-                                           0);
+                                           0, bodies[d.source].shape_motion);
         if (settings.temporal == Temporal::certified) ray.outward = search_range(d, records[i]);
         rays[i] = ray;
     }

@@ -167,6 +167,24 @@ PIERCE_HD inline std::uint32_t first_bits(std::uint32_t count) {
     return count < 32 ? (1u << count) - 1u : ~0u;
 }
 
+/// Where deforming bodies' patches say how far they have moved (bounds.hpp).
+using SeenShapes = View<const View<SeenPatch>>;
+
+/// [length] How far vertices of a patch, or of a block of patches, have moved within their body in
+/// the last step; 0 if no prediction asks.
+PIERCE_HD inline double change_of_patch(SeenShapes seen, const DirectedPair& d,
+                                        std::uint32_t patch) {
+    return d.approach.steps > 0 ? static_cast<double>(seen[d.source][patch].motion) : 0.0;
+}
+PIERCE_HD inline double change_of_block(SeenShapes seen, const DirectedPair& d,
+                                        const MeshView& mesh, std::uint32_t block) {
+    double most = 0;
+    if (d.approach.steps > 0)
+        for (std::uint32_t k = 0; k < block_length(mesh, block); ++k)
+            most = max_of(change_of_patch(seen, d, block * constants::block_size + k), most);
+    return most;
+}
+
 /// Per block: the patches that may hold a vertex inside the target or touching it. With block
 /// records: patches that are still proved to be outside are not looked at again, and a walk pass
 /// keeps only those that were kept in the last step. Writes those records.
@@ -176,6 +194,7 @@ struct CullBlock {
     View<const DirectedPair> directed;
     View<const CullItem> blocks;
     Temporal temporal = Temporal::off;
+    SeenShapes seen;
     RecordsView last;
     View<BlockRecord> records;  ///< empty if steps do not remember
 
@@ -213,7 +232,8 @@ struct CullBlock {
             const BallsNearby<Share> balls(
                 bodies[d.target], d.to_fit, block.center, block.offsets, block.radius,
                 static_cast<double>(block.reach),
-                d.approach.reach(block.center, static_cast<double>(block.reach)));
+                d.approach.reach(block.center, static_cast<double>(block.reach),
+                                 change_of_block(seen, d, source.mesh, blocks[i].index)));
             mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
                 if (before != nullptr) mask &= expired(*before, d.odometer, all);
@@ -261,6 +281,7 @@ struct CullVertices {
     View<const DirectedPair> directed;
     View<const CullItem> patches;
     Temporal temporal = Temporal::off;
+    SeenShapes seen;
     RecordsView last;
     View<const std::uint32_t> links;          ///< per pair, to last step's
     View<const std::uint64_t> last_keys;      ///< of last step's contacts
@@ -291,8 +312,9 @@ struct CullVertices {
             const PatchBlock& block = source.blocks[p / constants::block_size];
             const Vec3d center = patch_center(source.blocks, p);
             const auto radius = static_cast<double>(block.radius[p % constants::block_size]);
-            const BallsNearby<Share> balls(bodies[d.target], d.to_fit, center, source.patches[p],
-                                           nullptr, radius, d.approach.reach(center, radius));
+            const BallsNearby<Share> balls(
+                bodies[d.target], d.to_fit, center, source.patches[p], nullptr, radius,
+                d.approach.reach(center, radius, change_of_patch(seen, d, p)));
             const std::uint32_t all = first_bits(patch_length(source.mesh, p));
             record.mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {

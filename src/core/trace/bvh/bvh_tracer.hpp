@@ -82,7 +82,8 @@ class BvhTracer {
 public:
     using Count = typename E::Count;
 
-    explicit BvhTracer(TreeBuilder builder = TreeBuilder::lbvh) : builder_(builder) {}
+    explicit BvhTracer(TreeOptions trees = {})
+        : builder_(trees.builder), rebuilds_(trees.rebuild) {}
 
     /// Decides which trees there must be. `bodies` are the bodies as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {
@@ -152,11 +153,12 @@ public:
     /// True if the next update builds trees.
     bool is_stale() const { return stale_; }
 
-    /// If a tree has decayed since the last call, the next update builds all of them.
+    /// If a tree has decayed since the last call, or trees are built in every step, the next update
+    /// builds all of them.
     TracerCounts counts(const E& executor) {
         if (total_.empty()) return counts_;
         const bvh::ForestWork total = executor.first(total_);
-        stale_ = stale_ || total.decayed != counts_.rebuilds;
+        stale_ = stale_ || rebuilds_ || total.decayed != counts_.rebuilds;
         counts_.rebuilds = total.decayed;
         counts_.refits = total.refits;
         counts_.triangle_tests = total.tests;
@@ -180,7 +182,7 @@ private:
 
     bvh::ForestPlan plan_;
     bvh::ForestBuilder<E> builder_;
-    bool stale_ = false;
+    bool rebuilds_ = false, stale_ = false;
     TracerCounts counts_;
     Buffer<bvh::Tree> trees_;
     Buffer<std::uint32_t> tree_of_body_, tree_of_leaf_;

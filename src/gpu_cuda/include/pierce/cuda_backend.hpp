@@ -11,6 +11,7 @@ namespace pierce {
 /// How steps run on the GPU.
 struct CudaOptions {
     TreeBuilder builder = TreeBuilder::trbvh;
+    bool rebuild = false;  ///< every step builds all trees anew; such steps are never a graph
     bool graph = true;  ///< true: steady steps run as one captured graph; false: stage after stage,
                         ///< each timed
 };

@@ -6,7 +6,7 @@
 #include "core/body/body_view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/trace/closest_search.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {
@@ -123,6 +123,10 @@ TEST(ApproachTest, ReachesAsFarAsPointsGo) {
         const double reach = approach.reach(in_space(center), radius);
         ASSERT_GE(reach, way - 1e-12) << "no point of a ball goes further than the ball's reach";
         tightest = std::min(reach - way, tightest);
+        const double change = random.uniform(0, 0.1);
+        ASSERT_NEAR(approach.reach(in_space(center), radius, change) - reach,
+                    source.motion == Motion::deforming ? steps * change : 0.0, 1e-12)
+            << "a change of the source's shape goes on as long";
     }
     EXPECT_LT(tightest, 1e-3);
 }

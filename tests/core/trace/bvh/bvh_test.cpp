@@ -17,7 +17,7 @@
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "core/trace/bvh/sah.hpp"
 #include "cpu_embree/tbb_executor.hpp"
-#include "scenes/shapes.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 #include "support/sweep_sah.hpp"
 
@@ -391,7 +391,7 @@ TEST_P(BvhTest, SharesATreeAmongRigidBodies) {
 TEST_P(BvhTest, HitsWhatBruteForceHits) {
     const Bodies bodies(many_meshes(random_));
     const std::vector<Ray> rays = random_rays(random_, bodies.views(), 100);
-    BvhTracer<SerialExecutor> tracer(GetParam());
+    BvhTracer<SerialExecutor> tracer({GetParam()});
     BruteForceTracer reference;
     EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
 }
@@ -428,7 +428,7 @@ TEST_P(BvhTest, TracesRaysThatMayCrossManyTriangles) {
             ray.excluded[0] = ray.excluded[1] = 0;
             rays.push_back(ray);
         }
-        BvhTracer<SerialExecutor> tracer(GetParam());
+        BvhTracer<SerialExecutor> tracer({GetParam()});
         BruteForceTracer reference;
         EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays))
             << sides << " sides";
@@ -447,7 +447,7 @@ TEST_P(BvhTest, FindsTheClosestTrianglesOfBruteForce) {
                                  view_of(rays), view_of(triangles));
         return triangles;
     };
-    EXPECT_EQ(measure(BvhTracer<SerialExecutor>(GetParam())), measure(BruteForceTracer()));
+    EXPECT_EQ(measure(BvhTracer<SerialExecutor>({GetParam()})), measure(BruteForceTracer()));
 }
 
 TEST_P(BvhTest, IsTheSameFromEveryExecutor) {
@@ -569,7 +569,7 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
     };
     for (TreeBuilder how : builders) {
         SCOPED_TRACE(static_cast<int>(how));
-        BvhTracer<SerialExecutor> tracer(how);
+        BvhTracer<SerialExecutor> tracer({how});
         BruteForceTracer reference;
         const SerialExecutor executor;
         std::ranges::sort(order);

@@ -3,6 +3,7 @@
 #include <btBulletCollisionCommon.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,9 +23,11 @@ enum class Baseline {
 class BaselineShape {
 public:
     /// `convex_pieces` are the point sets whose hulls make up the mesh; only gjk_epa uses them, and
-    /// it throws InputError if there are none.
+    /// it throws InputError if there are none. `margin` [length] is that around hulls; none:
+    /// Bullet's own, 0.04.
     BaselineShape(Baseline method, const std::string& name, const MeshData& mesh,
-                  std::span<const std::vector<Vec3f>> convex_pieces);
+                  std::span<const std::vector<Vec3f>> convex_pieces,
+                  std::optional<double> margin = {});
     /// The half space below the mesh's highest point along z.
     static BaselineShape ground(const MeshData& mesh);
     ~BaselineShape();

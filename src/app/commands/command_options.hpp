@@ -1,0 +1,104 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "app/commands/commands.hpp"
+
+/// Groups of options that several commands have.
+namespace pierce::app {
+
+inline const std::map<std::string, bool> switches{{"on", true}, {"off", false}};
+
+/// Refuses what is no positive, finite number.
+inline const CLI::Validator positive_number(
+    [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) &&
+                          value > 0;
+        return good ? std::string() : "must be a positive number, got " + text;
+    },
+    "POSITIVE");
+
+/// What is looked for, and where contacts end.
+inline void add_coverage(CLI::App& command, Settings& settings) {
+    static const std::map<std::string, Coverage> coverages{{"vertices", Coverage::vertices},
+                                                           {"complete", Coverage::complete}};
+    command
+        .add_option_function<std::string>(
+            "--coverage",
+            [&settings](const std::string& name) { settings.coverage = coverages.at(name); },
+            "what is looked for inside other bodies: vertices (the default), or complete, with "
+            "edges and whole bodies")
+        ->check(CLI::IsMember({"vertices", "complete"}));
+    command
+        .add_option_function<std::string>(
+            "--reproject",
+            [&settings](const std::string& name) { settings.reproject = switches.at(name); },
+            "move contacts to the closest point of the other surface: on or off (the default)")
+        ->check(CLI::IsMember({"on", "off"}));
+}
+
+/// What rays remember of the last step.
+inline void add_temporal(CLI::App& command, Settings& settings) {
+    static const std::map<std::string, Temporal> modes{
+        {"off", Temporal::off}, {"paper", Temporal::paper}, {"certified", Temporal::certified}};
+    command
+        .add_option_function<std::string>(
+            "--temporal",
+            [&settings](const std::string& mode) { settings.temporal = modes.at(mode); },
+            "what rays remember of the last step: off, paper or certified (the default)")
+        ->check(CLI::IsMember({"off", "paper", "certified"}));
+    command
+        .add_option_function<std::string>(
+            "--predict",
+            [&settings](const std::string& mode) { settings.predict = switches.at(mode); },
+            "with --temporal paper, look ahead for vertices about to enter: on or off")
+        ->check(CLI::IsMember({"on", "off"}));
+    command
+        .add_option("--full-every", settings.full_every,
+                    "with --temporal paper, steps between full passes of a pair")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+}
+
+/// Backend, threads, coverage and memory.
+inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
+    command
+        .add_option("--backend", rays.backend,
+                    "automatic (cuda if it can run here, else embree), embree, cuda, bvh or "
+                    "reference; for rays")
+        ->capture_default_str();
+    command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
+        ->check(CLI::Range(1, 1024));
+    add_coverage(command, rays.world);
+    add_temporal(command, rays.world);
+}
+
+inline void add_detection(CLI::App& command, DetectionOptions& options) {
+    command
+        .add_option("--method", options.method,
+                    "rays, gjk-epa, gjk-hull, gimpact or bullet-clusters")
+        ->capture_default_str();
+    add_rays(command, options.rays);
+    command.add_option("--json", options.json, "write settings, summary and every frame to FILE")
+        ->type_name("FILE");
+}
+
+/// The scene, and how large it is.
+inline void add_scene(CLI::App& command, RunOptions& options) {
+    command.add_option("scene", options.scene, "name of a scene, see 'pierce scenes'")->required();
+    command.add_option("--count", options.count, "falling bodies")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1000000u));
+    command.add_flag("--soft", options.soft, "falling bodies deform");
+    command.add_option("--seed", options.seed, "of the bodies' rotations")->capture_default_str();
+    command
+        .add_option("--nodes", options.nodes,
+                    "of a sheet, vertices along a side; the scene's own number if not given")
+        ->check(CLI::Range(2u, 10000u));
+}
+
+}  // namespace pierce::app

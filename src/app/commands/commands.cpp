@@ -1,0 +1,282 @@
+#include "app/commands/commands.hpp"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/measure/compare.hpp"
+#include "app/output/detection_json.hpp"
+#include "app/output/frame_log.hpp"
+#include "app/output/json_file.hpp"
+#include "app/output/picture.hpp"
+#include "app/output/progress.hpp"
+#include "app/output/provenance.hpp"
+#include "app/reports/paper/table_4.hpp"
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
+#include "scenes/detect/detector.hpp"
+#include "scenes/files/mesh_io.hpp"
+#include "scenes/recording/recording.hpp"
+#include "scenes/simulate/simulation.hpp"
+
+namespace pierce::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using scenes::FrameResult;
+
+constexpr std::uint32_t demo_stride = 4;  // GJK/EPA replays every fourth frame, to keep the demo
+                                          // short
+
+json detection_json(const DetectionOptions& options) {
+    json result = rays_json(options.rays);
+    result["method"] = options.method;
+    return result;
+}
+
+void write_last_picture(World& world, const scenes::SceneSetup& scene, const fs::path& file) {
+    const std::vector<BodyId> ground = ground_of(scene);
+    write_picture(world, ground, {.around = box_of_bodies(world, ground)}, file);
+}
+
+void require_rays(World* world, const fs::path& png) {
+    if (world == nullptr && !png.empty())
+        throw InputError("--png and --pictures need --method rays: they trace the pictures");
+}
+
+scenes::SceneSetup scene_of(const RunOptions& options) {
+    return scenes::make_scene(options.scene,
+                              {options.count, options.soft, options.seed, options.nodes});
+}
+
+bool has_own_size(const scenes::SceneSetup& scene) {
+    return std::ranges::any_of(
+        scene.bodies, [](const scenes::SceneBody& b) { return b.collision != Collision{}; });
+}
+
+std::uint32_t step_count(double seconds, double dt) {
+    return std::max(1u, static_cast<std::uint32_t>(std::lround(seconds / dt)));
+}
+
+}  // namespace
+
+int list_scenes() {
+    for (const scenes::SceneInfo& info : scenes::scene_list())
+        fmt::print("{:<13} {}\n", info.name, info.description);
+    return 0;
+}
+
+int show_plan(const RunOptions& options) {
+    const scenes::SceneSetup setup = scene_of(options);
+    scenes::SceneWorld scene(setup, options.detection.rays);
+    const Plan& plan = scene.world.plan();
+    fmt::print("bodies    {} fixed, {} rigid, {} deforming; {} of them open\n", plan.fixed_bodies,
+               plan.rigid_bodies, plan.deforming_bodies, plan.open_bodies);
+    fmt::print("stages   ");
+    for (StageId stage : plan.stages) fmt::print(" {}", name_of(stage));
+    fmt::print("\nbounds    {}\n", plan.measures_deformation
+                                       ? "poses of rigid bodies, vertices of deforming ones"
+                                       : "poses only: no vertex is looked at");
+    fmt::print("update    {}\n",
+               plan.measures_deformation
+                   ? "one static tree per mesh, one refitted tree per deforming body"
+                   : "one static tree per mesh, built once");
+    fmt::print("classify  {}\n",
+               plan.traces_own_exits
+                   ? "own exits traced for contacts of deforming sources and of edges"
+                   : "own exits looked up: they were traced once per mesh");
+    fmt::print("remembers {}\n", !plan.remembers() ? "nothing: every step stands alone"
+                                 : plan.settings.temporal == Temporal::paper
+                                     ? "hits, and walks on from them between full passes"
+                                     : "hits and proofs, and leaves out what they make needless");
+    for (const std::string& note : plan.notes) fmt::print("note      {}\n", note);
+    return 0;
+}
+
+int run(const RunOptions& options) {
+    const scenes::SceneSetup scene = scene_of(options);
+    const double dt = options.dt > 0 ? options.dt : scene.dt;
+    scenes::Simulation simulation(scene, scenes::method_named(options.detection.method),
+                                  options.detection.rays);
+    require_rays(simulation.world(), options.png);
+    check_writable(options.png);
+    check_writable(options.detection.json);
+    scenes::Recording recording = scenes::start_recording(scene, dt);
+
+    FrameLog log;
+    const std::uint32_t steps = step_count(options.seconds, dt);
+    {
+        Progress progress("simulating", steps);
+        for (std::uint32_t i = 0; i < steps; ++i) {
+            log.add(simulation.step(dt));
+            if (!options.record.empty()) simulation.record(recording);
+            progress.show(i + 1);
+        }
+    }
+    const std::string bodies = has_own_size(scene) ? fmt::format("{} bodies", scene.bodies.size())
+                                                   : fmt::format("{} {} bodies", options.count,
+                                                                 options.soft ? "soft" : "rigid");
+    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt,
+               options.detection.method);
+    fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
+    log.print();
+
+    if (!options.record.empty()) scenes::write_recording(recording, options.record);
+    if (!options.png.empty()) write_last_picture(*simulation.world(), scene, options.png);
+    if (!options.detection.json.empty()) {
+        json settings = detection_json(options.detection);
+        settings.update({{"command", "run"},
+                         {"scene", options.scene},
+                         {"count", options.count},
+                         {"soft", options.soft},
+                         {"seconds", options.seconds},
+                         {"dt", dt},
+                         {"seed", options.seed},
+                         {"nodes", options.nodes}});
+        log.write_json(options.detection.json, settings);
+    }
+    return 0;
+}
+
+int replay(const ReplayOptions& options) {
+    scenes::Recording recording = scenes::read_recording(options.folder);
+    if (options.deforming) recording = scenes::as_deforming(recording);
+    scenes::SceneSetup scene = scenes::scene_of(recording);
+    const scenes::Method method = scenes::method_named(options.detection.method);
+    if (method == scenes::Method::gjk_epa) add_convex_pieces(scene);
+    const auto detector = scenes::make_detector(scene, method, options.detection.rays);
+    require_rays(detector->world(), options.png);
+    require_rays(detector->world(), options.pictures);
+    check_writable(options.png);
+    check_writable(options.detection.json);
+
+    const std::vector<BodyId> ground = ground_of(scene);
+    Shot shot;
+    if (!options.pictures.empty() && recording.frame_count > 0) {
+        // All pictures show the place where the bodies end, which a world of its own finds out.
+        fs::create_directories(options.pictures);
+        const auto ahead = scenes::make_detector(scene, method, options.detection.rays);
+        scenes::put_frame(*ahead, recording, recording.frame_count - 1);
+        shot.deepest = ahead->detect().penetration_max;
+        shot.around = box_of_bodies(*ahead->world(), ground);
+        shot.contacts = true;
+    }
+    FrameLog log;
+    {
+        Progress progress("replaying", recording.frame_count);
+        for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
+            scenes::put_frame(*detector, recording, f);
+            log.add(detector->detect());
+            if (!options.pictures.empty())
+                write_picture(*detector->world(), ground, shot,
+                              options.pictures / fmt::format("{:05}.png", f));
+            progress.show(f + 1);
+        }
+    }
+    fmt::print("{}: {} bodies, {} frames, method {}", options.folder.string(),
+               recording.bodies.size(), recording.frame_count, options.detection.method);
+    fmt::print("{}\n", detector->world() != nullptr ? ", " + detector->world()->backend() : "");
+    log.print();
+
+    if (!options.png.empty()) write_last_picture(*detector->world(), scene, options.png);
+    if (!options.detection.json.empty()) {
+        json settings = detection_json(options.detection);
+        settings.update({{"command", "replay"},
+                         {"folder", options.folder.filename().string()},
+                         {"deforming", options.deforming},
+                         {"dt", recording.dt}});
+        log.write_json(options.detection.json, settings);
+    }
+    return 0;
+}
+
+int detect(const DetectOptions& options) {
+    World world(scenes::make_backend(options.detection.rays), options.detection.rays.world);
+    std::vector<std::string> names;
+    for (const fs::path& file : options.meshes) {
+        const MeshId mesh = world.add_mesh(file.string(), scenes::read_mesh(file));
+        world.add_rigid_body(mesh);
+        names.push_back(file.string());
+    }
+    check_writable(options.detection.json);
+    for (const std::string& note : world.plan().notes) fmt::print("note: {}\n", note);
+    const StepStats& stats = world.detect();
+
+    json list = json::array();
+    const auto contacts = world.contacts();
+    for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
+        double deepest = 0, sum = 0;
+        for (; end < contacts.size() && contacts[end].a == contacts[begin].a &&
+               contacts[end].b == contacts[begin].b;
+             ++end) {
+            deepest = std::max(deepest, contacts[end].penetration_depth());
+            sum += contacts[end].penetration_depth();
+        }
+        fmt::print("{} and {}: {} contacts, depth mean {:.6g}, max {:.6g}\n",
+                   names[contacts[begin].a.index], names[contacts[begin].b.index], end - begin,
+                   sum / static_cast<double>(end - begin), deepest);
+    }
+    for (const Contact& c : contacts) list.push_back(contact_json(c));
+    fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n",
+               stats.contacts, stats.touching_pairs, stats.pairs, stats.rays, stats.milliseconds,
+               world.backend());
+    if (!options.detection.json.empty())
+        write_json_file(options.detection.json, {{"machine", machine_json()},
+                                                 {"versions", versions_json()},
+                                                 {"bodies", names},
+                                                 {"contacts", list}});
+    return 0;
+}
+
+int demo(const fs::path& png) {
+    const RunOptions options{.scene = "tori",
+                             .count = 100,
+                             .soft = false,
+                             .seconds = 10,
+                             .dt = 1.0 / 60,
+                             .seed = 1,
+                             .nodes = 0,
+                             .record = {},
+                             .png = png,
+                             .detection = {}};
+    check_writable(png);
+    const scenes::SceneSetup scene = scene_of(options);
+    scenes::Simulation simulation(scene, scenes::Method::rays, options.detection.rays);
+    scenes::Recording recording = scenes::start_recording(scene, options.dt);
+    const std::uint32_t steps = step_count(options.seconds, options.dt);
+    fmt::print("100 tori of 600 triangles fall on a plane: {} steps, contacts by rays, {}\n", steps,
+               simulation.world()->backend());
+    FrameLog all, rays, gjk;
+    {
+        Progress progress("rays", steps);
+        for (std::uint32_t i = 0; i < steps; ++i) {
+            // The motion is recorded as detection sees it: before the solver moves the bodies on.
+            simulation.record(recording);
+            const FrameResult& result = simulation.step(options.dt);
+            all.add(result);
+            if (i % demo_stride == 0) rays.add(result);
+            progress.show(i + 1);
+        }
+    }
+    all.print();
+
+    const auto detector = scenes::make_detector(scene, scenes::Method::gjk_epa);
+    {
+        Progress progress("GJK/EPA", steps);
+        for (std::uint32_t f = 0; f < steps; f += demo_stride) {
+            scenes::put_frame(*detector, recording, f);
+            gjk.add(detector->detect());
+            progress.show(f + 1);
+        }
+    }
+    fmt::print("\nTable 4 of the paper, 100 tori\n");
+    print_table_4(rays, gjk);
+    write_last_picture(*simulation.world(), scene, png);
+    fmt::print("\npicture: {}\n", fs::absolute(png).string());
+    return 0;
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pierce::app {
+
+struct CompareOptions {
+    std::filesystem::path folder;
+    std::vector<std::string> methods;  ///< empty: all
+    int threads = 1;
+    std::uint32_t every = 4;  ///< truth is made for every such frame
+    std::filesystem::path json, plots;
+};
+
+/// The command. Returns the process's exit code.
+int compare_recording(const CompareOptions& options);
+
+}  // namespace pierce::app

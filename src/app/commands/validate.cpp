@@ -1,0 +1,238 @@
+#include "app/commands/validate.hpp"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+#include "app/commands/commands.hpp"
+#include "app/measure/compare.hpp"
+#include "app/output/detection_json.hpp"
+#include "app/output/frame_log.hpp"
+#include "app/output/json_file.hpp"
+#include "app/output/progress.hpp"
+#include "app/output/provenance.hpp"
+#include "pierce/error.hpp"
+#include "scenes/measure/validation.hpp"
+#include "scenes/simulate/simulation.hpp"
+
+namespace pierce::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using scenes::Validation;
+using scenes::WrongContact;
+
+/// Vertices times triangles that brute force takes in its stride: more than 100 bunnies of 902
+/// triangles have.
+constexpr double reference_limit = 1e8;
+/// So many wrong contacts are printed; all of them are in the JSON file.
+constexpr std::size_t printed_contacts = 20;
+
+scenes::Recording simulate(const ValidateOptions& options) {
+    constexpr double dt = 1.0 / 60;
+    const RunOptions defaults;
+    const scenes::SceneSetup scene = scenes::make_scene(
+        options.input, {options.count.value_or(defaults.count), options.soft, defaults.seed});
+    scenes::Simulation simulation(scene, scenes::Method::rays);
+    scenes::Recording recording = scenes::start_recording(scene, dt);
+    const auto steps = static_cast<std::uint32_t>(
+        std::max(1.0, options.seconds.value_or(defaults.seconds) / dt + 0.5));
+    Progress progress("simulating", steps);
+    for (std::uint32_t i = 0; i < steps; ++i) {
+        simulation.record(recording);
+        simulation.step(dt);
+        progress.show(i + 1);
+    }
+    return recording;
+}
+
+scenes::Recording frames_of(const ValidateOptions& options) {
+    if (std::ranges::find(scenes::scene_list(), options.input, &scenes::SceneInfo::name) !=
+        scenes::scene_list().end())
+        return simulate(options);
+    if (!fs::is_directory(options.input))
+        throw InputError("'" + options.input +
+                         "' is neither a scene, see 'pierce scenes', nor a recording's folder");
+    if (options.count || options.soft || options.seconds)
+        throw InputError("--count, --soft and --seconds are for scenes, not for recordings");
+    return scenes::read_recording(options.input);
+}
+
+bool is_small(const scenes::Recording& recording) {
+    double vertices = 0, triangles = 0;
+    for (const scenes::RecordedBody& body : recording.bodies) {
+        const MeshData& mesh = recording.meshes[body.mesh].data;
+        vertices += static_cast<double>(mesh.positions.size());
+        triangles = std::max(triangles, static_cast<double>(mesh.triangles.size()));
+    }
+    return vertices * triangles <= reference_limit;
+}
+
+std::vector<scenes::Candidate> asked_for(const std::vector<std::string>& backends) {
+    std::vector<scenes::Candidate> candidates;
+    candidates.reserve(backends.size());
+    for (const std::string& name : backends)
+        candidates.push_back({name, scenes::make_backend({name})});
+    return candidates;
+}
+
+/// The backends that can run here, and the reasons for those left out.
+std::vector<scenes::Candidate> all_for(const scenes::Recording& recording,
+                                       std::vector<std::string>& left_out) {
+    std::vector<scenes::Candidate> candidates;
+    for (const std::string name : {"reference", "bvh", "embree", "cuda"}) {
+        if (name == "reference" && !is_small(recording)) {
+            left_out.push_back(name +
+                               ": brute force takes long on a scene of this size; --backends runs "
+                               "it all the same");
+            continue;
+        }
+        try {
+            candidates.push_back({name, scenes::make_backend({name})});
+        } catch (const InputError& error) {
+            left_out.push_back(name + ": " + error.what());
+        }
+    }
+    return candidates;
+}
+
+std::string describe(const std::optional<Contact>& contact) {
+    if (!contact) return "no contact";
+    return fmt::format("triangle {}, depth {:.9g}", contact->triangle,
+                       contact->penetration_depth());
+}
+
+void print(const WrongContact& wrong, const Validation& validation) {
+    const Contact& c = wrong.difference.subject();
+    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index,
+                        target = (c.source == Side::a ? c.b : c.a).index;
+    fmt::print("  frame {}, {} {} of body {} against body {}: {} has {}; right is {}{}\n",
+               wrong.frame, c.is_edge() ? "edge" : "vertex", c.is_edge() ? c.edge : c.vertex,
+               source, target, validation.results[wrong.candidate].name,
+               describe(wrong.difference.found), describe(wrong.difference.right),
+               wrong.near_tie ? " (a near tie)" : "");
+}
+
+void print(const Validation& validation) {
+    fmt::print("  {:<11}{:>8}{:>12}{:>14}{:>16}{:>11}\n", "backend", "frames", "contacts",
+               "wrong frames", "wrong contacts", "ms median");
+    for (const Validation::Result& r : validation.results)
+        fmt::print("  {:<11}{:>8}{:>12}{:>14}{:>16}{:>11.3f}  {}\n", r.name, validation.frames,
+                   r.contacts, r.wrong_frames, r.wrong_contacts, spread_of(r.ms).median,
+                   r.description);
+    for (std::size_t i = 0; i < std::min(validation.wrong.size(), printed_contacts); ++i)
+        print(validation.wrong[i], validation);
+    if (validation.wrong.size() > printed_contacts)
+        fmt::print("  and {} more\n", validation.wrong.size() - printed_contacts);
+}
+
+/// What all backends found in one mode.
+struct ModeResult {
+    std::string mode;
+    Validation validation;
+};
+
+std::string verdict(const ModeResult& result) {
+    const Validation& validation = result.validation;
+    std::string text = fmt::format("{}: backends differ in {} of {} frames", result.mode,
+                                   validation.differing_frames, validation.frames);
+    for (const Validation::Result& r : validation.results)
+        if (r.wrong_contacts > 0)
+            text += fmt::format("; {} is wrong about {} contacts, {} of them near ties", r.name,
+                                r.wrong_contacts, r.near_ties);
+    return text;
+}
+
+bool agree(const ModeResult& result) { return result.validation.differing_frames == 0; }
+
+std::string verdict(const std::vector<ModeResult>& results) {
+    std::string text;
+    for (const ModeResult& result : results)
+        if (!agree(result)) text += (text.empty() ? "" : "\n") + verdict(result);
+    return text.empty() ? "all backends have the same contacts in every frame" : text;
+}
+
+Settings settings_of(const ValidateOptions& options, const std::string& mode) {
+    const Settings& remembering = compared_method_named(mode).settings;
+    Settings settings = options.world;
+    settings.temporal = remembering.temporal;
+    settings.predict = remembering.predict;
+    return settings;
+}
+
+json to_json(const std::optional<Contact>& contact) {
+    return contact ? contact_json(*contact) : json();
+}
+
+json to_json(const ModeResult& result) {
+    const Validation& validation = result.validation;
+    json backends = json::array(), wrong = json::array();
+    for (const Validation::Result& r : validation.results) {
+        const Spread ms = spread_of(r.ms);
+        backends.push_back({{"backend", r.name},
+                            {"description", r.description},
+                            {"contacts", r.contacts},
+                            {"wrong_frames", r.wrong_frames},
+                            {"wrong_contacts", r.wrong_contacts},
+                            {"near_ties", r.near_ties},
+                            {"ms", {{"median", ms.median}, {"p95", ms.p95}, {"max", ms.max}}}});
+    }
+    for (const WrongContact& w : validation.wrong)
+        wrong.push_back({{"frame", w.frame},
+                         {"backend", validation.results[w.candidate].name},
+                         {"near_tie", w.near_tie},
+                         {"found", to_json(w.difference.found)},
+                         {"right", to_json(w.difference.right)}});
+    return {{"mode", result.mode},
+            {"frames", validation.frames},
+            {"differing_frames", validation.differing_frames},
+            {"backends", backends},
+            {"wrong", wrong}};
+}
+
+}  // namespace
+
+int validate(const ValidateOptions& options) {
+    check_writable(options.json);
+    asked_for(options.backends);  // refuses unknown names before anything is simulated
+    const scenes::Recording recording = frames_of(options);
+    std::vector<std::string> left_out;
+    std::vector<ModeResult> results;
+    for (const std::string& mode : options.modes) {
+        left_out.clear();
+        std::vector<scenes::Candidate> candidates = options.backends.empty()
+                                                        ? all_for(recording, left_out)
+                                                        : asked_for(options.backends);
+        Progress progress("validating " + mode, recording.frame_count);
+        results.push_back(
+            {mode, scenes::validate(recording, std::move(candidates), settings_of(options, mode),
+                                    options.every, [&](std::uint32_t n) { progress.show(n); })});
+    }
+    fmt::print("{}: {} bodies, {} of {} frames\n", options.input, recording.bodies.size(),
+               results.front().validation.frames, recording.frame_count);
+    for (const ModeResult& result : results) {
+        fmt::print(" {}\n", result.mode);
+        print(result.validation);
+    }
+    for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
+    fmt::print("{}\n", verdict(results));
+    if (!options.json.empty()) {
+        json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
+        for (const char* of_mode : {"backend", "temporal", "predict"}) settings.erase(of_mode);
+        settings.update(
+            {{"command", "validate"}, {"input", options.input}, {"every", options.every}});
+        json modes = json::array();
+        for (const ModeResult& result : results) modes.push_back(to_json(result));
+        write_json_file(options.json, {{"modes", modes},
+                                       {"machine", machine_json()},
+                                       {"versions", versions_json()},
+                                       {"settings", settings},
+                                       {"left_out", left_out},
+                                       {"verdict", verdict(results)}});
+    }
+    return std::ranges::all_of(results, agree) ? 0 : 1;
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,92 @@
+#include "app/measure/truth_program.hpp"
+
+#include <fmt/core.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
+
+#include "pierce/error.hpp"
+
+namespace pierce::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// In this program's folder.
+fs::path truth_program() {
+    return fs::read_symlink("/proc/self/exe").parent_path() / "pierce_truth";
+}
+
+void run_truth_program(std::vector<std::string> arguments) {
+    check_truth_program();
+    arguments.insert(arguments.begin(), truth_program().string());
+    std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_t child = 0;
+    int status = 0;
+    if (posix_spawn(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0 ||
+        waitpid(child, &status, 0) != child || status != 0)
+        throw InputError("pierce_truth failed");
+}
+
+/// A folder of this process, empty at first, that goes away with it.
+class TemporaryFolder {
+public:
+    TemporaryFolder()
+        : path_(fs::temp_directory_path() / fmt::format("pierce_truth_{}", getpid())) {
+        fs::remove_all(path_);
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+    const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
+
+}  // namespace
+
+void check_truth_program() {
+    if (!fs::exists(truth_program()))
+        throw InputError(
+            "the truth is made by pierce_truth, which is not beside this program: build with "
+            "PIERCE_BENCH=ON");
+}
+
+std::vector<scenes::TrueFrame> truth_of(const fs::path& folder, std::uint32_t every,
+                                        bool pairs_only) {
+    const fs::path file = folder / "truth.json";
+    if (!fs::exists(file)) {
+        std::vector<std::string> arguments{folder.string(), "--every", std::to_string(every)};
+        if (pairs_only) arguments.emplace_back("--pairs-only");
+        run_truth_program(std::move(arguments));
+    }
+    return scenes::read_truth(file);
+}
+
+std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every,
+                                        bool pairs_only) {
+    const TemporaryFolder folder;
+    scenes::write_recording(recording, folder.path());
+    return truth_of(folder.path(), every, pairs_only);
+}
+
+std::vector<scenes::TrueSheetFrame> sheet_truth_of(const scenes::Recording& recording,
+                                                   std::uint32_t every) {
+    const TemporaryFolder folder;
+    scenes::write_recording(recording, folder.path());
+    run_truth_program({folder.path().string(), "--sheets", "--every", std::to_string(every)});
+    return scenes::read_sheet_truth(folder.path() / "sheets.json");
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,48 @@
+#include "app/output/detection_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace pierce::app {
+namespace {
+
+constexpr const char* temporal_names[] = {"off", "paper", "certified"};
+constexpr const char* coverage_names[] = {"vertices", "complete"};
+constexpr const char* found_names[] = {"full",     "walk",       "prediction", "self",      "near",
+                                       "crossing", "remembered", "tangled",    "separation"};
+
+}  // namespace
+
+using nlohmann::json;
+
+json xyz(Vec3d v) { return {v.x, v.y, v.z}; }
+
+json rays_json(const scenes::RaySettings& rays) {
+    const Settings& settings = rays.world;
+    return {{"backend", rays.backend},
+            {"threads", rays.threads},
+            {"temporal", temporal_names[static_cast<int>(settings.temporal)]},
+            {"predict", settings.predict},
+            {"full_every", settings.full_every},
+            {"coverage", coverage_names[static_cast<int>(settings.coverage)]},
+            {"reproject", settings.reproject}};
+}
+
+json contact_json(const Contact& c) {
+    json result{{"a", c.a.index},
+                {"b", c.b.index},
+                {"source", c.source == Side::a ? "a" : "b"},
+                {"vertex", c.vertex},
+                {"triangle", c.triangle},
+                {"barycentric", c.barycentric},
+                {"point_a", xyz(c.point_a)},
+                {"point_b", xyz(c.point_b)},
+                {"normal", xyz(c.normal)},
+                {"distance", c.distance},
+                {"grazing", c.grazing},
+                {"reprojected", c.reprojected},
+                {"found", found_names[static_cast<int>(c.found)]}};
+    if (c.is_edge()) result.update({{"edge_end", c.edge_end}, {"along", c.along}});
+    return result;
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+namespace pierce::app {
+
+/// Throws InputError if the file cannot be written.
+void write_json_file(const std::filesystem::path& file, const nlohmann::json& content);
+
+/// Throws InputError if a file that is to be written at the end, empty for none, cannot be: a long
+/// run shall not end so.
+void check_writable(const std::filesystem::path& file);
+
+}  // namespace pierce::app

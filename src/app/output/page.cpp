@@ -1,0 +1,65 @@
+#include "app/output/page.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/output/provenance.hpp"
+#include "app/output/self_contained.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void write_text(const fs::path& file, const std::string& text) {
+    std::ofstream out(file);
+    out << text;
+    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+}
+
+}  // namespace
+
+Page::Page(const fs::path& folder, const std::string& title, const nlohmann::json& settings)
+    : folder_(folder), title_(title) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw InputError("cannot make folder '" + folder.string() + "': " + error.message());
+    const nlohmann::json made_with{
+        {"machine", machine_json()}, {"versions", versions_json()}, {"settings", settings}};
+    made_with_ = made_with.dump();
+    line("# {}\n", title);
+    line("| | |\n|---|---|");
+    for (const auto& [part, values] : made_with.items())
+        for (const auto& [key, value] : values.items())
+            line("| {} | {} |", key, value.is_string() ? value.get<std::string>() : value.dump());
+    line("");
+    // A long run shall not end with a page that cannot be written.
+    write_text(folder_ / "report.md", text_);
+}
+
+void Page::csv(const Table& table, const std::string& name) const {
+    table.write_csv(folder_ / (name + ".csv"), made_with_);
+}
+
+void Page::picture(const std::string& name, const std::string& caption) {
+    line("\n![{}]({})\n", caption, name);
+}
+
+void Page::close() {
+    const fs::path markdown = folder_ / "report.md", html = folder_ / "report.html";
+    write_text(markdown, text_);
+    write_text(html, self_contained_html(title_, text_, folder_));
+    fmt::print("report: {}\nin one file: {}\n", fs::absolute(markdown).string(),
+               fs::absolute(html).string());
+}
+
+void Page::show(bool drawn, const std::string& name) {
+    if (drawn)
+        picture(name + ".svg", name);
+    else
+        line("\n[{0}.csv]({0}.csv) (no picture: gnuplot is not installed)\n", name);
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,201 @@
+#include "app/output/plot.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "pierce/error.hpp"
+
+namespace pierce::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A file begins with what it was made with, as a comment.
+void begin_csv(std::ofstream& out, const std::string& made_with) {
+    if (!made_with.empty()) out << "# " << made_with << '\n';
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells;
+    std::istringstream parts(line);
+    for (std::string cell; std::getline(parts, cell, ',');) cells.push_back(cell);
+    return cells;
+}
+
+/// Labels may hold commas, which a cell may not.
+std::string as_cell(std::string label) {
+    std::ranges::replace(label, ',', ';');
+    return label;
+}
+
+}  // namespace
+
+void Table::write_csv(const fs::path& file, const std::string& made_with_now) const {
+    std::ofstream out(file);
+    begin_csv(out, made_with_now);
+    if (!labels.empty()) out << "row,";
+    for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << names[c];
+    out << '\n';
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        if (!labels.empty()) out << as_cell(labels[r]) << ',';
+        for (std::size_t c = 0; c < rows[r].size(); ++c)
+            out << (c > 0 ? "," : "") << fmt::format("{:.6g}", rows[r][c]);
+        out << '\n';
+    }
+    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+}
+
+Table Table::read_csv(const fs::path& file) {
+    std::ifstream in(file);
+    Table table;
+    bool labelled = false;
+    for (std::string line; std::getline(in, line);) {
+        if (line.starts_with("# ")) {
+            table.made_with = line.substr(2);
+            continue;
+        }
+        std::vector<std::string> cells = cells_of(line);
+        if (table.names.empty()) {
+            labelled = !cells.empty() && cells[0] == "row";
+            table.names.assign(cells.begin() + (labelled ? 1 : 0), cells.end());
+            continue;
+        }
+        if (cells.size() != table.names.size() + (labelled ? 1 : 0))
+            throw InputError("'" + file.string() + "' has a line of another length: " + line);
+        if (labelled) table.labels.push_back(cells[0]);
+        std::vector<double>& row = table.rows.emplace_back();
+        for (std::size_t c = labelled ? 1 : 0; c < cells.size(); ++c) {
+            char* end = nullptr;
+            row.push_back(std::strtod(cells[c].c_str(), &end));
+            if (end == cells[c].c_str() || *end != 0)
+                throw InputError("'" + file.string() + "' has no number in '" + cells[c] + "'");
+        }
+    }
+    if (table.names.empty()) throw InputError("cannot read '" + file.string() + "'");
+    return table;
+}
+
+namespace {
+
+/// Text in gnuplot's quotes.
+std::string quoted(const std::string& text) {
+    std::string result = "'";
+    for (char c : text) {
+        if (c == '\'') result += '\'';
+        result += c;
+    }
+    return result + "'";
+}
+
+bool run_gnuplot(const std::string& script) {
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return false;
+    std::FILE* pipe = popen("gnuplot", "w");
+    if (pipe == nullptr) return false;
+    std::fputs(script.c_str(), pipe);
+    return pclose(pipe) == 0;
+}
+
+std::string head(const std::string& title, const std::string& x, const std::string& y,
+                 const fs::path& svg) {
+    return "set terminal svg size 720,440 font 'sans,13' background 'white'\nset output " +
+           quoted(svg.string()) + "\nset datafile separator ','\nset title " + quoted(title) +
+           " noenhanced\nset xlabel " + quoted(x) + " noenhanced\nset ylabel " + quoted(y) +
+           " noenhanced\n";
+}
+
+}  // namespace
+
+bool write_plot(const Curves& curves, const fs::path& folder, const std::string& name,
+                const std::string& made_with) {
+    const fs::path csv = folder / (name + ".csv");
+    curves.table.write_csv(csv, made_with);
+    std::string script = head(curves.title, curves.x, curves.y, folder / (name + ".svg")) +
+                         "set key outside bottom center horizontal noenhanced\nset grid\n";
+    if (curves.log_x) script += "set logscale x 2\nset format x '%g'\n";
+    double bottom = 0;
+    if (curves.log_y) {
+        double least = 1;
+        for (const auto& row : curves.table.rows)
+            for (std::size_t c = 1; c < row.size(); ++c)
+                if (row[c] > 0) least = std::min(least, row[c]);
+        bottom = least / 10;
+        script += "set logscale y\nset format y '%g'\n";
+    }
+    script += fmt::format("set yrange [{:g}:*]\nplot ", bottom);
+    for (std::size_t c = 1; c < curves.table.names.size(); ++c)
+        script += fmt::format(
+            "{0}{1} using 1:(${2} > {3:g} ? ${2} : {3:g}) with lines lw 2 title {4}",
+            c > 1 ? ", " : "", quoted(csv.string()), c + 1, bottom, quoted(curves.table.names[c]));
+    return run_gnuplot(script + "\n");
+}
+
+bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& name,
+                const std::string& made_with) {
+    const fs::path csv = folder / (name + ".csv");
+    map.table.write_csv(csv, made_with);
+    // Places, not values, along the axes: the values are powers of two and zero.
+    std::vector<double> xs, ys;
+    for (const auto& row : map.table.rows) {
+        if (xs.empty() || row[1] == map.table.rows[0][1]) xs.push_back(row[0]);
+        if (row[0] == map.table.rows[0][0]) ys.push_back(row[1]);
+    }
+    std::string script = head(map.title, map.x, map.y, folder / (name + ".svg")) + "set cblabel " +
+                         quoted(map.value) +
+                         " noenhanced\nset palette defined (0 'white', 1 'orange', 2 "
+                         "'dark-red')\nset cbrange [0:*]\nunset key\n";
+    const auto ticks = [&](const char* axis, const std::vector<double>& values) {
+        script += fmt::format("set {}tics (", axis);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            script += fmt::format("{}'{:g}' {}", i > 0 ? ", " : "", values[i], i);
+        script += ")\n";
+    };
+    ticks("x", xs);
+    ticks("y", ys);
+    script += "$map << EOD\n";
+    for (std::size_t i = 0; i < map.table.rows.size(); ++i)
+        script += fmt::format("{},{},{:.6g}\n", i % xs.size(), i / xs.size(), map.table.rows[i][2]);
+    script +=
+        "EOD\nplot $map using 1:2:3 with image pixels, $map using 1:2:(sprintf('%.3g', $3)) with "
+        "labels\n";
+    return run_gnuplot(script);
+}
+
+bool write_plot(const Scatter& scatter, const fs::path& folder, const std::string& name,
+                const std::string& made_with) {
+    const fs::path csv = folder / (name + ".csv");
+    std::ofstream out(csv);
+    begin_csv(out, made_with);
+    out << "name";
+    for (const std::string& column : scatter.columns) out << ',' << column;
+    out << '\n';
+    double least = 1, most = 0;
+    for (const Scatter::Point& point : scatter.points) {
+        out << point.name;
+        for (double value : point.values) out << ',' << fmt::format("{:.6g}", value);
+        out << '\n';
+        if (point.values[1] > 0) least = std::min(least, point.values[1]);
+        most = std::max(most, point.values[1]);
+    }
+    if (!out.flush()) throw InputError("cannot write '" + csv.string() + "'");
+    const double bottom = least / 10;
+    std::string script = head(scatter.title, scatter.x, scatter.y + " (bottom: none)",
+                              folder / (name + ".svg")) +
+                         "unset key\nset grid\nset logscale xy\n" +
+                         fmt::format(
+                             "set yrange [{:g}:{:g}]\nset offsets graph 0.15, graph 0.15, 0, 0\n",
+                             bottom / 2, std::max(2 * most, 10 * bottom)) +
+                         "set format y '%g'\n";
+    script += fmt::format(
+        "plot {0} skip 1 using 2:($3 > 0 ? $3 : {1:g}) with points pt 7 ps 1.2, {0} skip 1 using "
+        "2:($3 > 0 ? $3 : {1:g}):1 with labels rotate by 40 left offset 0.5,0.7 noenhanced\n",
+        quoted(csv.string()), bottom);
+    return run_gnuplot(script);
+}
+
+}  // namespace pierce::app

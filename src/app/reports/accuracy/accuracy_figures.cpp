@@ -1,0 +1,267 @@
+#include "app/reports/accuracy/accuracy_figures.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "app/measure/compare.hpp"
+#include "app/output/frame_log.hpp"
+#include "app/output/progress.hpp"
+#include "scenes/measure/leaks.hpp"
+#include "scenes/named/shapes.hpp"
+
+namespace pierce::app {
+namespace {
+
+using scenes::Aim;
+using scenes::Recording;
+
+/// Poses that are the same on every machine: the engine's numbers are, the standard's distributions
+/// are not.
+class RandomPoses {
+public:
+    explicit RandomPoses(std::uint32_t seed) : engine_(seed) {}
+
+    double uniform(double low, double high) {
+        return low + (high - low) * static_cast<double>(engine_()) / 0x1p32;
+    }
+    Quaternion rotation() {
+        for (;;) {
+            const Quaternion q{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+            if (norm < 1 && norm > 0.01) return q;
+        }
+    }
+    Vec3d direction() {
+        for (;;) {
+            const Vec3d d{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            if (length(d) < 1 && length(d) > 0.1) return normalized(d);
+        }
+    }
+
+private:
+    std::mt19937 engine_;
+};
+
+/// Two bodies that turn up in `poses` random rotations, at a distance between two bounds.
+Recording random_pairs(const MeshData& a, const MeshData& b, double nearest, double farthest,
+                       std::uint32_t poses, std::uint32_t seed) {
+    Recording recording{.dt = 1,
+                        .frame_count = poses,
+                        .meshes = {{"first", a, {}}, {"second", b, {}}},
+                        .bodies = {}};
+    for (std::uint32_t k : {0u, 1u})
+        recording.bodies.push_back({.name = k == 0 ? "first" : "second",
+                                    .mesh = k,
+                                    .motion = Motion::rigid,
+                                    .ground = false,
+                                    .values = {}});
+    RandomPoses random(seed);
+    for (std::uint32_t i = 0; i < poses; ++i) {
+        const double distance = random.uniform(nearest, farthest);
+        const Vec3d apart = distance * random.direction();
+        for (scenes::RecordedBody& body : recording.bodies) {
+            const Vec3d p = body.mesh == 0 ? Vec3d{} : apart;
+            const Quaternion q = random.rotation();
+            for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w})
+                body.values.push_back(static_cast<float>(value));
+        }
+    }
+    return recording;
+}
+
+std::vector<Comparison> compare_methods(const Recording& recording, bool pairs_only,
+                                        std::initializer_list<const char*> names,
+                                        const std::string& what) {
+    std::vector<ComparedMethod> methods;
+    for (const char* name : names) methods.push_back(compared_method_named(name));
+    return compare(recording, truth_of(recording, 1, pairs_only), methods, 1, what);
+}
+
+double mean_edge(const MeshData& data) { return Mesh("sphere", data).traits().mean_edge_length; }
+
+/// How far a sphere of radius 1 reaches beyond the middles of its mesh's triangles at most.
+double cut_off(const MeshData& sphere) {
+    double least = 1;
+    for (const Triangle& t : sphere.triangles) {
+        Vec3d sum;
+        for (std::uint32_t v : t.vertex) sum += to_double(sphere.positions[v]);
+        least = std::min(least, length(sum) / 3);
+    }
+    return 1 - least;
+}
+
+std::string kernel_name(const scenes::LeakCount& count) {
+    return count.kernel + (count.fma ? " with fma" : "");
+}
+
+}  // namespace
+
+void leaks_figure(const AccuracyReportOptions& options, Page& page) {
+    const std::size_t kernel_rays = options.rays / 50;
+    page.line("## Leaks over the offset from the origin\n");
+    page.line(
+        "Rays from inside a ball of 1280 triangles at its vertices and edges. A ray that meets "
+        "nothing has leaked.\n");
+    page.line("| the library's tracer (Embree), offset | at | rays | leaks |\n|---|---|---|---|");
+    for (double offset : {0.0, 1e5})
+        for (Aim aim : {Aim::vertices, Aim::edges}) {
+            const scenes::LeakCount count = scenes::count_tracer_leaks(offset, aim,
+                                                                       options.rays / 4);
+            page.line("| {:g} | {} | {} | {} |", offset,
+                      aim == Aim::vertices ? "vertices" : "edges", count.rays, count.leaks);
+        }
+    for (Aim aim : {Aim::vertices, Aim::edges}) {
+        const std::string at = aim == Aim::vertices ? "vertices" : "edges";
+        Curves curves{.title = "Rays lost at " + at,
+                      .x = "offset from the origin [ball of radius 16]",
+                      .y = "lost [%] (bottom: none)",
+                      .table = {},
+                      .log_x = true,
+                      .log_y = true};
+        curves.table.names.emplace_back("offset");
+        std::map<std::string, std::array<std::size_t, 3>> sums;  // rays, lost in all, lost at the
+                                                                 // origin
+        const std::vector<double> offsets = scenes::leak_offsets();
+        Progress progress("leaks at " + at, static_cast<std::uint32_t>(offsets.size()));
+        std::uint32_t done = 0;
+        for (double offset : offsets) {
+            std::vector<double> row{offset};
+            for (const scenes::LeakCount& count :
+                 scenes::count_kernel_leaks(offset, aim, kernel_rays)) {
+                if (offset == 0) curves.table.names.push_back(kernel_name(count));
+                row.push_back(100 * count.share());
+                auto& sum = sums[kernel_name(count)];
+                sum[0] += count.rays;
+                sum[1] += count.leaks;
+                if (offset == 0) sum[2] = count.leaks;
+            }
+            curves.table.rows.push_back(std::move(row));
+            progress.show(++done);
+        }
+        page.line(
+            "\n| triangle test, rays at {} | lost at the origin, of {} | lost at all {} offsets | "
+            "of |",
+            at, kernel_rays, offsets.size());
+        page.line("|---|---|---|---|");
+        for (const auto& [name, sum] : sums)
+            page.line("| {} | {} | {} | {} |", name, sum[2], sum[1], sum[0]);
+        const std::string name = "f6_leaks_" + at;
+        page.plot(curves, name);
+    }
+}
+
+void resolution_figure(const AccuracyReportOptions& options, Page& page) {
+    constexpr int finest = 4, steps = 4;
+    page.line("## Overlaps missed over the ratio of resolutions\n");
+    page.line(
+        "Two spheres of radius 1, {} random poses per ratio. They overlap no deeper than by about "
+        "as much as their",
+        options.poses);
+    page.line("triangles cut off from the ball.\n");
+    page.line(
+        "| mean edges, first : second | triangles | overlapping pairs | missed by vertices [%] | "
+        "complete [%] | "
+        "gjk-hull [%] | gimpact [%] | false pairs, in this order "
+        "|\n|---|---|---|---|---|---|---|---|");
+    Curves curves{.title = "Overlapping pairs missed",
+                  .x = "mean edge length, first : second",
+                  .y = "missed [%] (bottom: none)",
+                  .table = {{"ratio", "vertices", "complete", "gjk-hull", "gimpact"}, {}},
+                  .log_x = true,
+                  .log_y = true};
+    for (int step = -steps; step <= steps; ++step) {
+        const MeshData first = scenes::sphere(1, finest - std::max(step, 0)),
+                       second = scenes::sphere(1, finest + std::min(step, 0));
+        const double cut = cut_off(first) + cut_off(second);
+        const Recording recording = random_pairs(
+            first, second, 2 - 2 * cut, 2, options.poses,
+            options.seed + static_cast<std::uint32_t>(steps + step));
+        const std::vector<Comparison> results = compare_methods(
+            recording, true, {"full", "complete", "gjk-hull", "gimpact"},
+            fmt::format("resolutions 2^{}", step));
+        const double ratio = mean_edge(first) / mean_edge(second);
+        curves.table.rows.push_back({ratio});
+        std::string falses;
+        for (const Comparison& c : results) {
+            curves.table.rows.back().push_back(100 * c.accuracy.missed_pairs_share());
+            falses += fmt::format("{}{}", falses.empty() ? "" : ", ", c.accuracy.false_pairs);
+        }
+        const std::vector<double>& row = curves.table.rows.back();
+        page.line("| {:.3g} | {} : {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |", ratio,
+                  first.triangles.size(), second.triangles.size(), results[0].accuracy.pairs,
+                  row[1], row[2], row[3], row[4], falses);
+    }
+    page.plot(curves, "f7_resolution");
+}
+
+void depth_figure(const AccuracyReportOptions& options, Page& page) {
+    constexpr int levels = 4;
+    constexpr std::uint32_t poses = 8;
+    const MeshData ball = scenes::sphere(1, levels);
+    page.line("## Depth over overlap\n");
+    page.line(
+        "Two spheres of radius 1 and {} triangles, each overlap in {} random poses: depth of every "
+        "contact over the "
+        "distance "
+        "of its vertex to the other surface.\nGJK/EPA on the hulls names no vertices: its depth is "
+        "that of the pair, over "
+        "that of the deepest vertex.\n",
+        ball.triangles.size(), poses);
+    page.line(
+        "| overlap / diameter [%] | vertices inside | inward rays, median | p95 | max | "
+        "re-projected, median | p95 | max | "
+        "EPA |\n|---|---|---|---|---|---|---|---|---|");
+    Curves curves{.title = "Depth of two equal spheres",
+                  .x = "overlap / diameter [%]",
+                  .y = "depth / true local depth",
+                  .table = {{"overlap_percent", "inward rays median", "inward rays p95",
+                             "re-projected median", "re-projected p95", "EPA on hulls"},
+                            {}}};
+    for (double overlap : {2.5, 5.0, 10.0, 15.0, 20.0, 25.0}) {
+        const double distance = 2 - 2 * overlap / 100;
+        const Recording recording = random_pairs(ball, ball, distance, distance, poses,
+                                                 options.seed);
+        const std::vector<Comparison> results = compare_methods(
+            recording, false, {"full", "reprojected", "gjk-hull"},
+            fmt::format("overlap {:g} %", overlap));
+        const Spread ray = spread_of(results[0].accuracy.depth_ratios),
+                     moved = spread_of(results[1].accuracy.depth_ratios);
+        const double epa = results[2].accuracy.pair_depth_ratio();
+        curves.table.rows.push_back({overlap, ray.median, ray.p95, moved.median, moved.p95, epa});
+        page.line("| {:g} | {} | {:.3f} | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |",
+                  overlap, results[0].accuracy.vertices, ray.median, ray.p95, ray.max, moved.median,
+                  moved.p95, moved.max, epa);
+    }
+    page.plot(curves, "f9_depth");
+
+    page.line(
+        "Two tori or bunnies in {} random poses, at a distance of so many diameters of the balls "
+        "around them:\n",
+        options.poses);
+    page.line(
+        "| | distance | vertices inside | inward rays, median | p95 | max | re-projected, median | "
+        "p95 | max |\n"
+        "|---|---|---|---|---|---|---|---|---|");
+    for (const char* name : {"tori", "bunnies"}) {
+        const MeshData mesh = scenes::make_scene(name, {1, false, 1}).meshes[1].data;
+        double diameter = 0;
+        for (Vec3f p : mesh.positions) diameter = std::max(diameter, 2 * length(to_double(p)));
+        for (const auto& [nearest, farthest] : {std::pair{0.05, 0.5}, {0.5, 0.75}, {0.75, 1.0}}) {
+            const std::vector<Comparison> results = compare_methods(
+                random_pairs(mesh, mesh, nearest * diameter, farthest * diameter, options.poses,
+                             options.seed),
+                false, {"full", "reprojected"}, fmt::format("depth of {}", name));
+            const Spread ray = spread_of(results[0].accuracy.depth_ratios),
+                         moved = spread_of(results[1].accuracy.depth_ratios);
+            page.line(
+                "| {} | {:g} to {:g} | {} | {:.3f} | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {:.4f} |",
+                name, nearest, farthest, results[0].accuracy.vertices, ray.median, ray.p95, ray.max,
+                moved.median, moved.p95, moved.max);
+        }
+    }
+    page.line("");
+}
+
+}  // namespace pierce::app

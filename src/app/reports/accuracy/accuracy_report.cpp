@@ -1,0 +1,98 @@
+#include "app/reports/accuracy/accuracy_report.hpp"
+
+#include <chrono>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/measure/compare.hpp"
+#include "app/output/frame_log.hpp"
+#include "app/output/page.hpp"
+#include "app/reports/accuracy/accuracy_figures.hpp"
+#include "app/reports/accuracy/hard_case_table.hpp"
+
+namespace pierce::app {
+namespace {
+
+/// Median and 95th percentile, or a dash if there is nothing.
+std::string two(const std::vector<double>& values, double scale) {
+    const Spread spread = spread_of(values);
+    return values.empty()
+               ? "-"
+               : fmt::format("{:.3f}, {:.2f}", scale * spread.median, scale * spread.p95);
+}
+
+/// The main plot of a scene, and a table of all figures.
+void speed_against_error_of(const std::string& scene, bool soft,
+                            const AccuracyReportOptions& options, Page& page) {
+    const std::string name = scene + (soft ? "_soft" : "");
+    const std::uint32_t count = soft ? (options.count + 3) / 4 : options.count;  // they are
+                                                                                 // simulated slowly
+    const scenes::Recording recording = simulate(
+                                            scenes::make_scene(scene, {count, soft, options.seed}),
+                                            scenes::Method::rays, {}, options.timing)
+                                            .recording;
+    const std::vector<scenes::TrueFrame> truth = truth_of(recording, options.every);
+    std::vector<std::string> left_out;
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t used = std::clock();
+    const std::vector<Comparison> results = compare(
+        recording, truth, compared_methods(), options.threads, "comparing " + name, &left_out);
+
+    const double processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+
+    page.line("### {}\n", name);
+    page.line("{} bodies and the ground, {} frames, {} of them with the truth.", count,
+              recording.frame_count, truth.size());
+    page.line(
+        "The comparison took {:.1f} s of processor time in {:.1f} s. Other work, if there was, "
+        "makes long frames longer.",
+        processor, wall.count());
+    page.plot(speed_against_error(results, name), "f1_" + name);
+    Scatter pairs{.title = "Overlapping pairs missed, " + name,
+                  .x = "median time per frame [ms]",
+                  .y = "missed pairs",
+                  .columns = {"ms", "missed"},
+                  .points = {}};
+    for (const Comparison& c : results)
+        pairs.points.push_back({c.name, {c.median_ms(), c.accuracy.missed_pairs_share()}});
+    page.plot(pairs, "f1_pairs_" + name);
+    page.line(
+        "| method | ms a frame, median | missed pairs | false pairs | missed vertices [%] | missed "
+        "depth [%] | depth / "
+        "true: "
+        "median, p95 | normal off [deg]: median, p95 | pair depth / deepest vertex "
+        "|\n|---|---|---|---|---|---|---|---|---|");
+    for (const Comparison& c : results) {
+        const scenes::Accuracy& a = c.accuracy;
+        page.line("| {} | {:.3f} | {} of {} | {} | {:.3f} | {:.3f} | {} | {} | {:.3f} |", c.name,
+                  c.median_ms(), a.missed_pairs, a.pairs, a.false_pairs,
+                  100 * a.missed_vertex_share(), 100 * a.missed_share(), two(a.depth_ratios, 1),
+                  two(a.normal_errors, 180 / std::numbers::pi), a.pair_depth_ratio());
+    }
+    page.line("");
+    for (const std::string& line : left_out) page.line("Left out: {}.\n", line);
+}
+
+}  // namespace
+
+int report_accuracy(const AccuracyReportOptions& options) {
+    Page page(options.out, "Time and error, measured here",
+              {{"seed", options.seed}, {"threads for rays", options.threads}});
+    page.line("## Speed against error\n");
+    page.line("{:g} s at {:g} s a step; the truth is known of one frame in {}.\n",
+              options.timing.seconds, options.timing.dt, options.every);
+    speed_against_error_of("tori", false, options, page);
+    speed_against_error_of("bunnies", false, options, page);
+    speed_against_error_of("tori", true, options, page);
+    leaks_figure(options, page);
+    resolution_figure(options, page);
+    depth_figure(options, page);
+    page.line("## The hard cases\n");
+    hard_case_table(page);
+    page.close();
+    return 0;
+}
+
+}  // namespace pierce::app

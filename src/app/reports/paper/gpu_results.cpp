@@ -1,0 +1,40 @@
+#include "app/reports/paper/gpu_results.hpp"
+
+#include "pierce/error.hpp"
+#include "scenes/detect/method.hpp"
+
+namespace pierce::app {
+
+namespace fs = std::filesystem;
+
+std::optional<Table> on_gpu(const PaperReportOptions& options, Page& page, const std::string& name,
+                            const std::function<Table()>& measure) {
+    if (scenes::cuda_can_run()) {
+        Table table = measure();
+        page.csv(table, name);
+        return table;
+    }
+    const std::string file = name + ".csv";
+    if (options.gpu_results.empty()) {
+        page.line(
+            "\n*Not measured: this part needs a GPU. `--gpu-results DIR` takes it from a folder "
+            "that `pierce report paper` wrote on a machine with one.*\n");
+        return std::nullopt;
+    }
+    const fs::path from = options.gpu_results / file;
+    if (!fs::exists(from)) {
+        page.line(
+            "\n*Not measured: this part needs a GPU, and `{}` is not in the folder of "
+            "results.*\n",
+            file);
+        return std::nullopt;
+    }
+    Table table = Table::read_csv(from);
+    if (!fs::exists(page.folder() / file) || !fs::equivalent(from, page.folder() / file))
+        fs::copy_file(from, page.folder() / file, fs::copy_options::overwrite_existing);
+    page.line("\n*Measured elsewhere, and merged from a folder of results:* `{}`\n",
+              table.made_with);
+    return table;
+}
+
+}  // namespace pierce::app

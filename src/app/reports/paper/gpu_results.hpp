@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "app/output/page.hpp"
+#include "app/reports/paper/paper_report.hpp"
+
+namespace pierce::app {
+
+/// A table that needs a GPU: measured, and written as NAME.csv, where CUDA can run; else taken from
+/// the folder of results that the options name, as it is there. If there is neither, the page says
+/// so, and the result is empty.
+std::optional<Table> on_gpu(const PaperReportOptions& options, Page& page, const std::string& name,
+                            const std::function<Table()>& measure);
+
+}  // namespace pierce::app

@@ -1,0 +1,143 @@
+#include "app/reports/paper/quality.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+#include "app/measure/truth_program.hpp"
+#include "app/output/statistics.hpp"
+#include "scenes/files/truth_file.hpp"
+
+namespace pierce::app {
+namespace {
+
+using scenes::FrameResult;
+using scenes::Method;
+using scenes::TrueFrame;
+using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// [length] The margin around Bullet's shapes in the run with small ones. With less, its solver
+/// lets bodies sink into each other before GJK sees that they are near.
+constexpr double small_margin = 0.001;
+
+/// How many of the first are not among the second; both sorted.
+std::uint64_t count_missing(const Pairs& from, const Pairs& in) {
+    Pairs missing;
+    std::ranges::set_difference(from, in, std::back_inserter(missing));
+    return missing.size();
+}
+
+/// Of a sum of counts.
+double share(std::uint64_t part, const std::vector<double>& counts) {
+    const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
+    return all > 0 ? static_cast<double>(part) / all : 0;
+}
+
+Sight sight_of(std::string name, const FrameLog& log, const std::vector<TrueFrame>& truth) {
+    Sight sight;
+    sight.name = std::move(name);
+    for (const TrueFrame& t : truth) {
+        const FrameResult& found = log.frames()[t.frame];
+        sight.pairs.push_back(static_cast<double>(found.touching.size()));
+        sight.deep_pairs.push_back(static_cast<double>(found.penetrating.size()));
+        sight.depth.push_back(found.penetration_mean);
+        sight.missed += count_missing(t.overlapping, found.touching);
+        sight.added += count_missing(found.penetrating, t.overlapping);
+    }
+    return sight;
+}
+
+Sight sight_of(std::string name, const std::vector<TrueFrame>& truth) {
+    Sight sight;
+    sight.name = std::move(name);
+    for (const TrueFrame& t : truth) {
+        std::vector<double> depths;
+        depths.reserve(t.inside.size());
+        for (const scenes::TrueVertex& v : t.inside) depths.push_back(v.depth);
+        sight.pairs.push_back(static_cast<double>(t.overlapping.size()));
+        sight.depth.push_back(mean(depths));
+    }
+    return sight;
+}
+
+StepTimes times_of(const FrameLog& log, const std::vector<TrueFrame>& truth) {
+    StepTimes sum;
+    const auto frames = static_cast<double>(std::max<std::size_t>(truth.size(), 1));
+    for (const TrueFrame& t : truth) {
+        const FrameResult& f = log.frames()[t.frame];
+        sum.update += f.update_ms / frames;
+        sum.narrow += f.narrow_ms / frames;
+        sum.response += f.response_ms / frames;
+        sum.total += f.total_ms / frames;
+    }
+    return sum;
+}
+
+/// Bullet with a margin around its shapes, or its own; what it counts as touching, and, of the same
+/// motion, what overlaps without margins.
+void add_closed(const scenes::SceneSetup& scene, const std::string& name, Timing timing,
+                std::uint32_t truth_every, bool as_bullet_counts, Quality& quality) {
+    const ClosedLoop loop = simulate(scene, Method::gjk_epa, {}, timing);
+    const std::vector<TrueFrame> truth = truth_of(loop.recording, truth_every);
+    const Sight known = sight_of("truth of " + name, truth);
+    if (as_bullet_counts)
+        quality.closed.push_back({sight_of(name + ", margins count", loop.log, truth), known});
+    quality.closed.push_back({sight_of(name + ", what overlaps",
+                                       watch(scene, loop.recording, Method::gjk_epa, {}), truth),
+                              known});
+}
+
+}  // namespace
+
+double Sight::missed_share(const Sight& truth) const { return share(missed, truth.pairs); }
+double Sight::added_share() const { return share(added, pairs); }
+
+Quality measure_quality(const scenes::SceneSetup& scene, bool soft, const ClosedLoop& loop,
+                        Timing timing, std::uint32_t truth_every) {
+    const Method method = soft ? Method::gimpact : Method::gjk_epa;
+    const FrameLog watching = watch(scene, loop.recording, method, {});
+    // Rays see in the motion they brought about what they saw while they did, but for soft bodies,
+    // which Bullet moves on before it looks for contacts.
+    FrameLog own;
+    if (soft) own = watch(scene, loop.recording, Method::rays, {}, 1);
+    const FrameLog& log = soft ? own : loop.log;
+    const std::vector<TrueFrame> known = truth_of(loop.recording, truth_every);
+    Quality quality{
+        .scene = fmt::format("{} {}{}", scene.bodies.size() - 1, soft ? "soft " : "", scene.name),
+        .opponent = soft ? "GImpact" : "GJK/EPA",
+        .file = scene.name + (soft ? "_soft" : ""),
+        .soft = soft,
+        .time = {},
+        .open = {},
+        .closed = {},
+        .rays = times_of(log, known),
+        .against = times_of(watching, known)};
+    quality.rays.response = times_of(loop.log, known).response;
+    for (const TrueFrame& t : known) quality.time.push_back(t.frame * timing.dt);
+    const Sight rays = sight_of("rays", log, known), truth = sight_of("truth", known);
+    quality.open = {{rays, truth}, {sight_of(quality.opponent, watching, known), truth}};
+    quality.closed = {{rays, truth}};
+    if (soft) return quality;
+    add_closed(scene, "GJK/EPA", timing, truth_every, true, quality);
+    scenes::SceneSetup near = scene;
+    near.baseline_margin = small_margin;
+    add_closed(near, fmt::format("GJK/EPA, margins of {:g}", small_margin), timing, truth_every,
+               false, quality);
+    return quality;
+}
+
+std::vector<TimeColumn> columns_of(const std::vector<Judged>& judged,
+                                   std::vector<double> Sight::*number) {
+    std::vector<TimeColumn> columns;
+    const auto add = [&](const Sight& sight) {
+        if (std::ranges::find(columns, sight.name, &TimeColumn::name) == columns.end())
+            columns.push_back({sight.name, sight.*number});
+    };
+    for (const Judged& j : judged) add(j.found);
+    for (const Judged& j : judged) add(j.truth);
+    return columns;
+}
+
+}  // namespace pierce::app

@@ -1,0 +1,76 @@
+#include "scenes/files/npy.hpp"
+
+#include <charconv>
+#include <fstream>
+#include <xtensor/xadapt.hpp>
+#include <xtensor/xarray.hpp>
+#include <xtensor/xnpy.hpp>
+
+#include "pierce/error.hpp"
+
+namespace pierce::scenes {
+namespace {
+
+/// Throws unless the file is as long as its header says: xtensor allocates what the header says
+/// before it reads. The format: six bytes of magic, two of version, the header's length in two or
+/// four, and the header, a Python dictionary.
+void check_size(std::ifstream& in, std::uintmax_t file_size) {
+    char start[8] = {}, length_bytes[4] = {};
+    in.read(start, sizeof start);
+    const int length_size = start[6] == 1 ? 2 : 4;
+    in.read(length_bytes, length_size);
+    std::uint32_t length = 0;
+    for (int k = 0; k < 4; ++k)
+        length |= std::uint32_t{static_cast<std::uint8_t>(length_bytes[k])} << (8 * k);
+    const std::uintmax_t begin = sizeof start + static_cast<unsigned>(length_size) +
+                                 std::uintmax_t{length};
+    if (!in || begin > file_size) throw std::runtime_error("its header is cut short");
+    std::string header(length, '\0');
+    in.read(header.data(), length);
+    const std::size_t name = header.find("'shape'"), open = header.find('(', name),
+                      close = header.find(')', open);
+    if (name == std::string::npos || open == std::string::npos || close == std::string::npos)
+        throw std::runtime_error("its header has no shape");
+    std::uintmax_t size = sizeof(float);
+    for (const char* at = header.data() + open; at < header.data() + close;) {
+        std::uintmax_t extent = 0;
+        const auto [end, error] = std::from_chars(at, header.data() + close, extent);
+        if (error == std::errc::invalid_argument) {
+            ++at;  // skips what is between two numbers
+            continue;
+        }
+        if (error != std::errc() || (extent > 0 && size > file_size / extent))
+            throw std::runtime_error("its header promises more than it holds");
+        size *= extent;
+        at = end;
+    }
+    if (size != file_size - begin) throw std::runtime_error("its size does not fit its header");
+    in.seekg(0);
+}
+
+}  // namespace
+
+FloatArray read_npy(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw InputError("cannot open '" + file.string() + "'");
+    try {
+        check_size(in, std::filesystem::file_size(file));
+        const auto array = xt::load_npy<float>(in);
+        return {{array.shape().begin(), array.shape().end()}, {array.begin(), array.end()}};
+    } catch (const std::exception& error) {
+        throw InputError("cannot read '" + file.string() + "' as float32 .npy: " + error.what());
+    }
+}
+
+void write_npy(const std::filesystem::path& file, std::span<const std::size_t> shape,
+               std::span<const float> values) {
+    const std::vector<std::size_t> dimensions(shape.begin(), shape.end());
+    try {
+        xt::dump_npy(file.string(),
+                     xt::adapt(values.data(), values.size(), xt::no_ownership(), dimensions));
+    } catch (const std::exception& error) {
+        throw InputError("cannot write '" + file.string() + "': " + error.what());
+    }
+}
+
+}  // namespace pierce::scenes

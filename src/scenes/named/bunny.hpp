@@ -1,0 +1,12 @@
+#pragma once
+
+#include "scenes/named/scene.hpp"
+
+namespace pierce::scenes {
+
+/// The Stanford bunny of 453 vertices and 902 triangles with its convex pieces, about 4 units tall,
+/// in its principal frame. The build makes it from the mesh in Debian's libcgal-demo. Throws
+/// InputError, naming the file, if the build did not make it.
+SceneMesh bunny_mesh();
+
+}  // namespace pierce::scenes

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "scenes/named/scene.hpp"
+
+namespace pierce::scenes {
+
+/// The motion of one body: seven numbers (position, quaternion xyzw) a frame, or three per vertex
+/// if it deforms.
+struct RecordedBody {
+    std::string name;
+    std::uint32_t mesh = 0;
+    Motion motion = Motion::rigid;
+    bool ground = false;  ///< as in SceneBody
+    std::vector<float> values;
+    Collision collision = {};  ///< as in SceneBody
+};
+
+/// Bodies over time, the same for every method. On disk a folder; docs/recordings.md has the
+/// format.
+struct Recording {
+    double dt = 0;  ///< [s] from frame to frame
+    std::uint32_t frame_count = 0;
+    std::vector<SceneMesh> meshes;
+    std::vector<RecordedBody> bodies;
+
+    /// Where a fixed or rigid body is in a frame. A body that is recorded for a single frame stays
+    /// at that place.
+    Pose pose(std::uint32_t body, std::uint32_t frame) const;
+    /// Where a deforming body's vertices are in a frame.
+    std::span<const Vec3f> positions(std::uint32_t body, std::uint32_t frame) const;
+};
+
+/// The scene a recording starts with.
+SceneSetup scene_of(const Recording& recording);
+
+/// A recording without frames of a scene's meshes and bodies.
+Recording start_recording(const SceneSetup& scene, double dt);
+
+/// Throws InputError, naming the file, if the folder cannot be written.
+void write_recording(const Recording& recording, const std::filesystem::path& folder);
+
+/// Throws InputError, naming the file and what is wrong in it, for anything but a sound recording.
+Recording read_recording(const std::filesystem::path& folder);
+
+/// About `frames` frames of a recording, evenly spread.
+Recording thinned(const Recording& recording, std::uint32_t frames);
+
+/// The recording with the motion of its rigid bodies given vertex by vertex, so that the two can be
+/// compared.
+Recording as_deforming(const Recording& recording);
+
+}  // namespace pierce::scenes

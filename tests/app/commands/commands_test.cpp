@@ -1,0 +1,359 @@
+// The pierce command as its users meet it: what it prints, writes and refuses.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "support/command.hpp"
+
+namespace pierce::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// Rows by the names of their columns.
+struct Csv {
+    std::vector<std::map<std::string, std::string>> rows;
+
+    /// Of the row whose `name` it is; NaN if there is none.
+    double number(const std::string& name, const std::string& column) const {
+        for (const auto& row : rows)
+            if (row.at("name") == name) return std::stod(row.at(column));
+        return NAN;
+    }
+    /// Numbers of all rows; throws if there is no such column.
+    std::vector<double> column(const std::string& name) const {
+        std::vector<double> values;
+        for (const auto& row : rows) values.push_back(std::stod(row.at(name)));
+        return values;
+    }
+    bool has_column(const std::string& name) const {
+        return !rows.empty() && rows.front().contains(name);
+    }
+};
+
+Csv read_csv(const fs::path& file) {
+    std::ifstream in(file);
+    const auto cells = [&](std::vector<std::string>& list) {
+        std::string line, cell;
+        if (!std::getline(in, line)) return false;
+        list.clear();
+        for (std::istringstream parts(line); std::getline(parts, cell, ',');) list.push_back(cell);
+        return true;
+    };
+    std::vector<std::string> names, values;
+    cells(names);
+    Csv csv;
+    while (cells(values)) {
+        auto& row = csv.rows.emplace_back();
+        for (std::size_t i = 0; i < values.size(); ++i) row[names.at(i)] = values[i];
+    }
+    return csv;
+}
+
+TEST_F(AppTest, ListsScenesAndPlans) {
+    EXPECT_THAT(pierce("scenes").text, testing::AllOf(HasSubstr("tori"), HasSubstr("bunnies")));
+    const Outcome rigid = pierce("plan tori --count 3");
+    EXPECT_EQ(rigid.code, 0);
+    EXPECT_THAT(rigid.text, testing::AllOf(HasSubstr("1 fixed, 3 rigid, 0 deforming"),
+                                           HasSubstr("no vertex is looked at")));
+    EXPECT_THAT(pierce("plan tori --count 3 --soft").text,
+                HasSubstr("one refitted tree per deforming body"));
+    EXPECT_THAT(pierce("--version").text, HasSubstr("pierce 0."));
+}
+
+TEST_F(AppTest, WritesAPictureOfEveryFrame) {
+    ASSERT_EQ(pierce("run tori --count 2 --seconds 0.1 --record " + path("short")).code, 0);
+    const std::string replay = "replay " + path("short") + " --json ";
+    ASSERT_EQ(pierce(replay + path("plain.json")).code, 0);
+    ASSERT_EQ(pierce(replay + path("drawn.json") + " --pictures " + path("pictures")).code, 0);
+    const json plain = read("plain.json")["frames"], drawn = read("drawn.json")["frames"];
+    ASSERT_EQ(plain.size(), 6u);
+    for (std::size_t f = 0; f < plain.size(); ++f) {
+        EXPECT_EQ(drawn[f]["hash"], plain[f]["hash"]) << "a picture changes no contact";
+        std::ifstream png(folder / "pictures" / ("0000" + std::to_string(f) + ".png"),
+                          std::ios::binary);
+        char head[4] = {};
+        png.read(head, 4);
+        EXPECT_EQ(std::string(head + 1, 3), "PNG") << f;
+    }
+    expect_refused("replay " + path("short") + " --method gimpact --pictures " + path("none"),
+                   "--pictures need --method rays");
+}
+
+TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
+    const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") +
+                               " --json " + path("run.json") + " --png " + path("last.png"));
+    ASSERT_EQ(run.code, 0) << run.text;
+    EXPECT_THAT(run.text, testing::AllOf(HasSubstr("120 frames"), HasSubstr("vertex_cull [ms]"),
+                                         HasSubstr("colliding pairs")));
+    EXPECT_THAT(run.text, testing::Not(HasSubstr("left"))) << "no progress bar in a pipe";
+    std::ifstream png(folder / "last.png", std::ios::binary);
+    char head[4] = {};
+    png.read(head, 4);
+    EXPECT_EQ(std::string(head + 1, 3), "PNG");
+
+    const json written = read("run.json");
+    for (const char* key : {"machine", "versions", "settings", "summary", "frames"})
+        EXPECT_TRUE(written.contains(key)) << key;
+    ASSERT_EQ(written["frames"].size(), 120u);
+    const json& frame = written["frames"][119];
+    EXPECT_EQ(frame["index"], 119);
+    EXPECT_GT(frame["ms"]["total"].get<double>(), 0);
+    for (const char* stage : {"bounds", "pairs", "vertex_cull", "ray_gen", "update", "trace",
+                              "classify", "contacts", "response"})
+        EXPECT_TRUE(frame["ms"].contains(stage)) << stage;
+    EXPECT_FALSE(frame["pairs"].empty());
+    for (const json& pair : frame["pairs"]) EXPECT_LT(pair[0].get<int>(), pair[1].get<int>());
+
+    std::set<std::string> last_hashes;
+    for (const char* how : {"--threads 1", "--threads 2", "--backend reference"}) {
+        ASSERT_EQ(
+            pierce("replay " + path("motion") + " " + how + " --json " + path("replay.json")).code,
+            0);
+        const json replayed = read("replay.json");
+        std::string all;
+        for (const json& f : replayed["frames"]) all += f["hash"].get<std::string>();
+        last_hashes.insert(all);
+    }
+    EXPECT_EQ(last_hashes.size(), 1u) << "threads and backends give the same contacts";
+    EXPECT_FALSE(last_hashes.begin()->empty());
+    for (const char* method : {"gjk-epa", "gjk-hull", "gimpact"})
+        EXPECT_EQ(pierce("replay " + path("motion") + " --method " + method).code, 0) << method;
+    EXPECT_EQ(pierce("replay " + path("motion") + " --deforming").code, 0);
+}
+
+TEST_F(AppTest, WhatRaysRememberIsChosenOnTheCommandLine) {
+    ASSERT_EQ(pierce("run tori --count 6 --seconds 2 --record " + path("motion")).code, 0);
+    const auto replay = [&](const std::string& how) {
+        const Outcome outcome = pierce("replay " + path("motion") + " " + how + " --json " +
+                                       path("replay.json"));
+        EXPECT_EQ(outcome.code, 0) << outcome.text;
+        return read("replay.json");
+    };
+    const auto hashes = [](const json& result) {
+        std::string all;
+        for (const json& f : result["frames"]) all += f["hash"].get<std::string>();
+        return all;
+    };
+    const json off = replay("--temporal off"), certified = replay("--temporal certified"),
+               paper = replay("--temporal paper --predict off --full-every 4"),
+               predicting = replay("--temporal paper");
+    EXPECT_EQ(hashes(off), hashes(certified));
+    EXPECT_NE(hashes(off), hashes(paper)) << "the paper's mode misses some";
+    EXPECT_EQ(certified["settings"]["temporal"], "certified");
+    EXPECT_EQ(paper["settings"]["full_every"], 4);
+    EXPECT_EQ(off["summary"]["walks"]["max"], 0);
+    EXPECT_GT(paper["summary"]["walks"]["max"].get<int>(), 0);
+    EXPECT_EQ(paper["summary"]["predictions"]["max"], 0);
+    EXPECT_GT(predicting["summary"]["predictions"]["max"].get<int>(), 0);
+    EXPECT_GT(predicting["frames"][119]["ms"]["walk"].get<double>(), 0);
+    EXPECT_THAT(pierce("plan tori --temporal paper").text, HasSubstr("displacement"));
+    EXPECT_THAT(pierce("plan tori --temporal off").text, testing::Not(HasSubstr("displacement")));
+}
+
+TEST_F(AppTest, ReportsOnThePaper) {
+    const Outcome report = pierce(
+        "report paper --count 4 --bunnies 3 --seconds 1.5 --runs 2 --truth-every 2 --out " +
+        path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    std::ifstream in(folder / "report" / "report.md");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    for (const char* part :
+         {"Tables 2 and 3", "| bunnies_soft | certified | 0 of", "Figure 9", "figure_9", "R²"})
+        EXPECT_THAT(page, HasSubstr(part));
+    for (const char* file :
+         {"tables_2_3.csv", "f4_threshold_tori.csv", "f12_missed_bunnies.csv", "figure_9.csv"})
+        EXPECT_GT(fs::file_size(folder / "report" / file), 20u) << file;
+
+    for (const std::string figure : {"10", "11", "12", "13"}) {
+        EXPECT_THAT(page, HasSubstr("## Figure " + figure));
+        const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv")),
+                  closed = read_csv(folder / ("report/figure_" + figure + "_closed.csv"));
+        for (const char* name : {"time", "rays", "GJK/EPA", "truth"})
+            EXPECT_TRUE(open.has_column(name)) << figure << name;
+        for (const char* name :
+             {"time", "rays", "truth of the rays' motion", "GJK/EPA", "truth of GJK/EPA's motion"})
+            EXPECT_TRUE(closed.has_column(name)) << figure << name;
+    }
+    for (const std::string figure : {"10", "12"}) {
+        const Csv open = read_csv(folder / ("report/figure_" + figure + "_open.csv"));
+        const std::vector<double> truth = open.column("truth"),
+                                  rays = open.column("rays by some depth");
+        ASSERT_EQ(truth.size(), 45u) << "every second of 90 frames";
+        EXPECT_GT(std::ranges::max(rays), 1);
+        for (std::size_t i = 0; i < truth.size(); ++i)
+            EXPECT_GE(truth[i], rays[i])
+                << "rays from vertices invent no pair; figure " << figure << " row " << i;
+    }
+    const Csv steps = read_csv(folder / "report/figure_14.csv");
+    const std::vector<double> dt = steps.column("dt"), mean = steps.column("mean"),
+                              most = steps.column("maximum"),
+                              deviation = steps.column("standard deviation");
+    ASSERT_EQ(dt.size(), 7u);
+    EXPECT_NEAR(dt.back(), 8.0 / 120, 1e-6);
+    for (std::size_t i = 0; i < 7; ++i) {
+        EXPECT_GT(mean[i], 0);
+        EXPECT_GT(most[i], mean[i]);
+        EXPECT_LT(deviation[i], most[i]);
+    }
+    for (const std::string name : {"mean", "maximum", "standard deviation"}) {
+        const std::vector<double> measured = steps.column(name),
+                                  line = steps.column(name + " (line)");
+        double off = 0, turned = 0;
+        for (std::size_t i = 0; i < 7; ++i) {
+            const double residual = (measured[i] - line[i]) / measured[6];
+            off += residual;
+            turned += residual * dt[i] / dt[6];
+        }
+        EXPECT_NEAR(off, 0, 1e-4) << "a line of least squares leaves nothing on average";
+        EXPECT_NEAR(turned, 0, 1e-4) << "nor along it";
+    }
+}
+
+TEST_F(AppTest, ReportsOnAccuracy) {
+    const Outcome report = pierce(
+        "report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " +
+        path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    const fs::path out = folder / "report";
+    std::ifstream in(out / "report.md");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    for (const char* part :
+         {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
+          "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
+        EXPECT_THAT(page, HasSubstr(part));
+    for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft"}) {
+        const Csv csv = read_csv(out / (std::string(name) + ".csv"));
+        EXPECT_GT(csv.number("full", "ms"), 0) << name;
+        EXPECT_GT(csv.number("complete", "pairs"), 0) << name;
+        for (const char* method : {"complete", "reprojected"})
+            for (const char* column : {"missed_pairs", "false_pairs"})
+                EXPECT_EQ(csv.number(method, column), 0) << name << ' ' << method << ' ' << column;
+        for (const char* column :
+             {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
+            EXPECT_TRUE(std::isfinite(csv.number("reprojected", column))) << name << ' ' << column;
+    }
+    const Csv resolution = read_csv(out / "f7_resolution.csv"),
+              depth = read_csv(out / "f9_depth.csv"), hard = read_csv(out / "hard_cases.csv");
+    ASSERT_EQ(resolution.rows.size(), 9u);
+    for (const auto& row : resolution.rows)
+        EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
+    ASSERT_EQ(depth.rows.size(), 6u);
+    for (const auto& row : depth.rows) {
+        EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
+        EXPECT_NEAR(std::stod(row.at("re-projected p95")), 1, 0.1);
+    }
+    std::set<std::string> cases;
+    for (const auto& row : hard.rows) cases.insert(row.at("case"));
+    EXPECT_EQ(cases.size(), 25u);
+    for (const char* at : {"vertices", "edges"})
+        for (const auto& row : read_csv(out / ("f6_leaks_" + std::string(at) + ".csv")).rows)
+            EXPECT_EQ(row.at("pierce"), "0") << "offset " << row.at("offset");
+}
+
+TEST_F(AppTest, DetectsContactsOfMeshFiles) {
+    std::ofstream(folder / "a.off")
+        << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::ofstream(folder / "b.obj") << "v 0.1 0.1 0.1\nv 2 0.1 0.1\nv 0.1 2 0.1\nv 0.1 0.1 2\nf 1 "
+                                       "3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    const Outcome found = pierce("detect " + path("a.off") + " " + path("b.obj") + " --json " +
+                                 path("contacts.json"));
+    ASSERT_EQ(found.code, 0) << found.text;
+    EXPECT_THAT(found.text, HasSubstr("1 of 1 overlapping pairs"));
+    const json contacts = read("contacts.json")["contacts"];
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts[0]["source"], "b");
+    EXPECT_EQ(contacts[0]["vertex"], 0);
+    EXPECT_LT(contacts[0]["distance"].get<double>(), 0);
+}
+
+TEST_F(AppTest, ChecksMeshes) {
+    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n",
+                      faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::ofstream(folder / "sound.off") << "OFF\n4 4 0\n" << corners << faces;
+    std::ofstream(folder / "seam.off") << "OFF\n5 4 0\n" << corners << "0 0 0\n" << faces;
+    std::ofstream(folder / "open.off") << "OFF\n4 3 0\n"
+                                       << corners << "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+    std::ofstream(folder / "nan.off") << "OFF\n4 4 0\n0 0 0\nnan 0 0\n0 1 0\n0 0 1\n" << faces;
+    std::ofstream(folder / "fold.off")
+        << "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0.3 0.5 0\n3 0 1 2\n3 1 0 3\n";
+
+    const Outcome sound = pierce("check " + path("sound.off"));
+    EXPECT_EQ(sound.code, 0) << sound.text;
+    EXPECT_THAT(sound.text, HasSubstr("sound, closed; 4 vertices, 4 triangles, 1 component, volume "
+                                      "0.166667, size 1 x 1 x 1"));
+    EXPECT_EQ(std::ranges::count(sound.text, '\n'), 1);
+    const Outcome seam = pierce("check " + path("seam.off"));
+    EXPECT_EQ(seam.code, 0) << "what does no harm is no failure";
+    EXPECT_THAT(seam.text, HasSubstr("- duplicate vertices: 1 (vertex 4)"));
+
+    const Outcome open = pierce("check " + path("sound.off") + " " + path("open.off"));
+    EXPECT_EQ(open.code, 1);
+    EXPECT_THAT(open.text, testing::AllOf(HasSubstr("! border edges: 3 (edge 1-2, 1-3, 2-3)"),
+                                          HasSubstr("no inside")));
+    const Outcome nan = pierce("check " + path("nan.off"));
+    EXPECT_EQ(nan.code, 1);
+    EXPECT_THAT(nan.text, HasSubstr("vertices not finite: 1 (vertex 1)"));
+    EXPECT_THAT(pierce("check " + path("fold.off")).text,
+                testing::Not(HasSubstr("self-intersections")));
+    EXPECT_THAT(pierce("check --self-intersections " + path("fold.off")).text,
+                HasSubstr("self-intersections: 1 (triangles 0-1)"));
+
+    const Outcome mixed = pierce("check " + path("nothing.off") + " " + path("open.off") +
+                                 " --json " + path("check.json"));
+    EXPECT_EQ(mixed.code, 2);
+    EXPECT_THAT(mixed.text,
+                testing::AllOf(HasSubstr("nothing.off: unreadable"), HasSubstr("border edges")));
+    const json meshes = read("check.json")["meshes"];
+    ASSERT_EQ(meshes.size(), 2u);
+    EXPECT_THAT(meshes[0]["error"].get<std::string>(), HasSubstr("cannot open"));
+    EXPECT_EQ(meshes[1]["sound"], false);
+    EXPECT_EQ(meshes[1]["closed"], false);
+    EXPECT_EQ(meshes[1]["vertices"], 4);
+    EXPECT_EQ(meshes[1]["box"], json::parse("[[0, 0, 0], [1, 1, 1]]"));
+    ASSERT_EQ(meshes[1]["findings"].size(), 1u);
+    EXPECT_EQ(meshes[1]["findings"][0]["defect"], "border edges");
+    EXPECT_EQ(meshes[1]["findings"][0]["count"], 3);
+    EXPECT_EQ(meshes[1]["findings"][0]["places"], json::parse("[[1, 2], [1, 3], [2, 3]]"));
+    EXPECT_EQ(meshes[1]["findings"][0]["changes_detection"], true);
+}
+
+TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
+    expect_refused("run torus", "unknown scene 'torus'; there are: tori, bunnies");
+    expect_refused("run tori --threads 0", "--threads");
+    expect_refused("run tori --dt -0.01", "--dt");
+    expect_refused("run tori --dt 0", "--dt");
+    expect_refused("run tori --dt nan", "--dt");
+    expect_refused("run tori --seconds -1", "--seconds");
+    expect_refused("run tori --count 0", "--count");
+    expect_refused("run tori --method sat",
+                   "unknown method 'sat'; there are: rays, gjk-epa, gjk-hull, gimpact");
+    expect_refused("run tori --backend optix",
+                   "unknown backend 'optix'; there are: automatic, embree, cuda, bvh, reference");
+    expect_refused("run tori --count 1 --soft --method gimpact", "soft bodies");
+    expect_refused("run tori --count 1 --json /nowhere/x.json", "/nowhere/x.json");
+    expect_refused("run tori --count 1 --method gimpact --png " + path("x.png"), "--png");
+    expect_refused("run tori --frobnicate", "--frobnicate");
+    expect_refused("run tori --temporal always", "--temporal");
+    expect_refused("run tori --predict maybe", "--predict");
+    expect_refused("run tori --full-every 0", "--full-every");
+    expect_refused("report paper --out /proc/nowhere", "/proc/nowhere");
+    expect_refused("report accuracy --out /proc/nowhere", "/proc/nowhere");
+    expect_refused("report accuracy --out " + path("report") + " --every 0", "--every");
+    expect_refused("report", "subcommand");
+    expect_refused("replay " + path("nothing"), "nothing");
+    expect_refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");
+    expect_refused("detect " + path("a.obj"), "meshes");
+    expect_refused("check", "meshes");
+    expect_refused("check a.obj --json /nowhere/x.json", "/nowhere/x.json");
+    expect_refused("", "subcommand");
+}
+
+}  // namespace
+}  // namespace pierce::test
