@@ -38,10 +38,12 @@ steps=$build/bench/pierce_gpu_steps
 for builder in lbvh hlbvh ploc; do
     "$steps" lattice:100 lattice:1000 lattice:10000 --steps 100 --check 0 --builder "$builder" | tail -n +2 >>"$out/steps.csv"
 done
-"$build"/bench/pierce_gpu_trees 100 1000 10000 rest:10000 mesh:7 >"$out/trees.csv"
+"$build"/bench/pierce_gpu_trees 100 1000 10000 rest:10000 mesh:7 mesh:8 >"$out/trees.csv"
 "$build"/bench/pierce_gpu_sheets --steps 60 --check 2 >"$out/sheets.csv"
 "$build"/bench/pierce_gpu_sheets --steps 20 --check 0 --stages | tail -n +2 >>"$out/sheets.csv"
 rm -r "$out/../soft_tori"
+# Table 1, tables 2 and 3, and the crossover, as `pierce report paper --gpu-results DIR` merges them.
+"$build"/src/app/pierce report paper --parts trees,gpu --seconds 10 --soft-seconds 4 --out "$out/paper" >>"$out/log.txt"
 
 if command -v compute-sanitizer >/dev/null; then
     compute-sanitizer --tool racecheck "$steps" lattice:27 --steps 12 --check 2 2>&1 | grep hazards >"$out/racecheck.txt" ||

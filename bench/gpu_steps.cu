@@ -8,7 +8,6 @@
 #include <cuda_runtime.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -19,7 +18,7 @@
 #include "pierce/cuda_backend.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/world.hpp"
-#include "scenes/named/shapes.hpp"
+#include "scenes/recording/lattice.hpp"
 #include "scenes/recording/recording.hpp"
 
 namespace pierce {
@@ -36,56 +35,6 @@ double mean(const std::vector<double>& values) {
     double sum = 0;
     for (double value : values) sum += value;
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-/// Where a torus of a lattice of `count` is at frame `f`.
-Pose pose_in_lattice(std::uint32_t i, std::uint32_t count, std::uint32_t f) {
-    const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(count))));
-    const double t = 0.05 * f + 0.7 * i;
-    return {{4.2 * (i % side), 4.2 * (i / side % side), 1.7 * (i / side / side)},
-            {0.2 * std::sin(t), 0.2 * std::cos(1.3 * t), 0.1 * std::sin(0.7 * i), 0.9}};
-}
-
-/// Rigid tori of the paper's scene that touch their neighbours, and turn if they move.
-scenes::Recording rigid_lattice(std::uint32_t count, std::uint32_t frames, bool moves) {
-    scenes::Recording recording;
-    recording.frame_count = frames;
-    recording.meshes.push_back({"torus", scenes::torus(2, 0.5, 30, 10), {}});
-    recording.bodies.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        recording.bodies[i].motion = Motion::rigid;
-        for (std::uint32_t f = 0; f < frames; ++f)
-            for (const Pose p = pose_in_lattice(i, count, moves ? f : 0);
-                 double value : {p.position.x, p.position.y, p.position.z, p.rotation.x,
-                                 p.rotation.y, p.rotation.z, p.rotation.w})
-                recording.bodies[i].values.push_back(static_cast<float>(value));
-    }
-    return recording;
-}
-
-/// Tori of the paper's scene that touch their neighbours and wobble.
-scenes::Recording lattice(std::uint32_t count, std::uint32_t frames) {
-    scenes::Recording recording;
-    recording.frame_count = frames;
-    recording.meshes.push_back({"torus", scenes::torus(2, 0.5, 30, 10), {}});
-    const std::vector<Vec3f>& shape = recording.meshes[0].data.positions;
-    recording.bodies.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        scenes::RecordedBody& body = recording.bodies[i];
-        body.motion = Motion::deforming;
-        const double phase = 0.7 * i;
-        for (std::uint32_t f = 0; f < frames; ++f) {
-            const double t = 0.05 * f + phase;
-            const Frame at = frame_of(pose_in_lattice(i, count, f));
-            for (const Vec3f& p : shape) {
-                const double squeeze = 1 + 0.03 * std::sin(2 * t + p.x);
-                const Vec3f q = to_float(
-                    at.to_parent({p.x * squeeze, p.y / squeeze, p.z * squeeze}));
-                body.values.insert(body.values.end(), {q.x, q.y, q.z});
-            }
-        }
-    }
-    return recording;
 }
 
 /// A world of a recording's bodies.
@@ -243,14 +192,16 @@ int main(int argc, char** argv) {
         "embree_ms,checked,differ,memory,device_mean_ms,wall_mean_ms,mean_full_rays,mean_walks,"
         "mean_lost");
     for (const std::string& scene : scenes) {
-        const bool rests = scene.starts_with("rest:");
-        if (rests || scene.starts_with("rigid:")) {
-            const auto count = static_cast<std::uint32_t>(
-                std::stoul(scene.substr(scene.find(':') + 1)));
-            pierce::run(scene, pierce::rigid_lattice(count, 32, !rests), options);
-        } else if (scene.starts_with("lattice:")) {
-            const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(8)));
-            pierce::run(scene, pierce::lattice(count, count > 2000 ? 4 : 16), options);
+        using pierce::scenes::LatticeMotion;
+        const std::size_t colon = scene.find(':');
+        const std::string kind = scene.substr(0, colon);
+        if (kind == "lattice" || kind == "rigid" || kind == "rest") {
+            const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(colon + 1)));
+            const LatticeMotion motion = kind == "lattice" ? LatticeMotion::soft
+                                         : kind == "rigid" ? LatticeMotion::rigid
+                                                           : LatticeMotion::rest;
+            const std::uint32_t frames = kind != "lattice" ? 32 : count > 2000 ? 4 : 16;
+            pierce::run(scene, pierce::scenes::lattice(count, frames, motion), options);
         } else {
             const auto recording = pierce::scenes::as_deforming(
                 pierce::scenes::read_recording(scene));
