@@ -99,7 +99,7 @@ TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
     refused(saved + "x", "more or less than its header says");
     std::string later = saved;
     later[8] = 2;
-    refused(later, "has version 2; this library reads version 1");
+    refused(later, "has version 3; this library reads version 2");
     test::Random random(6);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     for (int i = 0; i < 100; ++i) {

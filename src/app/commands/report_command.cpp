@@ -43,6 +43,11 @@ void add_paper(CLI::App& report, int& code) {
         ->capture_default_str()
         ->check(positive_number);
     command
+        ->add_option("--landing-seconds", options->landing_seconds,
+                     "simulated time of figure 14, whose first 3 seconds stand apart")
+        ->capture_default_str()
+        ->check(positive_number);
+    command
         ->add_option("--cloth-seconds", options->cloth_seconds,
                      "simulated time of figures 15 and 16")
         ->capture_default_str()

@@ -44,6 +44,7 @@ void PaperReportOptions::make_quick() {
     timing.seconds = 4;
     soft_seconds = 2;
     runs = 1;
+    landing_seconds = 5;
     cloth_seconds = 2;
     lattices = {100};
 }

@@ -18,6 +18,7 @@ struct PaperReportOptions {
     Timing timing{.seconds = 20};       ///< long enough for both piles to come to rest
     double soft_seconds = 8;            ///< of soft piles, which take ten times as long to simulate
     std::uint32_t seed = 1;
+    double landing_seconds = 10;    ///< simulated time of figure 14; the paper looks at the last 7
     std::uint32_t runs = 3;         ///< of figure 14, with a seed each; soft bodies have one
     std::uint32_t truth_every = 4;  ///< figures 10 to 13 show every Nth frame
     double cloth_seconds = 6;       ///< simulated time of figures 15 and 16

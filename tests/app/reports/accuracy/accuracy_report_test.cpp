@@ -1,0 +1,58 @@
+// What `pierce report accuracy` writes.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <set>
+
+#include "support/command.hpp"
+#include "support/csv.hpp"
+
+namespace pierce::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+TEST_F(AppTest, ReportsOnAccuracy) {
+    const Outcome report = pierce(
+        "report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " +
+        path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    const fs::path out = folder / "report";
+    std::ifstream in(out / "report.md");
+    const std::string page{std::istreambuf_iterator<char>(in), {}};
+    for (const char* part :
+         {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
+          "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
+        EXPECT_THAT(page, HasSubstr(part));
+    for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft"}) {
+        const Csv csv = read_csv(out / (std::string(name) + ".csv"));
+        EXPECT_GT(csv.number("full", "ms"), 0) << name;
+        EXPECT_GT(csv.number("complete", "pairs"), 0) << name;
+        for (const char* method : {"complete", "reprojected"})
+            for (const char* column : {"missed_pairs", "false_pairs"})
+                EXPECT_EQ(csv.number(method, column), 0) << name << ' ' << method << ' ' << column;
+        for (const char* column :
+             {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
+            EXPECT_TRUE(std::isfinite(csv.number("reprojected", column))) << name << ' ' << column;
+    }
+    const Csv resolution = read_csv(out / "f7_resolution.csv"),
+              depth = read_csv(out / "f9_depth.csv"), hard = read_csv(out / "hard_cases.csv");
+    ASSERT_EQ(resolution.rows.size(), 9u);
+    for (const auto& row : resolution.rows)
+        EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
+    ASSERT_EQ(depth.rows.size(), 6u);
+    for (const auto& row : depth.rows) {
+        EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
+        EXPECT_NEAR(std::stod(row.at("re-projected p95")), 1, 0.1);
+    }
+    std::set<std::string> cases;
+    for (const auto& row : hard.rows) cases.insert(row.at("case"));
+    EXPECT_EQ(cases.size(), 25u);
+    for (const char* at : {"vertices", "edges"})
+        for (const auto& row : read_csv(out / ("f6_leaks_" + std::string(at) + ".csv")).rows)
+            EXPECT_EQ(row.at("pierce"), "0") << "offset " << row.at("offset");
+}
+
+}  // namespace
+}  // namespace pierce::test
