@@ -43,7 +43,7 @@ done
 "$build"/bench/pierce_gpu_sheets --steps 20 --check 0 --stages | tail -n +2 >>"$out/sheets.csv"
 rm -r "$out/../soft_tori"
 # Table 1, tables 2 and 3, and the crossover, as `pierce report paper --gpu-results DIR` merges them.
-"$build"/src/app/pierce report paper --parts trees,gpu --seconds 10 --soft-seconds 4 --out "$out/paper" >>"$out/log.txt"
+"$build"/src/app/pierce report paper --parts trees,gpu,crossover --seconds 10 --soft-seconds 4 --out "$out/paper" >>"$out/log.txt"
 
 if command -v compute-sanitizer >/dev/null; then
     compute-sanitizer --tool racecheck "$steps" lattice:27 --steps 12 --check 2 2>&1 | grep hazards >"$out/racecheck.txt" ||

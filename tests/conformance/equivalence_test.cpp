@@ -90,6 +90,7 @@ TEST_P(EquivalenceTest, BackendsAgreeWhateverRaysRemember) {
     std::vector<std::uint64_t> without_memory;
     for (const Settings& settings :
          {Settings{.temporal = Temporal::off}, Settings{.temporal = Temporal::certified},
+          Settings{.temporal = Temporal::certified, .may_rest = false},
           Settings{.temporal = Temporal::paper, .predict = false},
           Settings{.temporal = Temporal::paper, .predict = true},
           Settings{.temporal = Temporal::paper, .predict = true, .full_every = 3}}) {

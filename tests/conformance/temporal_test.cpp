@@ -8,6 +8,7 @@
 #include "pierce/world.hpp"
 #include "scenes/detect/detector.hpp"
 #include "scenes/named/shapes.hpp"
+#include "scenes/recording/lattice.hpp"
 #include "scenes/recording/recording.hpp"
 #include "scenes/simulate/simulation.hpp"
 #include "support/backends.hpp"
@@ -20,6 +21,7 @@ Settings with(Temporal temporal, bool predict = false) {
     Settings settings;
     settings.temporal = temporal;
     settings.predict = predict;
+    settings.may_rest = false;
     return settings;
 }
 
@@ -422,8 +424,9 @@ INSTANTIATE_TEST_SUITE_P(Backends, TemporalTest, testing::ValuesIn(test::backend
                          test::backend_name);
 
 /// Certified against off on every frame of simulated scenes.
+using namespace scenes;
+
 TEST(TemporalScenesTest, CertifiedGivesTheSameHashOnEveryFrame) {
-    using namespace scenes;
     for (const char* name : {"tori", "bunnies"})
         for (bool soft : {false, true}) {
             const SceneSetup scene = make_scene(name, {12, soft, 3});
@@ -439,6 +442,7 @@ TEST(TemporalScenesTest, CertifiedGivesTheSameHashOnEveryFrame) {
                 RaySettings off{"embree", 2}, certified{"embree", 2};
                 off.world.temporal = Temporal::off;
                 certified.world.temporal = Temporal::certified;
+                certified.world.may_rest = false;
                 const auto a = make_detector(scene_of(played), Method::rays, off);
                 const auto b = make_detector(scene_of(played), Method::rays, certified);
                 std::uint64_t rays[2] = {};
@@ -453,6 +457,33 @@ TEST(TemporalScenesTest, CertifiedGivesTheSameHashOnEveryFrame) {
                 EXPECT_LE(rays[1], rays[0]) << name;
             }
         }
+}
+
+TEST_P(TemporalTest, StepsRestWhereMemoryDoesNotPay) {
+    const Recording moving = lattice(6, 60, LatticeMotion::soft),
+                    resting = lattice(6, 60, LatticeMotion::rest);
+    const auto play = [&](const Recording& recording, Settings settings) {
+        const auto detector = make_detector(scene_of(recording), GetParam().make(), settings);
+        std::vector<std::uint64_t> hashes;
+        std::uint32_t rested = 0;
+        for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
+            put_frame(*detector, recording, f);
+            const FrameResult result = detector->detect();
+            hashes.push_back(result.hash);
+            rested += result.rested;
+            EXPECT_TRUE(result.rested == 0 || (result.walks == 0 && result.certified == 0));
+        }
+        return std::pair(hashes, rested);
+    };
+    const auto [off, never] = play(moving, {.temporal = Temporal::off});
+    const auto [certified, rested] = play(moving, {.temporal = Temporal::certified});
+    EXPECT_EQ(certified, off);
+    EXPECT_EQ(never, 0u);
+    if (GetParam().make()->certificates_pay()) {
+        EXPECT_GT(rested, 30u) << "every vertex moves within its body in every step";
+    }
+    EXPECT_EQ(play(moving, {.temporal = Temporal::certified, .may_rest = false}).second, 0u);
+    EXPECT_EQ(play(resting, {.temporal = Temporal::certified}).second, 0u);
 }
 
 TEST(TemporalSettingsTest, RefusesNonsense) {

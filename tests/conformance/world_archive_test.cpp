@@ -70,7 +70,9 @@ World restored(const std::string& saved, std::unique_ptr<Backend> backend = refe
 TEST(WorldArchiveTest, ARunGoesOnWithEqualHashesOnAnyBackend) {
     for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified})
         for (const Coverage coverage : {Coverage::vertices, Coverage::complete}) {
-            const Settings settings{.coverage = coverage, .temporal = temporal};
+            const Settings settings{.coverage = coverage,
+                                    .temporal = temporal,
+                                    .may_rest = coverage == Coverage::vertices};
             SavedRun run(reference_backend(), settings);
             for (int step = 0; step < 6; ++step) run.next();
             const std::string saved = run.saved();

@@ -54,6 +54,7 @@ private:
         s.temporal = choices_.pick(
             {Temporal::certified, Temporal::certified, Temporal::off, Temporal::paper});
         s.predict = !choices_.one_in(4);
+        s.may_rest = choices_.one_in(3);
         if (choices_.one_in(4)) s.prediction_distance = choices_.pick({0.0, 0.1, 10.0});
         if (choices_.one_in(4)) s.full_every = 1 + choices_.below(4);
         if (choices_.one_in(4)) s.walk_threshold = choices_.pick({0.0, 0.5, 100.0});

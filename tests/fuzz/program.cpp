@@ -90,6 +90,7 @@ json settings(const Settings& s) {
             {"reproject", s.reproject},
             {"temporal", static_cast<int>(s.temporal)},
             {"predict", s.predict},
+            {"may_rest", s.may_rest},
             {"prediction_distance", number(s.prediction_distance)},
             {"full_every", s.full_every},
             {"walk_threshold", number(s.walk_threshold)},
@@ -101,6 +102,7 @@ Settings settings_of(const json& j) {
     s.reproject = j.at("reproject");
     s.temporal = enum_of(j.at("temporal"), Temporal::certified);
     s.predict = j.at("predict");
+    s.may_rest = j.value("may_rest", false);
     s.prediction_distance = number_of(j.at("prediction_distance"));
     s.full_every = j.at("full_every");
     s.walk_threshold = number_of(j.at("walk_threshold"));

@@ -111,6 +111,7 @@ private:
         try_setting(&Settings::reproject, plain.reproject);
         try_setting(&Settings::temporal, Temporal::off);
         try_setting(&Settings::predict, plain.predict);
+        try_setting(&Settings::may_rest, false);
         try_setting(&Settings::prediction_distance, plain.prediction_distance);
         try_setting(&Settings::full_every, plain.full_every);
         try_setting(&Settings::walk_threshold, plain.walk_threshold);

@@ -58,6 +58,13 @@ inline void add_temporal(CLI::App& command, Settings& settings) {
             "with --temporal paper, look ahead for vertices about to enter: on or off")
         ->check(CLI::IsMember({"on", "off"}));
     command
+        .add_option_function<std::string>(
+            "--rest",
+            [&settings](const std::string& name) { settings.may_rest = switches.at(name); },
+            "with --temporal certified, remember nothing for a while where that would cost more "
+            "than it spares: on (the default) or off")
+        ->check(CLI::IsMember({"on", "off"}));
+    command
         .add_option("--full-every", settings.full_every,
                     "with --temporal paper, steps between full passes of a pair")
         ->capture_default_str()

@@ -22,6 +22,7 @@ json rays_json(const scenes::RaySettings& rays) {
             {"threads", rays.threads},
             {"temporal", temporal_names[static_cast<int>(settings.temporal)]},
             {"predict", settings.predict},
+            {"may_rest", settings.may_rest},
             {"full_every", settings.full_every},
             {"coverage", coverage_names[static_cast<int>(settings.coverage)]},
             {"reproject", settings.reproject}};

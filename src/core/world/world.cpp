@@ -225,7 +225,7 @@ const StepStats& World::detect() {
     s.refresh_views();
     const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
     const bool certifies = s.plan.settings.temporal == Temporal::certified,
-               rests = certifies && s.rest.now();
+               rests = certifies && s.settings.may_rest && s.rest.now();
     const Scene scene{.bodies = view_of(s.views),
                       .ids = view_of(std::as_const(s.ids)),
                       .block_items = view_of(std::as_const(s.block_items)),

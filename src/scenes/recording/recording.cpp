@@ -196,22 +196,37 @@ Recording read_recording(const fs::path& folder) {
     return recording;
 }
 
-Recording thinned(const Recording& recording, std::uint32_t frames) {
-    const std::uint32_t every = std::max(1u, recording.frame_count / std::max(frames, 1u));
+namespace {
+
+/// Every Nth frame of those from `first` on, before `end`.
+Recording picked(const Recording& recording, std::uint32_t first, std::uint32_t end,
+                 std::uint32_t every) {
     Recording result = recording;
     result.dt = every * recording.dt;
-    result.frame_count = (recording.frame_count + every - 1) / every;
+    result.frame_count = (end - first + every - 1) / every;
     for (RecordedBody& body : result.bodies) {
         const std::size_t size = frame_size(recording, body);
         // A body that stays has one frame.
         if (body.values.size() == size) continue;
         std::vector<float> kept;
-        for (std::uint32_t f = 0; f < recording.frame_count; f += every)
+        for (std::uint32_t f = first; f < end; f += every)
             kept.insert(kept.end(), body.values.begin() + static_cast<std::ptrdiff_t>(f * size),
                         body.values.begin() + static_cast<std::ptrdiff_t>((f + 1) * size));
         body.values = std::move(kept);
     }
     return result;
+}
+
+}  // namespace
+
+Recording excerpt(const Recording& recording, std::uint32_t first, std::uint32_t count) {
+    const std::uint32_t begin = std::min(first, recording.frame_count);
+    return picked(recording, begin, begin + std::min(count, recording.frame_count - begin), 1);
+}
+
+Recording thinned(const Recording& recording, std::uint32_t frames) {
+    return picked(recording, 0, recording.frame_count,
+                  std::max(1u, recording.frame_count / std::max(frames, 1u)));
 }
 
 Recording as_deforming(const Recording& recording) {

@@ -46,6 +46,9 @@ void write_recording(const Recording& recording, const std::filesystem::path& fo
 /// Throws InputError, naming the file and what is wrong in it, for anything but a sound recording.
 Recording read_recording(const std::filesystem::path& folder);
 
+/// `count` frames of a recording, from `first` on.
+Recording excerpt(const Recording& recording, std::uint32_t first, std::uint32_t count);
+
 /// About `frames` frames of a recording, evenly spread.
 Recording thinned(const Recording& recording, std::uint32_t frames);
 

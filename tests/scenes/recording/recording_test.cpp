@@ -1,5 +1,6 @@
 // Recordings and mesh files: what is written is read back, and damage is named.
 #include "scenes/recording/recording.hpp"
+#include "scenes/recording/lattice.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -89,6 +90,22 @@ TEST_F(RecordingTest, ReadsBackWhatItWrote) {
     }
     EXPECT_EQ(read.pose(1, 2).position.z, 2);
     EXPECT_EQ(read.pose(0, 2).rotation.w, 1) << "a static body may have one frame only";
+}
+
+TEST(RecordingFramesTest, PartsOfARecordingHaveItsFrames) {
+    const Recording all = lattice(3, 10, LatticeMotion::soft);
+    const Recording part = excerpt(all, 4, 3), few = thinned(all, 5);
+    ASSERT_EQ(part.frame_count, 3u);
+    ASSERT_EQ(few.frame_count, 5u);
+    EXPECT_EQ(few.dt, 2 * all.dt);
+    for (std::uint32_t f = 0; f < 3; ++f)
+        EXPECT_TRUE(std::ranges::equal(part.positions(1, f), all.positions(1, f + 4)));
+    for (std::uint32_t f = 0; f < 5; ++f)
+        EXPECT_TRUE(std::ranges::equal(few.positions(2, f), all.positions(2, 2 * f)));
+    EXPECT_EQ(excerpt(all, 8, 9).frame_count, 2u) << "no more than there are";
+    const Recording rigid = excerpt(lattice(2, 6, LatticeMotion::rigid), 5, 1);
+    EXPECT_EQ(rigid.pose(1, 0).position.x,
+              lattice(2, 6, LatticeMotion::rigid).pose(1, 5).position.x);
 }
 
 TEST_F(RecordingTest, DamageIsNamed) {

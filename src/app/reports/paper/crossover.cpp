@@ -57,7 +57,7 @@ Times time_steps(const scenes::Recording& recording, const std::string& backend,
     return times;
 }
 
-Table measure() {
+Table measure(const KeepTable& keep) {
     Table table{.names = {"tori", "triangles", "embree_1_ms", "embree_all_ms", "cuda_ms",
                           "cuda_fetch_ms", "put_embree_ms", "put_cuda_ms", "differ"},
                 .rows = {},
@@ -75,6 +75,7 @@ Table measure() {
             differ += one.hashes[i] != cuda.hashes[i] || all.hashes[i] != cuda.hashes[i];
         table.rows.push_back({static_cast<double>(count), 600.0 * count, one.step, all.step,
                               cuda.step, cuda.fetch, all.put, cuda.put, differ});
+        keep(table);
         progress.show(static_cast<std::uint32_t>(table.rows.size()));
     }
     return table;

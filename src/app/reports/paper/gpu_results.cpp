@@ -8,10 +8,11 @@ namespace pierce::app {
 namespace fs = std::filesystem;
 
 std::optional<Table> on_gpu(const PaperReportOptions& options, Page& page, const std::string& name,
-                            const std::function<Table()>& measure) {
+                            const std::function<Table(const KeepTable&)>& measure) {
     if (scenes::cuda_can_run()) {
-        Table table = measure();
-        page.csv(table, name);
+        const KeepTable keep = [&](const Table& table) { page.csv(table, name); };
+        Table table = measure(keep);
+        keep(table);
         return table;
     }
     const std::string file = name + ".csv";

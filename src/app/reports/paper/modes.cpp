@@ -5,7 +5,19 @@
 
 namespace pierce::app {
 
-double HalfOfMotion::median_ms() const { return spread_of(ms).median; }
+double PartOfMotion::median_ms() const { return spread_of(ms).median; }
+
+PartOfMotion Mode::whole() const {
+    PartOfMotion all = halves[0];
+    const PartOfMotion& rest = halves[1];
+    all.ms.insert(all.ms.end(), rest.ms.begin(), rest.ms.end());
+    all.not_captured += rest.not_captured;
+    for (std::uint64_t PartOfMotion::*count :
+         {&PartOfMotion::rays, &PartOfMotion::walks, &PartOfMotion::walk_steps, &PartOfMotion::lost,
+          &PartOfMotion::contacts})
+        all.*count += rest.*count;
+    return all;
+}
 
 Mode mode(std::string name, Temporal temporal, bool predict) {
     Mode m{.name = std::move(name), .settings = {}};
@@ -16,7 +28,7 @@ Mode mode(std::string name, Temporal temporal, bool predict) {
 
 namespace {
 
-void note(HalfOfMotion& half, const scenes::FrameResult& result, bool on_gpu) {
+void note(PartOfMotion& half, const scenes::FrameResult& result, bool on_gpu) {
     if (!on_gpu)
         half.ms.push_back(result.narrow_ms);
     else if (result.device_milliseconds > 0)

@@ -11,8 +11,8 @@
 
 namespace pierce::app {
 
-/// What a way of tracing rays did in half of a motion.
-struct HalfOfMotion {
+/// What a way of tracing rays did in part of a motion.
+struct PartOfMotion {
     /// [ms] narrow phase of every step; of steps that a GPU repeats, the whole step.
     std::vector<double> ms;
     std::uint32_t not_captured = 0;  ///< steps of a GPU that were not repeated, which `ms` leaves
@@ -29,9 +29,10 @@ struct Mode {
     std::string backend = "embree";  ///< with one thread
     std::unique_ptr<scenes::Detector> detector = nullptr;
     scenes::ContactComparison comparison = {};
-    std::array<HalfOfMotion, 2> halves = {};
+    std::array<PartOfMotion, 2> halves = {};
 
-    const HalfOfMotion& half(bool second) const { return halves[second ? 1 : 0]; }
+    const PartOfMotion& half(bool second) const { return halves[second ? 1 : 0]; }
+    PartOfMotion whole() const;
 };
 
 Mode mode(std::string name, Temporal temporal, bool predict);

@@ -108,7 +108,7 @@ int report_paper(const PaperReportOptions& options) {
         cloth_penetration_figure(cloth, page);
         cloth_variants_figure(cloth, page);
     }
-    if (wanted("gpu")) crossover(options, page);
+    if (wanted("crossover")) crossover(options, page);
     page.close();
     return 0;
 }

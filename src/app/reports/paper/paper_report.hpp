@@ -27,7 +27,7 @@ struct PaperReportOptions {
 
     static std::vector<std::string> all_parts() {
         return {"pictures", "trees",     "times", "curves", "prediction",
-                "quality",  "time-step", "cloth", "gpu"};
+                "quality",  "time-step", "cloth", "gpu",    "crossover"};
     }
     /// Few bodies, short motions: all sections in about two minutes.
     void make_quick();

@@ -107,7 +107,7 @@ void figure_14(const Pile& pile, const PaperReportOptions& options, Page& page) 
         for (std::uint32_t r = 0; r < runs; ++r) {
             const Run made = run(
                 scenes::make_scene(pile.scene.name, {bodies, pile.soft, options.seed + r}),
-                dts.back());
+                options.landing_seconds, dts.back());
             of_landing.push_back(made.landing);
             of_paper_seconds.push_back(made.paper_seconds);
             begins.push_back(made.begin);

@@ -59,7 +59,8 @@ TreeTimes time_trees(const scenes::Recording& recording, const scenes::RaySettin
 }
 
 /// Rows: a builder rebuilt in every step, and the same refitted.
-Table time_builders(const scenes::Recording& recording, const std::string& backend) {
+Table time_builders(const scenes::Recording& recording, const std::string& backend,
+                    const KeepTable& keep) {
     Table table{.names = {"update_ms", "narrow_ms", "total_ms", "boxes_and_pairs_ms", "differ"},
                 .rows = {},
                 .labels = {}};
@@ -76,6 +77,7 @@ Table time_builders(const scenes::Recording& recording, const std::string& backe
             table.labels.push_back(std::string(b.name) + (rebuild ? ", rebuilt" : ", refitted"));
             table.rows.push_back(
                 {t.update, t.narrow, t.update + t.narrow, t.boxes, static_cast<double>(t.differ)});
+            keep(table);
             progress.show(static_cast<std::uint32_t>(table.rows.size()));
         }
     return table;
@@ -106,11 +108,12 @@ void table_1(const PaperReportOptions& options, const Pile& soft_tori, Page& pag
         "*Rebuilt* makes all trees anew in every step, as the paper does; *refitted* keeps them. "
         "Stages are timed one by one.",
         options.count, recording.frame_count);
-    const Table host = time_builders(recording, "bvh");
-    page.csv(host, "table_1_host");
+    const Table host = time_builders(recording, "bvh",
+                                     [&](const Table& table) { page.csv(table, "table_1_host"); });
     write(host, "Host, one thread, our own trees", page);
-    if (const auto gpu = on_gpu(options, page, "table_1_gpu",
-                                [&] { return time_builders(recording, "cuda"); }))
+    if (const auto gpu = on_gpu(options, page, "table_1_gpu", [&](const KeepTable& keep) {
+            return time_builders(recording, "cuda", keep);
+        }))
         write(*gpu, "GPU, the host waits after each stage", page);
 }
 

@@ -34,6 +34,8 @@ struct Settings {
     bool reproject = false;
 
     Temporal temporal = Temporal::certified;
+    /// Temporal::certified remembers nothing for a while where that would cost more than it spares.
+    bool may_rest = true;
     /// Temporal::paper looks ahead along outward rays for vertices that are about to enter.
     bool predict = true;
     /// How far predictions look [length]; negative: as far as the bodies move until the next full

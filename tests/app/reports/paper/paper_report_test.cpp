@@ -116,7 +116,7 @@ TEST_F(AppTest, MergesWhatAGpuHasMeasured) {
         << "# {\"machine\":\"elsewhere\"}\n"
            "row,update_ms,narrow_ms,total_ms,boxes_and_pairs_ms,differ\n"
            "trbvh; rebuilt,1.25,0.5,1.75,0.125,0\n";
-    const Outcome report = pierce(small + "--parts trees,gpu --gpu-results " + path("results") +
+    const Outcome report = pierce(small + "--parts trees,gpu,crossover --gpu-results " + path("results") +
                                   " --out " + path("merged"));
     ASSERT_EQ(report.code, 0) << report.text;
     const std::string page = text_of(folder / "merged" / "report.md");
