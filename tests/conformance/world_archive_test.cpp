@@ -100,7 +100,7 @@ TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
     refused(saved.substr(0, saved.size() - 1), "more or less than its header says");
     refused(saved + "x", "more or less than its header says");
     std::string later = saved;
-    later[8] = 2;
+    later[8] = 3;
     refused(later, "has version 3; this library reads version 2");
     test::Random random(6);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));

@@ -66,8 +66,8 @@ void add_paper(CLI::App& report, int& code) {
         ->check(CLI::Range(1u, 1000000u));
     command
         ->add_option("--parts", options->parts,
-                     "pictures, trees, times, curves, prediction, quality, time-step, cloth, gpu, crossover; "
-                     "all if not given")
+                     "pictures, trees, times, curves, prediction, quality, time-step, cloth, gpu, "
+                     "crossover; all if not given")
         ->delimiter(',')
         ->check(CLI::IsMember(PaperReportOptions::all_parts()));
     command->add_flag_callback(

@@ -28,10 +28,10 @@ std::vector<std::string> cells_of(const std::string& line) {
     return cells;
 }
 
-/// Labels may hold commas, which a cell may not.
-std::string as_cell(std::string label) {
-    std::ranges::replace(label, ',', ';');
-    return label;
+/// Names may hold commas, which a cell may not.
+std::string as_cell(std::string name) {
+    std::ranges::replace(name, ',', ';');
+    return name;
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ void Table::write_csv(const fs::path& file, const std::string& made_with_now) co
     std::ofstream out(file);
     begin_csv(out, made_with_now);
     if (!labels.empty()) out << "row,";
-    for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << names[c];
+    for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << as_cell(names[c]);
     out << '\n';
     for (std::size_t r = 0; r < rows.size(); ++r) {
         if (!labels.empty()) out << as_cell(labels[r]) << ',';

@@ -14,7 +14,7 @@ struct Table {
     std::string made_with = {};            ///< of a table that was read
 
     /// Commas between values, a line of names, and before it, after a "#", `made_with`: what the
-    /// table depends on; no such line if that is empty. Commas in labels become semicolons. Throws
+    /// table depends on; no such line if that is empty. Commas in names become semicolons. Throws
     /// InputError if the file cannot be written.
     void write_csv(const std::filesystem::path& file, const std::string& made_with) const;
     /// A table that write_csv() has written. Throws InputError, naming the file, if it is not.

@@ -31,8 +31,8 @@ void transfer(A& archive, Id<Tag>& id) {
 
 template <class A>
 void transfer(A& archive, Settings& s) {
-    transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.may_rest, s.prediction_distance,
-                 s.full_every, s.walk_threshold);
+    transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.may_rest,
+                 s.prediction_distance, s.full_every, s.walk_threshold);
     transfer(archive, s.coverage, Coverage::complete);
     transfer(archive, s.temporal, Temporal::certified);
 }

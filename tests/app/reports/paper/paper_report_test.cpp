@@ -116,8 +116,8 @@ TEST_F(AppTest, MergesWhatAGpuHasMeasured) {
         << "# {\"machine\":\"elsewhere\"}\n"
            "row,update_ms,narrow_ms,total_ms,boxes_and_pairs_ms,differ\n"
            "trbvh; rebuilt,1.25,0.5,1.75,0.125,0\n";
-    const Outcome report = pierce(small + "--parts trees,gpu,crossover --gpu-results " + path("results") +
-                                  " --out " + path("merged"));
+    const Outcome report = pierce(small + "--parts trees,gpu,crossover --gpu-results " +
+                                  path("results") + " --out " + path("merged"));
     ASSERT_EQ(report.code, 0) << report.text;
     const std::string page = text_of(folder / "merged" / "report.md");
     EXPECT_THAT(page, HasSubstr("| trbvh; rebuilt | 1.250 | 0.500 | 1.750 | 0.125 | 0 |"));
