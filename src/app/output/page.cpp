@@ -51,8 +51,8 @@ void Page::close() {
     const fs::path markdown = folder_ / "report.md", html = folder_ / "report.html";
     write_text(markdown, text_);
     write_text(html, self_contained_html(title_, text_, folder_));
-    fmt::print("report: {}\nin one file: {}\n", fs::absolute(markdown).string(),
-               fs::absolute(html).string());
+    fmt::print("report: {}\n", fs::absolute(markdown).string());
+    fmt::print("in one file: {}\n", fs::absolute(html).string());
 }
 
 void Page::show(bool drawn, const std::string& name) {

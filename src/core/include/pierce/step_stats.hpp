@@ -45,8 +45,8 @@ struct StepStats {
     std::uint32_t predictions = 0;  ///< vertices outside with a triangle they may enter through
     std::uint32_t predictions_true = 0;  ///< contacts found through such a triangle
     std::uint32_t proofs = 0;            ///< vertices newly proved to be outside
-    std::uint32_t rested = 0;  ///< 1 if Temporal::certified ran as Temporal::off, because
-                               ///< remembering would not have paid
+    std::uint32_t rested = 0;            ///< 1 if Temporal::certified ran as Temporal::off, because
+                                         ///< remembering would not have paid
     std::uint32_t edges = 0;             ///< edges cast at the other body of a pair
     std::uint32_t chords = 0;            ///< parts of those edges inside the other body
     std::uint32_t edge_contacts = 0;     ///< contacts from chords
