@@ -34,12 +34,15 @@ void run_truth_program(std::vector<std::string> arguments) {
         throw InputError("pierce_truth failed");
 }
 
-/// A folder of this process, empty at first, that goes away with it.
+/// A folder of its own, empty at first, that goes away with it. Throws InputError if it cannot be
+/// made.
 class TemporaryFolder {
 public:
-    TemporaryFolder()
-        : path_(fs::temp_directory_path() / fmt::format("pierce_truth_{}", getpid())) {
-        fs::remove_all(path_);
+    TemporaryFolder() {
+        std::string name = (fs::temp_directory_path() / "pierce_truth_XXXXXX").string();
+        if (mkdtemp(name.data()) == nullptr)
+            throw InputError("cannot make a folder like '" + name + "'");
+        path_ = name;
     }
     ~TemporaryFolder() {
         std::error_code ignored;

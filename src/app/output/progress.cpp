@@ -18,6 +18,11 @@ Progress::~Progress() {
     if (visible_) fmt::print(stderr, "\r\033[K");
 }
 
+void Progress::one_more() {
+    const std::lock_guard lock(mutex_);
+    show(++done_);
+}
+
 void Progress::show(std::uint32_t done) {
     using namespace std::chrono_literals;
     if (!visible_ || done == 0) return;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <string>
 
 namespace pierce::app {
@@ -14,6 +15,8 @@ public:
 
     /// `done` of the total are done. Redraws a few times a second at most.
     void show(std::uint32_t done);
+    /// One more is done; may be called from any thread.
+    void one_more();
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -22,6 +25,8 @@ private:
     std::uint32_t total_;
     bool visible_;
     Clock::time_point begin_, drawn_;
+    std::mutex mutex_;
+    std::uint32_t done_ = 0;
 };
 
 }  // namespace pierce::app

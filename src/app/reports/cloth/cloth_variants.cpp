@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/measure/in_parallel.hpp"
 #include "app/output/progress.hpp"
 #include "app/reports/cloth/cloth_figures.hpp"
 #include "scenes/named/shapes.hpp"
@@ -45,10 +46,9 @@ scenes::SceneSetup scene_of(const Reading& reading, std::uint32_t seed) {
 
 Depths fall(const Reading& reading, const ClothReportOptions& options) {
     scenes::Simulation simulation(scene_of(reading, options.seed), scenes::Method::rays,
-                                  {.backend = "embree", .threads = options.threads, .world = {}});
+                                  {.backend = "embree", .threads = 1, .world = {}});
     const Timing timing{options.falling.seconds, reading.dt};
     Depths depths;
-    Progress progress("figure 16, " + reading.name, timing.steps());
     for (std::uint32_t i = 0; i < timing.steps(); ++i) {
         const double depth = simulation.step(reading.dt).self_penetration;
         depths.exact = std::max(depths.exact, depth);
@@ -56,7 +56,6 @@ Depths fall(const Reading& reading, const ClothReportOptions& options) {
         ++depths.frames;
         for (const Contact& c : simulation.world()->contacts())
             if (c.a == c.b) depths.reported = std::max(depths.reported, c.penetration_depth());
-        progress.show(i + 1);
     }
     return depths;
 }
@@ -87,7 +86,20 @@ void cloth_variants_figure(const ClothReportOptions& options, Page& page) {
         {.name = "six times as thick, as Bullet's margin is", .thickness = 0.6},
         {.name = "no ground: the cloth falls past the capsule", .ground = false},
         {.name = "a wide capsule, on which the cloth rests", .wide_capsule = true}};
-    for (const Reading& reading : readings) row(page, reading, fall(reading, options));
+    constexpr double rates[] = {60, 120, 240, 480};  // steps a second
+    constexpr std::uint32_t sizes[] = {10, 20, 40};
+    const std::size_t others = readings.size();
+    for (const double rate : rates)
+        readings.push_back({.name = fmt::format("steps of 1/{:g} s", rate), .dt = 1 / rate});
+    for (const std::uint32_t nodes : sizes)
+        readings.push_back({.name = fmt::format("{0} x {0} vertices", nodes), .nodes = nodes});
+    std::vector<Depths> depths(readings.size());
+    Progress progress("figure 16, readings", static_cast<std::uint32_t>(readings.size()));
+    in_parallel(readings.size(), [&](std::size_t i) {
+        depths[i] = fall(readings[i], options);
+        progress.one_more();
+    });
+    for (std::size_t i = 0; i < readings.size(); ++i) row(page, readings[i], depths[i]);
 
     Curves by_step{.title = "Algorithm 1, depth against the time step",
                    .x = "steps a second",
@@ -95,22 +107,18 @@ void cloth_variants_figure(const ClothReportOptions& options, Page& page) {
                    .table = {{"steps_a_second", "exact", "reported", "paper"}, {}},
                    .log_x = true,
                    .log_y = true};
-    for (const double rate : {60.0, 120.0, 240.0, 480.0}) {
-        const Reading reading{.name = fmt::format("steps of 1/{:g} s", rate), .dt = 1 / rate};
-        const Depths d = fall(reading, options);
-        row(page, reading, d);
-        by_step.table.rows.push_back({rate, d.exact, d.reported, paper_penetration});
+    for (std::size_t i = 0; i < std::size(rates); ++i) {
+        const Depths& d = depths[others + i];
+        by_step.table.rows.push_back({rates[i], d.exact, d.reported, paper_penetration});
     }
     Curves by_size = by_step;
     by_size.title = "Algorithm 1, depth against resolution";
     by_size.x = "vertices along a side of the cloth";
     by_size.table = {{"nodes", "exact", "reported", "paper"}, {}};
-    for (const std::uint32_t nodes : {10u, 20u, 40u}) {
-        const Reading reading{.name = fmt::format("{0} x {0} vertices", nodes), .nodes = nodes};
-        const Depths d = fall(reading, options);
-        row(page, reading, d);
+    for (std::size_t i = 0; i < std::size(sizes); ++i) {
+        const Depths& d = depths[others + std::size(rates) + i];
         by_size.table.rows.push_back(
-            {static_cast<double>(nodes), d.exact, d.reported, paper_penetration});
+            {static_cast<double>(sizes[i]), d.exact, d.reported, paper_penetration});
     }
     page.plot(by_step, "figure_16_steps");
     page.plot(by_size, "figure_16_resolution");

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "app/measure/in_parallel.hpp"
 #include "app/measure/motion.hpp"
 #include "app/output/statistics.hpp"
 #include "app/reports/paper/curves.hpp"
@@ -19,17 +20,17 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
     double deepest[3] = {};
     std::vector<TimeColumn> columns;
     for (std::uint32_t i = 0; i < timing.steps(); ++i) time.push_back(i * timing.dt);
-    for (int k = 0; k < 3; ++k) {
+    in_parallel(3, [&](std::size_t k) {
         // Steps that remember nothing have the contacts of certified ones, and so their motion.
         const bool known = settings[k].temporal == Temporal::off;
         ClosedLoop made;
-        if (!known) made = simulate(pile.scene, scenes::Method::rays, settings[k], timing);
+        if (!known) made = simulate(pile.scene, scenes::Method::rays, settings[k], timing, 1);
         const FrameLog all = watch(pile.scene, known ? pile.loop.recording : made.recording,
-                                   scenes::Method::rays, settings[2]);
+                                   scenes::Method::rays, settings[2], 1);
         depths[k] = all.column(&scenes::FrameResult::penetration_mean);
         deepest[k] = std::ranges::max(all.column(&scenes::FrameResult::penetration_max));
-        columns.push_back({names[k], depths[k]});
-    }
+    });
+    for (int k = 0; k < 3; ++k) columns.push_back({names[k], depths[k]});
     page.line("\n### {}\n", pile.name);
     page.line(
         "{} bodies, the loop closed, a full pass every {} steps. Each run has a motion of its own; "
