@@ -16,6 +16,7 @@ namespace {
 std::vector<Vec3f> start_positions(const SceneBody& body, const MeshData& mesh) {
     const Frame frame = frame_of(body.pose);
     std::vector<Vec3f> positions;
+    positions.reserve(mesh.positions.size());
     for (Vec3f p : mesh.positions) positions.push_back(to_float(frame.to_parent(to_double(p))));
     return positions;
 }
@@ -212,6 +213,7 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
                        const Settings& settings)
     : world(std::move(backend), settings) {
     std::vector<MeshId> meshes;
+    meshes.reserve(scene.meshes.size());
     for (const SceneMesh& mesh : scene.meshes)
         meshes.push_back(world.add_mesh(mesh.name, mesh.data));
     for (const SceneBody& body : scene.bodies) {

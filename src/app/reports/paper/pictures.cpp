@@ -26,9 +26,9 @@ void falling_pictures(const Pile& pile, int figure, Page& page) {
     const scenes::Recording& recording = pile.loop.recording;
     page.line("\n## Figure {}: {} {} fall\n", figure, recording.bodies.size() - 1, name);
     page.line("Dots are contacts; bodies go from yellow to red with their depth.");
-    const std::uint32_t last = recording.frame_count - 1;
-    frame_picture(recording, last / 10, fmt::format("figure_{}_falling.png", figure),
-                  fmt::format("{} after {:.1f} s", name, last / 10 * recording.dt), page);
+    const std::uint32_t last = recording.frame_count - 1, early = last / 10;
+    frame_picture(recording, early, fmt::format("figure_{}_falling.png", figure),
+                  fmt::format("{} after {:.1f} s", name, early * recording.dt), page);
     frame_picture(recording, last, fmt::format("figure_{}_at_rest.png", figure),
                   fmt::format("{} after {:.1f} s", name, last * recording.dt), page);
 }

@@ -30,6 +30,7 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
         depths[k] = all.column(&scenes::FrameResult::penetration_mean);
         deepest[k] = std::ranges::max(all.column(&scenes::FrameResult::penetration_max));
     });
+    columns.reserve(3);
     for (int k = 0; k < 3; ++k) columns.push_back({names[k], depths[k]});
     page.line("\n### {}\n", pile.name);
     page.line(
