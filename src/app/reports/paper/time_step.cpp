@@ -124,19 +124,14 @@ void figure_14(const Pile& pile, const PaperReportOptions& options, Page& page) 
     page.line("\n### {}\n", pile.name);
     page.line(
         "{} bodies, the loop closed by rays, mean of {} runs with seeds from {}. Of the depths of "
-        "a "
-        "frame's contacts the "
-        "mean, "
-        "the maximum and the standard deviation, each averaged over the frames while they land: "
-        "from the first contact of "
-        "any to the first contact of the last one. In the paper this is from 3 to 10 s, here from "
-        "{:.2f} to {:.2f} s. The "
-        "frames from 3 s to the end are shown, too.\n",
+        "a frame's contacts the mean, the maximum and the standard deviation, each averaged over "
+        "the frames while they land: from the first contact of any to the first contact of the "
+        "last one. In the paper this is from 3 to 10 s, here from {:.2f} to {:.2f} s. The frames "
+        "from 3 s to the end are shown, too.\n",
         bodies, runs, options.seed, mean(begins), mean(ends));
     page.line(
         "| step [s] | mean | maximum | standard deviation | 3 s to the end: mean | maximum | "
-        "standard "
-        "deviation |");
+        "standard deviation |");
     page.line("|---|---|---|---|---|---|---|");
     for (std::size_t i = 0; i < dts.size(); ++i) {
         const Depth &a = landing[i], &b = paper_seconds[i];

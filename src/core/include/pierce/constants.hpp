@@ -248,12 +248,12 @@ inline constexpr double certificate_steps = 16;
 /// Steps remember as long as this share of the vertices near a target needs no full ray [1]; the
 /// second holds where a body deforms, as its vertices are compared with the last step's. Measured
 /// on piles of 16 and 100 rigid tori and bunnies, one thread: below 0.55 remembering costs up to
-/// 20 %, at 0.75 it gains 15 to 45 %; on soft piles it costs 3 to 7 % up to 0.8.
+/// 20 %, at 0.75 it gains 11 to 46 %; on soft piles it costs 3 to 8 % up to 0.8.
 inline constexpr double memory_share = 0.65, memory_share_deforming = 0.9;
 
 /// Steps before memory is judged, steps in a row that do not pay before it rests, steps of the
-/// first rest, and how often the next rest is twice as long: 64 steps at most, so that trying costs
-/// a twentieth of what remembering would.
+/// first rest, and how often the next rest is twice as long: 64 steps at most, so that memory is
+/// tried in 4 of 68 steps.
 inline constexpr std::uint32_t memory_trial = 2, memory_patience = 2, memory_first_rest = 32,
                                memory_doublings = 1;
 
