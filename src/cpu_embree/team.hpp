@@ -170,7 +170,9 @@ private:
                 TsanOrder::pass();
                 board->help(k);
             };
-            arena_.execute([&] { helpers_.run(help); });
+            // A deferred task is complete before its last TsanOrder is copied; run(help) would
+            // write on.
+            arena_.execute([&] { helpers_.run(helpers_.defer(help)); });
         }
     }
 
