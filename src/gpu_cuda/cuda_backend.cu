@@ -122,6 +122,7 @@ private:
     /// once and played back.
     void bounded_step(StepStats& stats) {
         cudaGraphExec_t& graph = graphs_[bank_];
+        mirror_.keep_seen();
         if (graph != nullptr) {
             executor_.begin_repetition(bank_);
             pipeline_.recall(mirror_.scene());
@@ -152,6 +153,7 @@ private:
         }
         // A list outgrew its room: the step runs once more as an exact step, from the same memory.
         pipeline_.forget_step(mirror_.scene());
+        mirror_.restore_seen();
         restart();
         exact_step(stats);
     }

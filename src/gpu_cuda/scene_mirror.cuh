@@ -66,6 +66,16 @@ public:
         executor_.wait();
     }
 
+    /// Keeps the shapes of the last step, which a step overwrites, on the device.
+    void keep_seen() {
+        kept_seen_.resize(seen_.size());
+        executor_.copy(kept_seen_.data(), seen_.data(), seen_.size(), cudaMemcpyDeviceToDevice);
+    }
+    /// The shapes of the last step are again those that were kept.
+    void restore_seen() {
+        executor_.copy(seen_.data(), kept_seen_.data(), seen_.size(), cudaMemcpyDeviceToDevice);
+    }
+
 private:
     /// Where a body's shape of the last step is kept, in seen_.
     struct SeenOfBody {
@@ -233,7 +243,7 @@ private:
     DeviceBuffer<Vec3f> positions_, starts_;
     DeviceBuffer<PatchBlock> blocks_;
     DeviceBuffer<Offsets> patches_;
-    DeviceBuffer<SeenPatch> seen_;
+    DeviceBuffer<SeenPatch> seen_, kept_seen_;
     DeviceBuffer<View<PatchBlock>> block_views_;
     DeviceBuffer<View<Offsets>> patch_views_;
     DeviceBuffer<View<SeenPatch>> seen_views_;

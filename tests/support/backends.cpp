@@ -1,5 +1,8 @@
 #include "support/backends.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include "core/step/pipeline_backend.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "pierce/embree_backend.hpp"
@@ -23,12 +26,24 @@ public:
     }
 };
 
+/// Does every step twice, as a GPU does when a list outgrows its room: the first time for nothing.
 class ShuffledBackend : public PipelineBackend<ShuffledExecutor, ArrangedTrees> {
 public:
     ShuffledBackend()
         : PipelineBackend("shuffled, 1 thread", std::make_unique<ShuffledExecutor>(),
                           std::make_unique<ArrangedTrees>()) {}
     bool certificates_pay() const override { return false; }
+
+    void step(const Scene& scene, StepStats& stats) override {
+        std::vector<std::vector<SeenPatch>> seen;
+        for (const View<SeenPatch>& body : scene.seen) seen.emplace_back(body.begin(), body.end());
+        StepStats for_nothing = stats;
+        executor().run([&] { pipeline().step(scene, for_nothing); });
+        pipeline().forget_step(scene);
+        for (std::uint32_t b = 0; b < scene.seen.size; ++b)
+            std::ranges::copy(seen[b], scene.seen[b].begin());
+        PipelineBackend::step(scene, stats);
+    }
 };
 
 std::unique_ptr<Backend> parallel_backend() {

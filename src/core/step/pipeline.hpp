@@ -147,7 +147,8 @@ public:
         if (!scene.plan->settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
         sheets_.recall();
     }
-    /// Undoes the last step's bookkeeping, so that step() can be repeated in its place.
+    /// Undoes the last step's bookkeeping, so that step() can be repeated in its place. The caller
+    /// restores Scene::seen, which steps overwrite.
     void forget_step(const Scene& scene) { recall(scene); }
 
     /// What the last step has left for the next one.

@@ -55,6 +55,10 @@ public:
         });
     }
 
+protected:
+    E& executor() { return *executor_; }
+    Pipeline<E, T>& pipeline() { return pipeline_; }
+
 private:
     std::string description_;
     std::unique_ptr<E> executor_;
