@@ -257,6 +257,24 @@ TEST_P(TemporalTest, PredictionSeesVerticesEnterBetweenFullPasses) {
     }
 }
 
+// The motion is known from the second step on. To guess it would cost a ray of nearly every vertex.
+TEST_P(TemporalTest, PredictsNothingBeforeItKnowsTheMotion) {
+    for (bool deforming : {false, true}) {
+        Sinking paper(GetParam(), with(Temporal::paper), deforming),
+            predicting(GetParam(), with(Temporal::paper, true), deforming);
+        // The ball is in the plate already, so that bodies are a pair from the start.
+        paper.at(0.95);
+        predicting.at(0.95);
+        EXPECT_EQ(predicting.world.stats().rays, paper.world.stats().rays);
+        EXPECT_EQ(predicting.world.stats().predictions, 0u);
+        predicting.at(0.94);
+        EXPECT_EQ(predicting.world.stats().full_passes, 1u);
+        EXPECT_GT(predicting.world.stats().predictions, 0u);
+        predicting.at(0.93);
+        EXPECT_EQ(predicting.world.stats().full_passes, 0u);
+    }
+}
+
 TEST_P(TemporalTest, FullPassesComeEveryKSteps) {
     Settings settings = with(Temporal::paper);
     settings.full_every = 4;

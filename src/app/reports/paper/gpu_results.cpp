@@ -1,5 +1,7 @@
 #include "app/reports/paper/gpu_results.hpp"
 
+#include <algorithm>
+
 #include "pierce/error.hpp"
 #include "scenes/detect/method.hpp"
 
@@ -31,6 +33,8 @@ std::optional<Table> on_gpu(const PaperReportOptions& options, Page& page, const
         return std::nullopt;
     }
     Table table = Table::read_csv(from);
+    // Names in CSV files have no commas.
+    for (std::string& label : table.labels) std::ranges::replace(label, ';', ',');
     if (!fs::exists(page.folder() / file) || !fs::equivalent(from, page.folder() / file))
         fs::copy_file(from, page.folder() / file, fs::copy_options::overwrite_existing);
     page.line("\n*Measured elsewhere, and merged from a folder of results:* `{}`\n",

@@ -218,8 +218,9 @@ struct CompareWithLast {
 };
 
 /// Per body: how far predictions look, of its vertices and of what enters it: as far as the body
-/// moves until the next full pass. The motion of a body that is seen for the first time is unknown.
-/// Reads bodies, their last fits and settings; writes reach.
+/// moves until the next full pass. The motion of a body that is seen for the first time is unknown,
+/// so that nothing is predicted of it; the next step is a full pass. Reads bodies, their last fits
+/// and settings; writes reach.
 struct MeasureReach {
     View<BodyView> bodies;
     Settings settings;
@@ -234,12 +235,11 @@ struct MeasureReach {
             body.reach = 0.5 * settings.prediction_distance;
             return;
         }
-        body.reach = 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
-        if (body.seen)
-            body.reach = min_of(
-                settings.full_every *
-                    (largest_motion(body.last_fit, body.fit, body.fit_box) + body.shape_motion),
-                body.reach);
+        if (!body.seen) return;
+        body.reach = min_of(
+            settings.full_every *
+                (largest_motion(body.last_fit, body.fit, body.fit_box) + body.shape_motion),
+            0.5 * constants::prediction_limit * body.mesh.mean_edge_length);
     }
 };
 

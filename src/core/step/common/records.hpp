@@ -51,7 +51,8 @@ struct PairMemory {
     double step = 0;      ///< [length] by how much the odometer went on in this step
     double odometer = 0;  ///< [length] no point of the source has moved further relative to the
                           ///< target since memory began
-    double at_full = 0;   ///< the odometer at the last full pass
+    double at_full = 0;   ///< the odometer at the last full pass; negative if predictions could not
+                          ///< tell in that pass how the bodies move
     std::uint32_t since_full = 0;  ///< steps
     Pass pass = Pass::full;
     bool known = false;  ///< last step's records hold

@@ -27,6 +27,9 @@ struct MeasureDisplacement {
         const Pair pair = pairs[i / 2];
         const BodyView& source = bodies[pair.source(i % 2)];
         const BodyView& target = bodies[pair.target(i % 2)];
+        const bool predicts = settings.predict && settings.prediction_distance < 0;
+        const bool is_blind = predicts && !(source.seen && target.seen);
+        bool was_blind = false;
         PairMemory m;
         m.relative = relative_frame(source.fit, target.fit);
         if (links[i / 2] != no_pair && last.size > 0) {
@@ -40,6 +43,7 @@ struct MeasureDisplacement {
                                  source.shape_motion + target.shape_motion + rounding;
             m.odometer = before.odometer + m.step;
             m.at_full = before.at_full;
+            was_blind = before.at_full < 0;
             m.since_full = before.since_full + 1;
             // float32 records can tell odometers apart only up to a limit; all records have expired
             // before it.
@@ -54,12 +58,12 @@ struct MeasureDisplacement {
         const double edge = min_of(source.mesh.mean_edge_length, target.mesh.mean_edge_length);
         const bool rigid = source.motion != Motion::deforming && target.motion != Motion::deforming;
         const bool far = rigid && m.odometer - m.at_full > settings.walk_threshold * edge;
-        if (m.known && !far && m.since_full < settings.full_every) {
+        if (m.known && !far && !was_blind && m.since_full < settings.full_every) {
             m.pass = Pass::walk;
         } else {
             m.pass = Pass::full;
-            m.at_full = m.odometer;
-            if (m.known) m.since_full = 0;
+            m.at_full = is_blind ? -1.0 : m.odometer;
+            if (m.known && !was_blind) m.since_full = 0;
         }
         memory[i] = m;
     }

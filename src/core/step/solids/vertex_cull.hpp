@@ -65,7 +65,8 @@ struct DirectPair {
         d.to_space = target.motion == Motion::deforming ? relative_frame(source.space, target.space)
                                                         : d.to_fit;
         d.touch = touch_between(source, target, d.to_space);
-        if (!d.is_self()) d.approach.most = source.reach + target.reach;
+        const bool knows = settings.prediction_distance >= 0 || (source.seen && target.seen);
+        if (!d.is_self() && knows) d.approach.most = source.reach + target.reach;
         if (memory.size > 0) {
             const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
@@ -76,8 +77,7 @@ struct DirectPair {
             if (d.is_self()) d.pass = Pass::full;  // what it remembers is about others
             const bool looks = d.approach.most > 0 && d.pass == Pass::full &&
                                settings.prediction_distance < 0;
-            if (looks && source.seen && target.seen)
-                d.approach = approach_of(source, target, m.relative, settings.full_every);
+            if (looks) d.approach = approach_of(source, target, m.relative, settings.full_every);
         }
         d.along_velocity = d.is_self() && source.sends_velocity_rays();
         if (d.along_velocity) d.last_blocks = no_record;
