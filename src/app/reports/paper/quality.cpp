@@ -113,7 +113,10 @@ Quality measure_quality(const scenes::SceneSetup& scene, bool soft, const Closed
         .closed = {},
         .rays = times_of(log, known),
         .against = times_of(watching, known)};
-    quality.rays.response = times_of(loop.log, known).response;
+    // The response is that of the run in which rays moved the bodies.
+    const double response = times_of(loop.log, known).response;
+    quality.rays.total += response - quality.rays.response;
+    quality.rays.response = response;
     for (const TrueFrame& t : known) quality.time.push_back(t.frame * timing.dt);
     const Sight rays = sight_of("rays", log, known), truth = sight_of("truth", known);
     quality.open = {{rays, truth}, {sight_of(quality.opponent, watching, known), truth}};

@@ -120,7 +120,7 @@ TEST_F(AppTest, MergesWhatAGpuHasMeasured) {
                                   path("results") + " --out " + path("merged"));
     ASSERT_EQ(report.code, 0) << report.text;
     const std::string page = text_of(folder / "merged" / "report.md");
-    EXPECT_THAT(page, HasSubstr("| trbvh; rebuilt | 1.250 | 0.500 | 1.750 | 0.125 | 0 |"));
+    EXPECT_THAT(page, HasSubstr("| trbvh, rebuilt | 1.250 | 0.500 | 1.750 | 0.125 | 0 |"));
     EXPECT_THAT(page, HasSubstr("elsewhere"));
     EXPECT_THAT(page, HasSubstr("`crossover.csv` is not in the folder of results"));
     EXPECT_TRUE(fs::exists(folder / "merged" / "table_1_gpu.csv"));
