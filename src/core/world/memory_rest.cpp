@@ -22,7 +22,7 @@ void MemoryRest::note(const StepStats& stats, bool deforms) {
         if (--resting == 0) tried = 0;
         return;
     }
-    // The first step has nothing to go by, and the second only what that one proved.
+    // The first step has nothing to go by, the second proves, and the third goes by that.
     if (++tried <= constants::memory_trial) return;
     if (pays(stats, deforms)) {
         poor = rests = 0;

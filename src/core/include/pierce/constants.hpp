@@ -253,8 +253,8 @@ inline constexpr double memory_share = 0.65, memory_share_deforming = 0.9;
 
 /// Steps before memory is judged, steps in a row that do not pay before it rests, steps of the
 /// first rest, and how often the next rest is twice as long: 64 steps at most, so that memory is
-/// tried in 4 of 68 steps.
-inline constexpr std::uint32_t memory_trial = 2, memory_patience = 2, memory_first_rest = 32,
+/// tried in 5 of 69 steps.
+inline constexpr std::uint32_t memory_trial = 3, memory_patience = 2, memory_first_rest = 32,
                                memory_doublings = 1;
 
 /// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us

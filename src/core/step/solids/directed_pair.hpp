@@ -21,7 +21,7 @@ struct DirectedPair {
     double touch = 0;    ///< [length] touch tolerance of the rays
     Approach approach;   ///< how far outside of the target vertices are wanted, too
     float odometer = 0;  ///< the pair's
-    float step = 0;      ///< by how much the odometer went on in this step
+    float step = 0;      ///< by how much the odometer went on in this step; infinite if unknown
     Pass pass = Pass::full;
     bool still = false;  ///< nothing has moved since the last step, and its records hold, so no
                          ///< contact has changed

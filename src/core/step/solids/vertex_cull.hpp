@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "core/body/body_view.hpp"
 #include "core/device/bits.hpp"
 #include "core/device/loops.hpp"
@@ -70,7 +72,8 @@ struct DirectPair {
         if (memory.size > 0) {
             const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
-            d.step = static_cast<float>(m.step);
+            // A pair that has just begun may be fast. Proofs wait until it is known.
+            d.step = m.known ? static_cast<float>(m.step) : std::numeric_limits<float>::infinity();
             d.pass = m.pass;
             if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
             d.still = settings.keeps_contacts() && m.known && source.still && target.still;
