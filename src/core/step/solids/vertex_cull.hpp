@@ -72,7 +72,7 @@ struct DirectPair {
         if (memory.size > 0) {
             const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
-            // A pair that has just begun may be fast. Proofs wait until it is known.
+            // A pair that has just begun may be fast: proofs wait until its pace is known.
             d.step = m.known ? static_cast<float>(m.step) : std::numeric_limits<float>::infinity();
             d.pass = m.pass;
             if (m.known) d.last_blocks = last[2 * links[i / 2] + i % 2].first_block;
