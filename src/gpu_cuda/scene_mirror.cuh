@@ -126,7 +126,7 @@ private:
         executor_.wait();
         fetch_seen(host.ids, host.seen);
         forget_unused(host.bodies);
-        std::uint32_t vertices = 0, blocks = 0, patches = 0;
+        std::uint32_t vertices = 0, blocks = 0, patches = 0, nodes = 0;
         first_vertex_.assign(host.bodies.size, 0);
         for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
             if (host.bodies[b].motion != Motion::deforming) continue;
@@ -134,6 +134,7 @@ private:
             vertices += host.bodies[b].positions.size;
             blocks += host.bodies[b].blocks.size;
             patches += host.bodies[b].patches.size;
+            nodes += host.bodies[b].box_nodes.size;
         }
         std::vector<SeenPatch> shapes;
         seen_of_body_.assign(host.bodies.size, {});
@@ -146,14 +147,17 @@ private:
         starts_.resize(host.plan->sheets ? vertices : 0);
         blocks_.resize(blocks);
         patches_.resize(patches);
+        box_nodes_.resize(nodes);
         executor_.upload(std::span<const SeenPatch>(shapes), seen_);
 
         std::vector<BodyView> views(host.bodies.begin(), host.bodies.end());
         std::vector<View<PatchBlock>> block_views(views.size());
         std::vector<View<Offsets>> patch_views(views.size());
+        std::vector<View<BoxNode>> node_views(views.size());
         std::vector<View<SeenPatch>> seen_views(views.size());
         PatchBlock* next_block = blocks_.data();
         Offsets* next_patch = patches_.data();
+        BoxNode* next_node = box_nodes_.data();
         SeenPatch* next_seen = seen_.data();
         for (std::uint32_t b = 0; b < views.size(); ++b) {
             BodyView& view = views[b];
@@ -165,20 +169,26 @@ private:
                 view.start = {starts_.data() + first_vertex_[b], view.start.size};
                 view.blocks = block_views[b] = {next_block, view.blocks.size};
                 view.patches = patch_views[b] = {next_patch, view.patches.size};
+                view.box_nodes = node_views[b] = {next_node, view.box_nodes.size};
                 seen_views[b] = {next_seen, host.seen[b].size};
                 next_block += view.blocks.size;
                 next_patch += view.patches.size;
+                next_node += view.box_nodes.size;
                 next_seen += host.seen[b].size;
             } else {
                 view.positions = mesh.view.positions;
                 view.blocks = mesh.view.blocks;
                 view.patches = mesh.view.patches;
+                view.box_nodes = mesh.view.box_nodes;
             }
         }
         executor_.upload(std::span<const BodyView>(views), bodies_);
         executor_.upload(std::span<const View<PatchBlock>>(block_views), block_views_);
         executor_.upload(std::span<const View<Offsets>>(patch_views), patch_views_);
+        executor_.upload(std::span<const View<BoxNode>>(node_views), node_views_);
         executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
+        executor_.upload(std::span<const NodeItem>(host.node_items.begin(), host.node_items.end()),
+                         node_items_);
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
         executor_.upload(
             std::span<const BlockItem>(host.block_items.begin(), host.block_items.end()),
@@ -196,6 +206,9 @@ private:
                   .blocks = view_of(std::as_const(block_views_)),
                   .patches = view_of(std::as_const(patch_views_)),
                   .seen = view_of(std::as_const(seen_views_)),
+                  .node_items = view_of(std::as_const(node_items_)),
+                  .level_begin = host.level_begin,
+                  .box_nodes = view_of(std::as_const(node_views_)),
                   .plan = host.plan,
                   .forgets_sides = view_of(std::as_const(forgets_))};
     }
@@ -243,13 +256,16 @@ private:
     DeviceBuffer<Vec3f> positions_, starts_;
     DeviceBuffer<PatchBlock> blocks_;
     DeviceBuffer<Offsets> patches_;
+    DeviceBuffer<BoxNode> box_nodes_;
     DeviceBuffer<SeenPatch> seen_, kept_seen_;
     DeviceBuffer<View<PatchBlock>> block_views_;
     DeviceBuffer<View<Offsets>> patch_views_;
+    DeviceBuffer<View<BoxNode>> node_views_;
     DeviceBuffer<View<SeenPatch>> seen_views_;
     DeviceBuffer<BodyId> ids_;
     DeviceBuffer<BlockItem> block_items_;
     DeviceBuffer<BlockRange> ranges_;
+    DeviceBuffer<NodeItem> node_items_;
 };
 
 }  // namespace pierce::cuda

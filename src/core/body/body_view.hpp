@@ -16,6 +16,8 @@ struct BodyShape {
     std::uint64_t mesh_key = 0;     ///< the mesh's identity, never used twice
     View<const PatchBlock> blocks;  ///< in the body's space
     View<const Offsets> patches;    ///< in the body's space
+    View<const BoxNode> box_nodes;  ///< boxes around the triangles, in the body's space; of a
+                                    ///< deforming body only with complete coverage
     double range = 0;               ///< [length] longest ray of an open body
     Collision collision;
     Motion motion = Motion::fixed;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/box_nodes.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "pierce/body.hpp"
@@ -29,6 +32,15 @@ struct BlockRange {
     std::uint32_t last = 0;
 };
 
+/// A node of a deforming body's tree of boxes.
+struct NodeItem {
+    std::uint32_t body = 0;
+    std::uint32_t node = 0;
+};
+
+/// Where the levels of all trees of boxes begin in a list of their nodes, and where the last ends.
+using LevelBegins = std::array<std::uint32_t, BoxLevels::most + 1>;
+
 /// All that a step reads of a world, and what the step keeps up to date there: bounds and fits of
 /// the bodies.
 struct Scene {
@@ -40,6 +52,10 @@ struct Scene {
     View<const View<Offsets>> patches;    ///< per body, where its vertices' offsets go
     View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept;
                                           ///< empty: nowhere
+    View<const NodeItem> node_items;      ///< of deforming bodies with complete coverage, level
+                                          ///< after level, leaves first
+    LevelBegins level_begin{};            ///< where the levels begin there
+    View<const View<BoxNode>> box_nodes;  ///< per body, where a deforming body's boxes go
     const Plan* plan = nullptr;
     View<const std::uint32_t> forgets_sides;  ///< one number; if it is not 0, sheets forget the
                                               ///< last step

@@ -23,11 +23,12 @@ enum class ListId : std::uint8_t {
     // edges
     edge_patches,
     edge_groups,
-    edges,
+    found_edges,
     near_edges,
+    asked_edges,
+    crossed_pairs,
     chords,
-    active_segments,
-    touching_segments,
+    touching_edges,
     deep_touches,
     // self_overlap and separation
     self_candidates,

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
+#include "core/device/loops.hpp"
 #include "core/device/quick_math.hpp"
 #include "core/device/whole.hpp"
 #include "core/geometry/float_rules.hpp"
@@ -11,7 +14,7 @@
 
 /// Compares many boxes with many: sixteen boxes take as little memory as five of float32, and are
 /// compared four at a time.
-namespace pierce::stages {
+namespace pierce {
 
 /// A box in float32, not smaller than what it holds; empty by default.
 struct alignas(16) QuickBox {
@@ -127,6 +130,8 @@ private:
     template <std::uint32_t count>
     PIERCE_HD std::uint32_t near(const QuickBox (&box)[count]) const {
         const BoxSteps grid = read_whole(steps);
+        std::uint32_t mask = 0;
+#if defined(__CUDA_ARCH__)
         Row hits[count];
         for (Row& row : hits) row = {top_bits, top_bits, top_bits, top_bits};
         for (int axis = 0; axis < 3; ++axis) {
@@ -142,19 +147,42 @@ private:
                     hits[b].word[w] &= (high - begin.word[w]) & (end.word[w] - low);
             }
         }
-        std::uint32_t mask = 0;
         for (std::uint32_t b = 0; b < count; ++b)
             for (int w = 0; w < 4; ++w)
                 mask |= top_bits_together(hits[b].word[w]) << (constants::group_size * b + 4 * w);
+#else
+        // The same, with bytes in vector registers.
+        for (std::uint32_t b = 0; b < count; ++b) {
+            unsigned char hits[constants::group_size];
+            for (unsigned char& hit : hits) hit = top_bit;
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto* const begin = reinterpret_cast<const unsigned char*>(lower[axis].word);
+                const auto* const end = reinterpret_cast<const unsigned char*>(upper[axis].word);
+                const auto low = static_cast<unsigned char>(grid.at(box[b].lower[axis], axis, 1)),
+                           high = static_cast<unsigned char>(grid.at(box[b].upper[axis], axis, 0) |
+                                                             top_bit);
+                PIERCE_VECTOR_LOOP
+                for (std::uint32_t k = 0; k < constants::group_size; ++k)
+                    hits[k] &= static_cast<unsigned char>((high - begin[k]) & (end[k] - low));
+            }
+            std::uint64_t word[2];
+            std::memcpy(word, hits, sizeof word);
+            for (std::uint32_t w = 0; w < 2; ++w)
+                mask |= top_bits_together(word[w]) << (constants::group_size * b + 8 * w);
+        }
+#endif
         return mask;
     }
 
-    /// The top bits of four bytes, side by side: the product adds up shifted copies, whose bits do
+    /// The top bits of all bytes, side by side: the product adds up shifted copies, whose bits do
     /// not overlap.
     PIERCE_HD static std::uint32_t top_bits_together(std::uint32_t bits) {
         return (bits >> 7) * 0x10204080u >> 28;
     }
+    PIERCE_HD static std::uint32_t top_bits_together(std::uint64_t bits) {
+        return static_cast<std::uint32_t>((bits >> 7) * 0x0102040810204080u >> 56);
+    }
 };
 static_assert(sizeof(GridBoxes) == 128);
 
-}  // namespace pierce::stages
+}  // namespace pierce

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/device/view.hpp"
+#include "core/geometry/grid_boxes.hpp"
 #include "core/mesh/clearance_grid.hpp"
 #include "core/mesh/leaf.hpp"
 #include "pierce/box.hpp"
@@ -74,6 +75,12 @@ struct PatchBlock {
     float reach = 0;  ///< no vertex is further than this from `center`
 };
 
+/// A node of a tree of boxes (box_nodes.hpp).
+struct alignas(16) BoxNode {
+    GridBoxes boxes;  ///< of its sixteen triangles or nodes; those that it does not have are empty
+    QuickBox around;  ///< all of them
+};
+
 /// The triangles across a triangle's edges: across[k] lies opposite its vertex k. It is no_triangle
 /// at a border, or where more than two triangles meet.
 struct Neighbors {
@@ -112,15 +119,16 @@ struct MeshArrays {
     Array<Offsets> patches;  ///< per patch, its vertices relative to its centre; of the rest shape
     Array<Edge> edges;  ///< patch after patch; an edge belongs to the patch of its first vertex
     Array<std::uint32_t> edge_offsets;     ///< per patch and one more: where its edges begin
-    Array<float> edge_reach;               ///< per patch, its longest edge; of the rest shape
+    Array<QuickBox> edge_boxes;            ///< per patch, around its edges; of the rest shape
     Array<TriangleFeatures> features;      ///< per triangle
     Array<std::uint32_t> group_triangles;  ///< all triangles, group after group,
                                            ///< constants::group_size each
-    Array<bvh::Leaf> leaves;               ///< all triangles, by ones and twos
-    Array<std::uint32_t> parts;            ///< one vertex of every connected part
-    Array<Neighbors> neighbors;            ///< per triangle
-    Array<TriangleRing> rings;             ///< per triangle; of the rest shape
-    Array<float> star_clearance;           ///< per vertex; empty for a mesh that is not closed
+    Array<BoxNode> box_nodes;     ///< a tree of boxes (box_nodes.hpp) around the rest shape
+    Array<bvh::Leaf> leaves;      ///< all triangles, by ones and twos
+    Array<std::uint32_t> parts;   ///< one vertex of every connected part
+    Array<Neighbors> neighbors;   ///< per triangle
+    Array<TriangleRing> rings;    ///< per triangle; of the rest shape
+    Array<float> star_clearance;  ///< per vertex; empty for a mesh that is not closed
     Array<double> own_exit;  ///< per vertex, length of its inward ray inside the rest shape; -1
                              ///< where the ray does not start inside; empty for a mesh that is not
                              ///< closed
@@ -142,9 +150,10 @@ constexpr void for_each_array(F&& f, M&... m) {
     f(m.patches...);
     f(m.edges...);
     f(m.edge_offsets...);
-    f(m.edge_reach...);
+    f(m.edge_boxes...);
     f(m.features...);
     f(m.group_triangles...);
+    f(m.box_nodes...);
     f(m.leaves...);
     f(m.parts...);
     f(m.neighbors...);

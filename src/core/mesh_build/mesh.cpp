@@ -6,6 +6,7 @@
 
 #include "core/base/reach.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/box_nodes.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
@@ -93,13 +94,18 @@ void Mesh::Parts::divide_into_patches() {
     arrays.group_triangles = spatial_order(middles);
     arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles);
     see_arrays();
+    const BoxLevels levels(view.triangles.size);
+    arrays.box_nodes.resize(levels.nodes());
+    for (std::uint32_t n = 0; n < levels.nodes(); ++n)
+        measure_node(view, view.positions, levels, n, view_of(arrays.box_nodes));
+    see_arrays();
 }
 
 void Mesh::Parts::find_edges() {
     MeshEdges edges = edges_of(view);
     arrays.edges = std::move(edges.edges);
     arrays.edge_offsets = std::move(edges.offsets);
-    arrays.edge_reach = std::move(edges.reach);
+    arrays.edge_boxes = std::move(edges.boxes);
     see_arrays();
     arrays.features = features_of(view);
     arrays.parts = parts_of(view);

@@ -5,7 +5,6 @@
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/device/bits.hpp"
-#include "core/geometry/float_rules.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
@@ -31,13 +30,11 @@ MeshEdges edges_of(const MeshView& mesh) {
     std::ranges::stable_sort(made.edges, {}, [&](const Edge& e) { return place[e.vertex[0]]; });
 
     made.offsets.assign(patch_count(mesh) + 1, 0);
-    made.reach.assign(patch_count(mesh), 0.0f);
+    made.boxes.assign(patch_count(mesh), {});
     for (const Edge& e : made.edges) {
         const std::uint32_t p = place[e.vertex[0]] / constants::patch_size;
         ++made.offsets[p + 1];
-        const double size = length(to_double(mesh.positions[e.vertex[1]]) -
-                                   to_double(mesh.positions[e.vertex[0]]));
-        made.reach[p] = std::max(made.reach[p], round_up(size));
+        for (std::uint32_t v : e.vertex) made.boxes[p].extend(mesh.positions[v]);
     }
     std::partial_sum(made.offsets.begin(), made.offsets.end(), made.offsets.begin());
     return made;

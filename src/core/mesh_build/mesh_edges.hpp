@@ -12,7 +12,7 @@ namespace pierce {
 struct MeshEdges {
     std::vector<Edge> edges;
     std::vector<std::uint32_t> offsets;  ///< per patch and one more: where its edges begin
-    std::vector<float> reach;  ///< per patch, the longest of its edges in the rest shape [length]
+    std::vector<QuickBox> boxes;         ///< per patch, around its edges in the rest shape
 };
 
 /// Reads positions, triangles and patches of `mesh`.

@@ -72,7 +72,7 @@ public:
         stage(StageId::displacement, [&] { displacement(scene); });
         stage(StageId::vertex_cull, [&] { vertex_cull(scene); });
         stage(StageId::ray_gen, [&] { ray_gen(scene); });
-        if (plan.needs(StageId::edges)) edges(scene, stage);
+        if (plan.needs(StageId::edges)) stage(StageId::edges, [&] { edges(scene); });
         stage(StageId::walk, [&] { walk(scene); });
         stage(StageId::update, [&] { tools_.update(scene.bodies, full_rays(plan)); });
         stage(StageId::trace, [&] { trace(scene); });
@@ -100,7 +100,7 @@ public:
         stats.hits = executor_.read(sums_.hits);
         stats.own_rays = executor_.read(sums_.own_rays);
         if (plan.is_complete()) {
-            stats.edges = executor_.number(count_of(edges_.segments()));
+            stats.edges = executor_.number(edges_.near_edges());
             stats.chords = edges_.chords().size;
             stats.inside_tests = separation_.inside_tests();
             stats.separated_pairs = separation_.deep_pairs();
@@ -145,6 +145,7 @@ public:
         std::swap(now_, last_);
         // Contacts stay in `now_`, unless the next step may take some over.
         if (!scene.plan->settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
+        edges_.recall();
         sheets_.recall();
     }
     /// Undoes the last step's bookkeeping, so that step() can be repeated in its place. The caller
@@ -161,6 +162,7 @@ public:
     /// Makes `m` the last step's memory.
     void remember(const StepMemory& m) {
         now_.restore(executor_, m);
+        edges_.forget();
         sheets_.restore(m);
     }
 
@@ -432,13 +434,10 @@ private:
                                                      view_of(routes_.full_rays)});
     }
 
-    /// Edges of either body that may run through the other, and a ray for each part inside.
-    void edges(const Scene& scene, StageTimer<E>& stage) {
-        stage(StageId::edges,
-              [&] { edges_.cull(scene, view_of(cull_.directed), view_of(cull_.blocks)); });
-        stage(StageId::update, [&] { tools_.update(scene.bodies, edges_.segments()); });
-        stage(StageId::edges,
-              [&] { edges_.cast(scene, view_of(cull_.directed), batch_, routes_.routes); });
+    // edges: Which parts of edges are inside the other body, and a ray for each.
+    void edges(const Scene& scene) {
+        edges_.find(scene, view_of(cull_.directed), view_of(cull_.blocks), view_of(now_.directed),
+                    view_of(pairs_.links), batch_, routes_.routes);
     }
 
     // trace: The triangle each ray crosses first.
@@ -560,7 +559,8 @@ private:
         tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         const Count total = count_of(now_.contact_keys);
         if (scene.plan->is_complete())
-            executor_.for_each(total, stages::OrderChords{.sources = view_of(batch_.sources),
+            executor_.for_each(total, stages::OrderChords{.chords = edges_.chords(),
+                                                          .sources = view_of(batch_.sources),
                                                           .candidates = view_of(batch_.candidates),
                                                           .keys = view_of(now_.contact_keys),
                                                           .order = view_of(sort_.order)});

@@ -233,6 +233,9 @@ const StepStats& World::detect() {
                       .blocks = view_of(std::as_const(s.blocks)),
                       .patches = view_of(std::as_const(s.patches)),
                       .seen = view_of(std::as_const(rests ? s.not_seen : s.seen)),
+                      .node_items = view_of(std::as_const(s.node_items)),
+                      .level_begin = s.level_begin,
+                      .box_nodes = view_of(std::as_const(s.box_nodes)),
                       .plan = rests ? &s.resting_plan : &s.plan,
                       .forgets_sides = {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);

@@ -4,6 +4,7 @@
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/box_nodes.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
@@ -16,6 +17,21 @@ void World::State::add_blocks(std::uint32_t body) {
         block_items.push_back({body, b});
     range.last = static_cast<std::uint32_t>(block_items.size());
     ranges.push_back(range);
+}
+
+void World::State::add_nodes() {
+    node_items.clear();
+    for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
+        level_begin[level] = static_cast<std::uint32_t>(node_items.size());
+        for (std::uint32_t body = 0; body < views.size(); ++body) {
+            if (box_nodes[body].size == 0) continue;
+            const BoxLevels levels(views[body].mesh.triangles.size);
+            if (level >= levels.count) continue;
+            for (std::uint32_t n = levels.begin[level]; n < levels.begin[level + 1]; ++n)
+                node_items.push_back({body, n});
+        }
+    }
+    level_begin[BoxLevels::most] = static_cast<std::uint32_t>(node_items.size());
 }
 
 void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
@@ -101,6 +117,7 @@ void World::State::make_plan() {
     ids.assign(slots.size(), {});
     blocks.assign(slots.size(), {});
     patches.assign(slots.size(), {});
+    box_nodes.assign(slots.size(), {});
     seen.assign(slots.size(), {});
 
     bool solids = false;
@@ -116,6 +133,7 @@ void World::State::make_plan() {
                             (!collision.sheet && collision.self != SelfCollision::off);
     }
     plan.casts_rays = solids || plan.velocity_rays;
+    if (!solids) plan.settings.coverage = Coverage::vertices;
     // Where no rays are cast, there is nothing to remember of them.
     if (!plan.casts_rays) plan.settings.temporal = Temporal::off;
     if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay()) {
@@ -150,6 +168,10 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
+            if (plan.is_complete() && view.is_solid()) {
+                body.box_nodes.resize(view.mesh.box_nodes.size);
+                view.box_nodes = box_nodes[i] = view_of(body.box_nodes);
+            }
             if (plan.remembers()) {
                 body.seen.resize(patch_count(view.mesh));
                 seen[i] = view_of(body.seen);
@@ -159,12 +181,13 @@ void World::State::make_plan() {
             view.positions = view.mesh.positions;
             view.blocks = view.mesh.blocks;
             view.patches = view.mesh.patches;
+            view.box_nodes = view.mesh.box_nodes;
         }
     }
+    add_nodes();
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
                   (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
-    if (!solids) plan.settings.coverage = Coverage::vertices;
     // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
     // nothing about the way out.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));

@@ -45,6 +45,7 @@ struct BodyEntry {
     const Vec3f* device_start = nullptr;
     std::vector<PatchBlock> blocks;  ///< of a deforming body
     std::vector<Offsets> patches;
+    std::vector<BoxNode> box_nodes;
     std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;
     bool usable = true;  ///< all coordinates are finite and none is too large
@@ -73,6 +74,9 @@ struct World::State {
     std::vector<BlockRange> ranges;
     std::vector<View<PatchBlock>> blocks;
     std::vector<View<Offsets>> patches;
+    std::vector<NodeItem> node_items;
+    LevelBegins level_begin{};
+    std::vector<View<BoxNode>> box_nodes;
     std::vector<View<SeenPatch>> seen;
     StepStats stats;
 
@@ -95,6 +99,7 @@ struct World::State {
     /// Makes what does not change between steps.
     void make_plan();
     void add_blocks(std::uint32_t body);
+    void add_nodes();
     void describe(const BodyEntry& body, const Mesh& mesh);
     /// To be called before a body gets a new place: its present place becomes the place where the
     /// step begins. The positions of a deforming body are undefined afterwards.

@@ -1,5 +1,5 @@
 // Sixteen boxes in steps of a grid, against boxes in float32: none that overlaps may be left out.
-#include "core/step/sheets/grid_boxes.hpp"
+#include "core/geometry/grid_boxes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "support/random.hpp"
 
-namespace pierce::stages {
+namespace pierce {
 namespace {
 
 using test::Random;
@@ -109,4 +109,4 @@ TEST(GridBoxesTest, AnEmptyBoxIsNearNothing) {
 }
 
 }  // namespace
-}  // namespace pierce::stages
+}  // namespace pierce

@@ -104,18 +104,26 @@ inline constexpr double grazing_sine = 1e-3;
 /// thirty bits for each.
 inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
 
-/// A segment that may come near a solid is shortened by the part that is proved to be outside. This
-/// goes on as long as one look-up proves at least this share of the rest [1].
-inline constexpr double march_share = 0.125;
-
-/// Edges shorter than this are cast without look-ups, which would take as long [cell of the
-/// target's clearance grid].
-inline constexpr double march_cells = 8;
-
 /// `nudge`: how far edges that only touch are moved before they are cast again; `skin`: how deep
 /// both bodies must be there to overlap [touch tolerance]. Both are more than the distance from
 /// which two crossings count as two, at any angle that is not small.
 inline constexpr double nudge = 4, skin = 16;
+
+/// How much nearer than its box says a triangle may be crossed by an edge [touch tolerance]: one
+/// for the ends of an edge, where crossings count a little before and after, and the rest for
+/// rounding.
+inline constexpr double edge_tolerance = 4;
+
+/// Which edges are near the other body is remembered until the bodies have moved further than the
+/// skin: as far as they move in `edge_skin_steps`, but not less than `edge_skin_least` and not more
+/// than `edge_skin_most` [mean edge length]. Nothing is remembered of pairs that would have moved
+/// further after `edge_skin_wait` steps.
+inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_skin_most = 0.25,
+                        edge_skin_wait = 2;
+
+/// A proof that an edge crosses one triangle at most looks as far as the bodies move in this many
+/// steps: looking further meets more triangles.
+inline constexpr double edge_look_steps = 8;
 
 /// How deep both bodies must be where an edge inside the other body gives the pair its only
 /// contacts [touch tolerance].

@@ -6,6 +6,7 @@
 #include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/geometry/motion_bound.hpp"
+#include "core/mesh/box_nodes.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/step/common/records.hpp"
@@ -197,6 +198,22 @@ struct JoinBounds {
         body.deviation = all.deviation + body.touch;
         body.shape_motion = all.shape_motion + body.touch;
         body.travel = all.travel + (body.start.size > 0 ? body.touch : 0.0);
+    }
+};
+
+/// Per node of deforming bodies' trees of boxes, level after level: the boxes around its triangles,
+/// or around the nodes below.
+struct MeasureNode {
+    View<const BodyView> bodies;
+    View<const NodeItem> items;
+    View<const View<BoxNode>> nodes;  ///< per body
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const NodeItem item = items[i];
+        const BodyView& body = bodies[item.body];
+        if (!body.active) return;
+        measure_node(body.mesh, body.positions, BoxLevels(body.mesh.triangles.size), item.node,
+                     nodes[item.body]);
     }
 };
 

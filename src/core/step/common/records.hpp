@@ -94,6 +94,33 @@ struct VertexRecord {
 
 static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
 
+/// An edge of a directed pair's source, and triangles of the target that are near: those of one
+/// group with their bits set. An edge that is near several groups has as many of these, one after
+/// the other; the first has what is known of the edge: 28 bytes.
+struct NearEdge {
+    std::uint32_t directed = 0;
+    std::uint32_t edge = 0;
+    std::uint32_t group = 0;
+    std::uint16_t near = 0;    ///< triangles that the edge may meet until the pair is asked again
+    std::uint16_t nearer = 0;  ///< of these, those that it may meet until the odometer reaches
+                               ///< `until`
+    float until = 0;
+    float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this
+    std::uint32_t may_cross_one = 0;  ///< 1: it may cross one until then
+
+    PIERCE_HD bool is_same_edge(const NearEdge& other) const {
+        return directed == other.directed && edge == other.edge;
+    }
+};
+
+/// The near edges of a directed pair: 16 bytes.
+struct NearEdgesOfPair {
+    float expiry = 0;  ///< all other edges are away from the target's surface until the odometer
+                       ///< reaches this
+    std::uint32_t first = 0, count = 0;
+    std::uint32_t is_kept = 0;  ///< 1: they are those of the last step
+};
+
 /// What is remembered of a contact of a sheet. If the same features meet again, they are the same
 /// contact. For a vertex that has ended a step on the wrong side, the record says where the vertex
 /// belongs, also when it is by now over a triangle that shares a corner with this one. For any

@@ -5,34 +5,33 @@
 #include "core/execute/executor.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/edge_cull.hpp"
+#include "core/step/edges/near_edges.hpp"
 #include "core/trace/ray.hpp"
 
 /// The lists of edges in a step, grouped by the part that writes them. They grow and are kept.
 namespace pierce {
 
-/// Which edges may reach the other body of their pair.
+/// Which edges are near the other body of their pair, and for how long that holds.
 template <Executor E>
-struct EdgeCullLists {
-    template <class Item>
-    using Buffer = typename E::template Buffer<Item>;
+struct NearEdgeMemory {
+    typename E::template Buffer<NearEdge> edges;
+    typename E::template Buffer<NearEdgesOfPair> of_pairs;  ///< two per pair, or none
 
-    Buffer<std::uint32_t> masks, slots;
-    Buffer<stages::CullItem> patches;
-    Buffer<stages::EdgeGroup> groups;
-    Buffer<stages::EdgeItem> items;
-    Buffer<stages::Span> spans;
+    void clear() {
+        edges.clear();
+        of_pairs.clear();
+    }
 };
 
-/// The rays along edges, and how far they have come.
+/// How near edges are found.
 template <Executor E>
-struct EdgeSegmentLists {
+struct NearEdgeLists {
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
-    Buffer<stages::Segment> all;
-    Buffer<Ray> rays;
-    Buffer<std::uint32_t> active, next_active, finished;
-    Buffer<std::uint32_t> touching;  ///< per pair
+    Buffer<stages::CullItem> patches;
+    Buffer<stages::EdgeGroup> groups;
+    Buffer<NearEdge> found;
 };
 
 /// The parts of edges inside the other body.
@@ -41,18 +40,16 @@ struct ChordLists {
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
-    Buffer<stages::FoundChord> found, now_found;
-    Buffer<std::uint64_t> keys, sorted_keys;
-    Buffer<std::uint32_t> unsorted, order;
+    Buffer<stages::FoundChord> found;
     Buffer<Chord> all;
 };
 
 /// Free again after every use.
 template <Executor E>
 struct EdgeScratch {
-    typename E::template Buffer<std::uint32_t> counts, offsets, places;
-    typename E::template Buffer<Ray> now_rays;
-    typename E::template Buffer<Hit> now_hits;
+    typename E::template Buffer<std::uint32_t> places;
+    typename E::template Buffer<Ray> rays;
+    typename E::template Buffer<Hit> hits;
 };
 
 }  // namespace pierce

@@ -27,7 +27,7 @@ public:
     void separate(const Scene& scene, View<const Pair> pairs,
                   View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
                   RayBatch<E>& batch, Buffer<Route>& routes) {
-        add_stranded(scene, pairs, directed, edges.chords(), batch, routes);
+        add_stranded(scene, pairs, directed, edges, batch, routes);
         add_touching(scene, directed, edges, batch, routes);
     }
 
@@ -40,19 +40,24 @@ private:
     /// Adds rays along the way apart, from vertices and chords that are inside but whose pair has
     /// no contact, and from parts of bodies that are inside.
     void add_stranded(const Scene& scene, View<const Pair> pairs,
-                      View<const stages::DirectedPair> directed, View<const Chord> chords,
+                      View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
                       RayBatch<E>& batch, Buffer<Route>& routes) {
         const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
-        const auto all = static_cast<std::uint32_t>(batch.rays.size());
         const View<const RaySource> sources = view_of(std::as_const(batch.sources));
-        const View<const RaySource> from_chords{sources.data + (all - chords.size), chords.size};
         executor_.assign(marks_.reached, pairs.size, 0u);
         executor_.assign(marks_.touching, pairs.size, 0u);
-        executor_.for_each(candidates, stages::MarkTouching{.sources = sources,
-                                                            .candidates = view_of(batch.candidates),
-                                                            .keep = view_of(batch.keep),
-                                                            .reached = view_of(marks_.reached),
-                                                            .touching = view_of(marks_.touching)});
+        executor_.assign(marks_.has_depth, pairs.size, 0u);
+        executor_.for_each(candidates,
+                           stages::MarkTouching{.sources = sources,
+                                                .meetings = view_of(std::as_const(batch.meetings)),
+                                                .candidates = view_of(batch.candidates),
+                                                .keep = view_of(batch.keep),
+                                                .reached = view_of(marks_.reached),
+                                                .touching = view_of(marks_.touching),
+                                                .has_depth = view_of(marks_.has_depth)});
+        list_chords(scene, directed, edges, batch);
+        const View<const Chord> chords = edges.chords();
+        const View<const RaySource> from_chords = view_of(std::as_const(stranded_.of_chords));
         executor_.for_each(chords.size, stages::MarkReached{from_chords, view_of(marks_.reached)});
         test_parts(scene, directed);
         const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords,
@@ -166,6 +171,19 @@ private:
                                                         .touching = view_of(marks_.touching)});
     }
 
+    /// Lists where chords come from: those with rays of their own, which are the last of the batch,
+    /// and those that count only in pairs without a contact.
+    void list_chords(const Scene& scene, View<const stages::DirectedPair> directed,
+                     EdgeChords<E, T>& edges, const RayBatch<E>& batch) {
+        const std::uint32_t count = edges.chords().size;
+        const auto all = static_cast<std::uint32_t>(batch.sources.size());
+        stranded_.of_chords.resize(count);
+        executor_.for_each(count,
+                           stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
+                                                   view_of(stranded_.of_chords)});
+        edges.add_chords_at_ends(scene, directed, view_of(marks_.has_depth), stranded_.of_chords);
+    }
+
     /// Lists the chords that are inside by more than rounding, of pairs without a contact.
     std::uint32_t list_stranded_chords(const Scene& scene,
                                        View<const stages::DirectedPair> directed,
@@ -173,7 +191,7 @@ private:
                                        View<const RaySource> from_chords) {
         const std::uint32_t count = tools_.list(
             ListId::stranded_chords, chords.size,
-            stages::IsStrandedChord{from_chords, view_of(marks_.touching)}, stranded_.places);
+            stages::IsStrandedChord{from_chords, view_of(marks_.has_depth)}, stranded_.places);
         stranded_.chords.clear();
         if (count == 0) return 0;
         parts_.rays.resize(2 * std::size_t{count});

@@ -13,7 +13,7 @@ namespace pierce {
 /// Per pair: what is known of it.
 template <Executor E>
 struct PairMarks {
-    typename E::template Buffer<std::uint32_t> reached, touching, deep;
+    typename E::template Buffer<std::uint32_t> reached, touching, has_depth, deep;
 };
 
 /// Parts of bodies that are looked for inside the other body. Their rays also test chords.
@@ -30,7 +30,7 @@ template <Executor E>
 struct StrandedLists {
     typename E::template Buffer<std::uint32_t> vertices, chords, deep_chords, deep_pairs, gather,
         places, separated;
-    typename E::template Buffer<RaySource> from;
+    typename E::template Buffer<RaySource> of_chords, from;
     typename E::template Buffer<Vec3d> directions;
 };
 

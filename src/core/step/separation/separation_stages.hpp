@@ -15,17 +15,25 @@
 /// The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {
 
-/// Per candidate: tells its pair that something is inside, and whether it is a contact.
+/// Per candidate: tells its pair that something is inside, whether it is a contact, and whether
+/// that has any depth. The contact of a chord without any is dropped: the chord is inside, and its
+/// way out is not known yet.
 struct MarkTouching {
     View<const RaySource> sources;
-    View<const std::uint32_t> candidates, keep;
-    View<std::uint32_t> reached, touching;  ///< per pair
+    View<const Meeting> meetings;
+    View<const std::uint32_t> candidates;
+    View<std::uint32_t> keep;
+    View<std::uint32_t> reached, touching, has_depth;  ///< per pair
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        atomic_mark(reached[sources[candidates[i]].pair]);
-        if (keep[i]) atomic_mark(touching[sources[candidates[i]].pair]);
+        const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
+        atomic_mark(reached[pair]);
+        const bool is_deep = meetings[ray].t > 0;
+        if (!is_deep && sources[ray].start == RayStart::chord) keep[i] = 0;
+        if (keep[i]) atomic_mark(touching[pair]);
+        if (keep[i] && is_deep) atomic_mark(has_depth[pair]);
     }
 };
 
@@ -68,7 +76,9 @@ struct GeneratePartRays {
             ray.direction = {0, 0, 1};
             ray.target = d.target;
             ray.touch = d.touch;
-            ray.t_max = part_near(target, in_fit, in_fit).empty() ? -1.0 : target.fit_box.extent();
+            const double free = max_of(target.fit_box.distance(in_fit),
+                                       target.mesh.clearance()(in_fit) - target.deviation);
+            ray.t_max = free > 2 * target.touch ? -1.0 : target.fit_box.extent();
             rays[offsets[i] + k] = ray;
             sources[offsets[i] + k] = {i / 2, v, static_cast<std::uint8_t>(i % 2)};
         }
@@ -98,13 +108,13 @@ struct IsStrandedVertex {
     }
 };
 
-/// True for chords whose pair has no contact. A chord is inside, whether or not its ray reached the
-/// target's surface; but a chord along the surface may be inside by rounding alone.
+/// True for chords whose pair has no contact with a depth. A chord is inside, whether or not its
+/// ray reached the target's surface; but a chord along the surface may be inside by rounding alone.
 struct IsStrandedChord {
     View<const RaySource> sources;
-    View<const std::uint32_t> touching;
+    View<const std::uint32_t> has_depth;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return !touching[sources[i].pair]; }
+    PIERCE_HD bool operator()(std::uint32_t i) const { return !has_depth[sources[i].pair]; }
 };
 
 /// Per stranded chord: the rays that show whether it is inside by more than rounding.

@@ -6,7 +6,7 @@
 #include "core/device/warp.hpp"
 #include "core/geometry/moving_point.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/step/sheets/grid_boxes.hpp"
+#include "core/geometry/grid_boxes.hpp"
 #include "core/step/sheets/placed_triangle.hpp"
 #include "core/step/sheets/slab.hpp"
 #include "pierce/body.hpp"

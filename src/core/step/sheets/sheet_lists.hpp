@@ -58,8 +58,8 @@ struct SheetBounds {
 
     Buffer<stages::MovingVertex> vertices;
     Buffer<stages::DriftingTriangle> triangles;
-    Buffer<stages::QuickBox> triangle_boxes, group_boxes, block_boxes;
-    Buffer<stages::GridBoxes> in_groups, in_blocks, in_sections;
+    Buffer<QuickBox> triangle_boxes, group_boxes, block_boxes;
+    Buffer<GridBoxes> in_groups, in_blocks, in_sections;
     Buffer<stages::Slab> group_slabs, block_slabs;
     Buffer<std::uint32_t> section_begins, section_ends;
     Buffer<std::uint32_t> flat;  ///< per vertex: nothing folds around it

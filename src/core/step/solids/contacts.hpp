@@ -45,6 +45,7 @@ struct KeyContacts {
 /// Per contact: if it is the first chord of an edge, puts the chords of that edge in order. The
 /// lists that they come from have no order.
 struct OrderChords {
+    View<const Chord> chords;
     View<const RaySource> sources;
     View<const std::uint32_t> candidates;
     View<const std::uint64_t> keys;
@@ -61,8 +62,13 @@ struct OrderChords {
     }
 
 private:
-    PIERCE_HD std::uint32_t chord(std::uint32_t k) const {
-        return sources[candidates[order[k]]].item;
+    /// Chords of bodies that were moved a little come after the others.
+    PIERCE_HD std::uint64_t chord(std::uint32_t k) const {
+        const RaySource& from = sources[candidates[order[k]]];
+        if (from.start == RayStart::vertex) return 0;
+        const std::uint32_t item = from.item;
+        const Chord& c = chords[item];
+        return std::uint64_t{c.skin > 0} << 63 | std::uint64_t{c.ordinal} << 32 | item;
     }
 };
 
