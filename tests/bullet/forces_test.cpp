@@ -52,7 +52,7 @@ TEST(PenaltyForceTest, ConservesMomentumToRounding) {
     test::Random random(8);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     std::size_t contacts = 0, edges = 0;
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < 120; ++i) {
         const Overlap overlap(random, {.coverage = Coverage::complete, .reproject = i % 2 == 0});
         for (const Contact& c : overlap.world.contacts()) {
             ++contacts;

@@ -521,13 +521,16 @@ private:
         reprojected_.aimed.hits.resize(count);
         reprojected_.aimed.meetings.resize(count);
         reprojected_.accepted.resize(count);
+        reprojected_.known.resize(count);
         executor_.for_each(count, stages::LimitToDepth{.bodies = scene.bodies,
                                                        .rays = view_of(batch_.rays),
                                                        .sources = view_of(batch_.sources),
+                                                       .hits = view_of(batch_.hits),
                                                        .meetings = view_of(batch_.meetings),
                                                        .candidates = view_of(batch_.candidates),
                                                        .keep = view_of(batch_.keep),
                                                        .limited = view_of(reprojected_.aimed.rays),
+                                                       .known = view_of(reprojected_.known),
                                                        .pairs = view_of(pairs_.pairs),
                                                        .all = scene.plan->settings.reproject});
         tools_.update(scene.bodies, reprojected_.aimed.rays);
@@ -535,7 +538,10 @@ private:
                                                                  reprojected_.aimed.rays);
         executor_.for_each(count,
                            stages::MoveToClosest{.bodies = scene.bodies,
+                                                 .known = view_of(reprojected_.known),
                                                  .closest = closest,
+                                                 .candidates = view_of(batch_.candidates),
+                                                 .found = view_of(batch_.meetings),
                                                  .rays = view_of(reprojected_.aimed.rays),
                                                  .hits = view_of(reprojected_.aimed.hits),
                                                  .meetings = view_of(reprojected_.aimed.meetings),

@@ -151,10 +151,11 @@ struct ExitLists {
 template <Executor E>
 struct ReprojectLists {
     RayBatch<E> aimed;
-    typename E::template Buffer<std::uint32_t> accepted;
+    typename E::template Buffer<std::uint32_t> known, accepted;
 
     void clear() {
         aimed.clear();
+        known.clear();
         accepted.clear();
     }
 };

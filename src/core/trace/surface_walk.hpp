@@ -71,11 +71,12 @@ PIERCE_HD inline WalkEnd walk(const MeshView& mesh, View<const Vec3f> positions,
     }
 }
 
-/// A lower bound of how far the point met is from the other triangles of the ring.
-PIERCE_HD inline double ring_distance(const TriangleRing& ring, const Crossing& crossing) {
-    double border = crossing.weight[0] * static_cast<double>(ring.height[0]);
+/// A lower bound of how far the triangle's point with these barycentrics is from the other
+/// triangles of the ring.
+PIERCE_HD inline double ring_distance(const TriangleRing& ring, const double (&weight)[3]) {
+    double border = weight[0] * static_cast<double>(ring.height[0]);
     for (int k = 1; k < 3; ++k)
-        border = min_of(crossing.weight[k] * static_cast<double>(ring.height[k]), border);
+        border = min_of(weight[k] * static_cast<double>(ring.height[k]), border);
     return static_cast<double>(ring.openness) * border;
 }
 
@@ -105,7 +106,7 @@ PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing&
     if (!(near < static_cast<double>(ring.gap))) return false;
     const double sine = static_cast<double>(ring.sine) + static_cast<double>(ring.tilt) * deviation;
     if (dot(to_double(ring.axis), direction) > sine) return true;
-    return near < ring_distance(ring, crossing);
+    return near < ring_distance(ring, crossing.weight);
 }
 
 /// A lower bound of how far the origin of a ray is from a surface, if is_only_crossing() is true of
@@ -114,8 +115,24 @@ PIERCE_HD inline bool is_only_crossing(const TriangleRing& ring, const Crossing&
 /// met by that much.
 PIERCE_HD inline double distance_in_front(const TriangleRing& ring, const Crossing& crossing,
                                           double height) {
-    const double others = min_of(static_cast<double>(ring.gap), ring_distance(ring, crossing));
+    const double others = min_of(static_cast<double>(ring.gap),
+                                 ring_distance(ring, crossing.weight));
     return min_of(height, others - std::fabs(crossing.t));
+}
+
+/// True if the triangle with this ring is certainly the one of the surface that is closest to a
+/// point, because it is the only one near. `weight`: the barycentrics of the triangle's point right
+/// below or above the point; `height`: how far that is away.
+///
+/// Proof. The other triangles of the ring are at least as far from the point below as
+/// ring_distance() says, all others as far as the ring's gap, less what vertices have moved. So
+/// they are further from the point itself than the triangle is, if that is more than twice the
+/// height.
+PIERCE_HD inline bool is_only_near(const TriangleRing& ring, const double (&weight)[3],
+                                   double height, double deviation, double touch) {
+    if (!(weight[0] > 0) || !(weight[1] > 0) || !(weight[2] > 0)) return false;
+    return 2 * (height + touch + deviation) <
+           min_of(static_cast<double>(ring.gap), ring_distance(ring, weight));
 }
 
 }  // namespace pierce

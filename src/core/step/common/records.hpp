@@ -106,7 +106,7 @@ struct NearEdge {
                                ///< `until`
     float until = 0;
     float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this
-    std::uint32_t may_cross_one = 0;  ///< 1: it may cross one until then
+    std::uint32_t may_cross = 1;  ///< 0: it crosses none until then
 
     PIERCE_HD bool is_same_edge(const NearEdge& other) const {
         return directed == other.directed && edge == other.edge;

@@ -97,26 +97,34 @@ private:
 };
 
 /// True for edges that may cross more than one triangle: no proof to the contrary holds. An edge
-/// with several entries counts once. Marks pairs with an edge that may cross one triangle, or more.
+/// with several entries counts once. Of the other edges, marks the pairs of those that may cross
+/// one.
 struct MayCross {
     View<const DirectedPair> directed;
     View<const NearEdge> near;
-    View<std::uint32_t> crossed;  ///< per pair
+    bool remembers = false;
+    View<std::uint32_t> crossed_pairs;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const NearEdge& first = near[i];
         if (i > 0 && near[i - 1].is_same_edge(first)) return false;
-        const bool is_known = first.expiry > directed[first.directed].odometer;
-        if (!is_known || first.may_cross_one) atomic_mark(crossed[first.directed / 2]);
-        const bool has_more = i + 1 < near.size && near[i + 1].is_same_edge(first);
-        return !is_known && (has_more || bit_count(first.near) > 1);
+        if (first.expiry > directed[first.directed].odometer) return other(first);
+        // Without memory, a look at an edge near one triangle alone proves nothing for later.
+        const bool is_near_two = (first.near & (first.near - 1)) != 0 ||
+                                 (i + 1 < near.size && near[i + 1].is_same_edge(first));
+        return remembers || is_near_two ? true : other(first);
+    }
+
+private:
+    PIERCE_HD bool other(const NearEdge& edge) const {
+        if (edge.may_cross) atomic_mark(crossed_pairs[edge.directed / 2]);
+        return false;
     }
 };
 
 /// True for edges of pairs that have no contact with a depth so far, if they may cross a triangle.
 /// An edge with several entries counts once.
 struct MayCrossOne {
-    View<const DirectedPair> directed;
     View<const NearEdge> near;
     View<const std::uint32_t> has_depth;  ///< per pair
 
@@ -124,7 +132,7 @@ struct MayCrossOne {
         const NearEdge& first = near[i];
         if (has_depth[first.directed / 2] || (i > 0 && near[i - 1].is_same_edge(first)))
             return false;
-        return first.may_cross_one || !(first.expiry > directed[first.directed].odometer);
+        return first.may_cross;
     }
 };
 
@@ -139,7 +147,7 @@ struct IsCrossed {
 
 /// Which chords of an edge are wanted.
 enum class Chords : std::uint8_t {
-    through,  ///< those that begin and end within the edge
+    within,   ///< those that begin and end within the edge
     at_ends,  ///< those that hold an end of the edge
     all,
 };
@@ -152,7 +160,8 @@ struct FoundChord {
 };
 
 /// Per near edge to be looked at: lists its chords. A ray along the edge finds the target's surface
-/// and goes on behind each crossing. Marks pairs whose edges touch the other surface.
+/// and goes on behind each crossing. Marks pairs whose edges touch the
+/// other surface, or may cross it.
 struct FindChords {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -161,8 +170,9 @@ struct FindChords {
     View<const std::uint32_t> places;      ///< of the edges in `near`
     double move = 0;  ///< [nudge] how far edges are moved along nudge_direction, if they are of the
                       ///< first body of their pair, or against it
-    Chords wanted = Chords::through;
-    View<std::uint32_t> touching;  ///< per pair
+    Chords wanted = Chords::within;
+    View<std::uint32_t> touching;       ///< per pair
+    View<std::uint32_t> crossed_pairs;  ///< read and written for chords within edges only
 
     /// The first two chords.
     struct Found {
@@ -209,7 +219,7 @@ private:
         }
         const double tolerance = constants::edge_tolerance * d.touch,
                      margin = edge_margin(directed, item.directed);
-        const bool remembers = wanted == Chords::through && of_pairs.size > 0,
+        const bool remembers = wanted == Chords::within && of_pairs.size > 0,
                    nearer_only = remembers && item.until > d.odometer;
         const double ahead = !remembers    ? 0.0
                              : nearer_only ? static_cast<double>(item.until - d.odometer)
@@ -218,11 +228,15 @@ private:
         const EdgeTriangles triangles(near, i, target, a, b, tolerance,
                                       ahead > 0 ? ahead + margin : tolerance, nearer_only, marks);
         if (marks) near[i].until = d.odometer + static_cast<float>(ahead);
-        if (wanted == Chords::through && triangles.count() < 2) {
-            const double gap = triangles.gap() - margin, second = triangles.second_gap() - margin;
-            near[i].may_cross_one = !(gap >= second);
-            if (ahead > 0) near[i].expiry = d.odometer + static_cast<float>(second);
-            return;
+        if (wanted == Chords::within) {
+            near[i].may_cross = triangles.gap() < triangles.second_gap() || triangles.count() > 1;
+            if (near[i].may_cross) atomic_mark(crossed_pairs[item.directed / 2]);
+            if (triangles.count() < 2) {
+                if (ahead > 0)
+                    near[i].expiry = d.odometer +
+                                     static_cast<float>(triangles.second_gap() - margin);
+                return;
+            }
         }
         Ray ray;
         ray.origin = a;
@@ -247,7 +261,7 @@ private:
             if (hit.triangle == no_triangle) break;
             const Meeting m = meet(ray, target.surface(), hit.triangle);
             if (m.exit && (inside || !crossed))
-                add(min_of(m.t, ray.t_max), inside ? Chords::through : Chords::at_ends);
+                add(min_of(m.t, ray.t_max), inside ? Chords::within : Chords::at_ends);
             crossed = true;
             inside = !m.exit;
             enter = m.t;

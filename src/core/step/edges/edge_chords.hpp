@@ -4,6 +4,7 @@
 
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/step/common/bounds.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/edge_cull.hpp"
@@ -39,17 +40,20 @@ public:
         if (remembers) merge(directed.size);
         executor_.assign(touching_, directed.size / 2, 0u);
         executor_.assign(crossed_, directed.size / 2, 0u);
-        const Count asked = tools_.list(
-            ListId::asked_edges, count_of(now_.edges),
-            stages::MayCross{directed, view_of(std::as_const(now_.edges)), view_of(crossed_)},
-            scratch_.places);
+        const Count asked = tools_.list(ListId::asked_edges, count_of(now_.edges),
+                                        stages::MayCross{.directed = directed,
+                                                         .near = view_of(std::as_const(now_.edges)),
+                                                         .remembers = remembers,
+                                                         .crossed_pairs = view_of(crossed_)},
+                                        scratch_.places);
         executor_.emit(ListId::chords, asked,
                        stages::FindChords{.bodies = scene.bodies,
                                           .directed = directed,
                                           .near = view_of(now_.edges),
                                           .of_pairs = view_of(std::as_const(now_.of_pairs)),
                                           .places = view_of(scratch_.places),
-                                          .touching = view_of(touching_)},
+                                          .touching = view_of(touching_),
+                                          .crossed_pairs = view_of(crossed_)},
                        chords_.found);
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()),
                    count = static_cast<std::uint32_t>(chords_.found.size());
@@ -78,8 +82,7 @@ public:
         if (pairs == 0) return;
         const std::uint32_t asked = tools_.list(
             ListId::asked_edges, count_of(now_.edges),
-            stages::MayCrossOne{directed, view_of(std::as_const(now_.edges)), has_depth},
-            scratch_.places);
+            stages::MayCrossOne{view_of(std::as_const(now_.edges)), has_depth}, scratch_.places);
         executor_.emit(ListId::chords, asked,
                        stages::FindChords{.bodies = scene.bodies,
                                           .directed = directed,
@@ -87,7 +90,8 @@ public:
                                           .of_pairs = {},
                                           .places = view_of(scratch_.places),
                                           .wanted = stages::Chords::at_ends,
-                                          .touching = view_of(touching_)},
+                                          .touching = view_of(touching_),
+                                          .crossed_pairs = {}},
                        chords_.found);
         const auto chords = static_cast<std::uint32_t>(chords_.all.size()),
                    count = static_cast<std::uint32_t>(chords_.found.size()),
@@ -124,7 +128,8 @@ public:
                                               .places = view_of(scratch_.places),
                                               .move = sign,
                                               .wanted = stages::Chords::all,
-                                              .touching = view_of(touching_)},
+                                              .touching = view_of(touching_),
+                                              .crossed_pairs = {}},
                            chords_.found);
             const auto count = static_cast<std::uint32_t>(chords_.found.size());
             scratch_.rays.resize(2 * std::size_t{count});

@@ -47,6 +47,7 @@ private:
         executor_.assign(marks_.reached, pairs.size, 0u);
         executor_.assign(marks_.touching, pairs.size, 0u);
         executor_.assign(marks_.has_depth, pairs.size, 0u);
+        executor_.assign(marks_.flat, edges.chords().size, no_record);
         executor_.for_each(candidates,
                            stages::MarkTouching{.sources = sources,
                                                 .meetings = view_of(std::as_const(batch.meetings)),
@@ -54,7 +55,8 @@ private:
                                                 .keep = view_of(batch.keep),
                                                 .reached = view_of(marks_.reached),
                                                 .touching = view_of(marks_.touching),
-                                                .has_depth = view_of(marks_.has_depth)});
+                                                .has_depth = view_of(marks_.has_depth),
+                                                .flat = view_of(marks_.flat)});
         list_chords(scene, directed, edges, batch);
         const View<const Chord> chords = edges.chords();
         const View<const RaySource> from_chords = view_of(std::as_const(stranded_.of_chords));
@@ -161,14 +163,16 @@ private:
         const auto added = static_cast<std::uint32_t>(stranded_.separated.size());
         batch.candidates.resize(candidates + added);
         batch.keep.resize(candidates + added);
-        executor_.for_each(added, stages::KeepSeparated{.inside = view_of(stranded_.separated),
-                                                        .sources = view_of(batch.sources),
-                                                        .meetings = view_of(batch.meetings),
-                                                        .first_ray = begin,
-                                                        .first_candidate = candidates,
-                                                        .candidates = view_of(batch.candidates),
-                                                        .keep = view_of(batch.keep),
-                                                        .touching = view_of(marks_.touching)});
+        executor_.for_each(added,
+                           stages::KeepSeparated{.inside = view_of(stranded_.separated),
+                                                 .sources = view_of(batch.sources),
+                                                 .meetings = view_of(batch.meetings),
+                                                 .first_ray = begin,
+                                                 .first_candidate = candidates,
+                                                 .candidates = view_of(batch.candidates),
+                                                 .keep = view_of(batch.keep),
+                                                 .touching = view_of(marks_.touching),
+                                                 .flat = view_of(std::as_const(marks_.flat))});
     }
 
     /// Lists where chords come from: those with rays of their own, which are the last of the batch,

@@ -14,6 +14,7 @@ namespace pierce {
 template <Executor E>
 struct PairMarks {
     typename E::template Buffer<std::uint32_t> reached, touching, has_depth, deep;
+    typename E::template Buffer<std::uint32_t> flat;  ///< per chord
 };
 
 /// Parts of bodies that are looked for inside the other body. Their rays also test chords.

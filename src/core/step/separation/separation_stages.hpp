@@ -16,14 +16,13 @@
 namespace pierce::stages {
 
 /// Per candidate: tells its pair that something is inside, whether it is a contact, and whether
-/// that has any depth. The contact of a chord without any is dropped: the chord is inside, and its
-/// way out is not known yet.
+/// that has any depth. Notes the contacts of chords that have none: another one may replace them.
 struct MarkTouching {
     View<const RaySource> sources;
     View<const Meeting> meetings;
-    View<const std::uint32_t> candidates;
-    View<std::uint32_t> keep;
+    View<const std::uint32_t> candidates, keep;
     View<std::uint32_t> reached, touching, has_depth;  ///< per pair
+    View<std::uint32_t> flat;                          ///< per chord, its candidate
 
     static constexpr bool is_cheap = true;
 
@@ -31,9 +30,12 @@ struct MarkTouching {
         const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
         atomic_mark(reached[pair]);
         const bool is_deep = meetings[ray].t > 0;
-        if (!is_deep && sources[ray].start == RayStart::chord) keep[i] = 0;
-        if (keep[i]) atomic_mark(touching[pair]);
-        if (keep[i] && is_deep) atomic_mark(has_depth[pair]);
+        if (!keep[i]) return;
+        atomic_mark(touching[pair]);
+        if (is_deep)
+            atomic_mark(has_depth[pair]);
+        else if (sources[ray].start == RayStart::chord)
+            flat[sources[ray].item] = i;
     }
 };
 
@@ -295,19 +297,23 @@ private:
 
 /// Per new ray that starts inside: makes it a contact without a test of its own body, and tells its
 /// pair if the contact has any depth. It may have none, because the way apart may lead out of the
-/// target at once.
+/// target at once. It replaces a chord's contact without a depth.
 struct KeepSeparated {
     View<const std::uint32_t> inside;
     View<const RaySource> sources;
     View<const Meeting> meetings;
     std::uint32_t first_ray = 0, first_candidate = 0;
     View<std::uint32_t> candidates, keep;
-    View<std::uint32_t> touching;  ///< per pair
+    View<std::uint32_t> touching;    ///< per pair
+    View<const std::uint32_t> flat;  ///< per chord of the step's first ones, its candidate
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t ray = first_ray + inside[i];
+        const RaySource& from = sources[ray];
+        if (from.start == RayStart::chord && from.item < flat.size && flat[from.item] != no_record)
+            keep[flat[from.item]] = 0;
         candidates[first_candidate + i] = ray;
         keep[first_candidate + i] = 1;
         if (meetings[ray].t > 0) atomic_mark(touching[sources[ray].pair]);

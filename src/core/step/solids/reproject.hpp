@@ -6,6 +6,7 @@
 #include "core/step/solids/classify.hpp"
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
+#include "core/trace/surface_walk.hpp"
 
 /// After classify, if asked for: contacts move to the closest point of the target's surface. The
 /// place where an inward ray leaves the target is never nearer than the closest point. No point of
@@ -15,14 +16,17 @@
 namespace pierce::stages {
 
 /// Per candidate: where to look for a closer point, if it is a contact that may move, and no
-/// further than the contact is deep.
+/// further than the contact is deep. Nothing is to be looked for if the triangle that the ray hit
+/// is certainly the closest one.
 struct LimitToDepth {
     View<const BodyView> bodies;
     View<const Ray> rays;
     View<const RaySource> sources;
+    View<const Hit> hits;
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates, keep;
     View<Ray> limited;
+    View<std::uint32_t> known;  ///< the closest triangle, if it is known
     View<const Pair> pairs;
     bool all = true;  ///< if false, only contacts of sheets, whose normals say nothing about the
                       ///< way out of another body
@@ -35,15 +39,37 @@ struct LimitToDepth {
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
         limited[i] = rays[r];
         limited[i].outward = 0;
-        limited[i].t_max = may_move ? meetings[r].t : -1.0;
+        const bool is_known = may_move &&
+                              is_closest(bodies[rays[r].target], rays[r].origin, hits[r].triangle);
+        known[i] = is_known ? hits[r].triangle : no_triangle;
+        limited[i].t_max = may_move && !is_known ? meetings[r].t : -1.0;
+    }
+
+private:
+    PIERCE_HD static bool is_closest(const BodyView& target, Vec3d point, std::uint32_t triangle) {
+        const Triangle& t = target.mesh.triangles[triangle];
+        const Vec3d a = to_double(target.positions[t.vertex[0]]),
+                    b = to_double(target.positions[t.vertex[1]]),
+                    c = to_double(target.positions[t.vertex[2]]);
+        const Vec3d normal = cross(b - a, c - a), p = point - a;
+        const double squared = length_squared(normal);
+        const double second = dot(normal, cross(p, c - a)) / squared,
+                     third = dot(normal, cross(b - a, p)) / squared;
+        const double weight[3] = {1 - second - third, second, third};
+        return is_only_near(target.mesh.rings[triangle], weight,
+                            std::fabs(dot(normal, p)) / std::sqrt(squared), target.deviation,
+                            target.touch);
     }
 };
 
-/// Per limited ray: moves its end to the closest point, unless that is no nearer than the contact,
-/// or in the surface.
+/// Per candidate: moves the ray's end to the closest point, unless that is no nearer than the
+/// contact, or in the surface.
 struct MoveToClosest {
     View<const BodyView> bodies;
-    View<const std::uint32_t> closest;  ///< triangles of the target, within the limit
+    View<const std::uint32_t> known;    ///< triangles of the target
+    View<const std::uint32_t> closest;  ///< where none is known: within the limit
+    View<const std::uint32_t> candidates;
+    View<const Meeting> found;  ///< per ray
     View<Ray> rays;
     View<Hit> hits;
     View<Meeting> meetings;
@@ -51,19 +77,20 @@ struct MoveToClosest {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         accepted[i] = 0;
-        if (closest[i] == no_triangle) return;
+        const std::uint32_t triangle = known[i] != no_triangle ? known[i] : closest[i];
+        if (triangle == no_triangle) return;
         Ray& ray = rays[i];
         const Surface surface = bodies[ray.target].surface();
-        const Triangle& t = surface.triangles[closest[i]];
+        const Triangle& t = surface.triangles[triangle];
         const Vec3d a = to_double(surface.positions[t.vertex[0]]),
                     b = to_double(surface.positions[t.vertex[1]]),
                     c = to_double(surface.positions[t.vertex[2]]);
-        const Vec3d point = closest_point(ray.origin, surface, closest[i]),
-                    way = point - ray.origin;
+        const Vec3d point = closest_point(ray.origin, surface, triangle), way = point - ray.origin;
         const double depth = length(way);
-        if (!(depth > ray.touch) || !(depth < ray.t_max) || is_degenerate(a, b, c)) return;
+        if (!(depth > ray.touch) || !(depth < found[candidates[i]].t) || is_degenerate(a, b, c))
+            return;
         ray.direction = normalized(way);
-        hits[i] = {closest[i]};
+        hits[i] = {triangle};
         meetings[i] = meeting_at(point, depth, a, b, c);
         accepted[i] = 1;
     }
