@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/device/quick_math.hpp"
+#include "core/geometry/grid_boxes.hpp"
 #include "core/geometry/quick_vec3.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/geometry/grid_boxes.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/ids.hpp"
 
