@@ -27,11 +27,19 @@ Box box_of(std::span<const Vec3f> positions) {
     return box;
 }
 
-/// Twice the size, around the origin: GImpact's tree keeps boxes in steps of the box that it was
-/// built in, and a body that deforms must fit in there later.
+/// Stretched to a cube around the origin that has room for twice the body, however it turns:
+/// GImpact's tree keeps boxes in steps of the box that it was built in, and a body that deforms
+/// must fit in there later.
 std::vector<Vec3f> with_room(std::vector<Vec3f> positions) {
-    const Vec3d center = box_of(positions).center();
-    for (Vec3f& p : positions) p = to_float(2.0 * (to_double(p) - center));
+    const Box box = box_of(positions);
+    const Vec3d center = box.center(), half = box.half_size();
+    const double room = 2 * length(half);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        Vec3d p = to_double(positions[i]) - center;
+        for (int k = 0; k < 3; ++k)
+            p[k] = half[k] > 0 ? room * p[k] / half[k] : (i % 2 == 0 ? room : -room);
+        positions[i] = to_float(p);
+    }
     return positions;
 }
 

@@ -18,8 +18,9 @@ enum class Temporal : std::uint8_t {
 
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
-    vertices,  ///< its vertices (the paper): fast, but misses overlaps that hold no vertex or are
-               ///< thinner than one ray
+    vertices,  ///< its vertices (the paper): misses overlaps that hold no vertex or are thinner
+               ///< than one ray, 2 to 5 % of the pairs in piles, and takes a quarter to a fifth of
+               ///< the time (docs/accuracy.md)
     complete,  ///< its edges too, and bodies inside one another: no overlap is missed
 };
 
@@ -30,7 +31,8 @@ struct Settings {
 
     Coverage coverage = Coverage::vertices;
     /// Contacts move from where their ray leaves the target to the closest point of its surface:
-    /// less depth, never more.
+    /// less depth, never more. Leaving this out saves 3 to 6 % of the time of complete coverage;
+    /// normals are then 16 to 20 degrees off the shortest way out in the median (docs/accuracy.md).
     bool reproject = false;
 
     Temporal temporal = Temporal::certified;

@@ -337,9 +337,11 @@ struct KeepChord {
     std::uint32_t begin = 0;           ///< chords there are already
     View<Chord> chords;
     View<RaySource> sources;
+    View<std::uint32_t> moved;  ///< per pair, marked; empty: not asked for
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const FoundChord& f = found[places.size > 0 ? places[i] : i];
+        if (moved.size > 0) atomic_mark(moved[f.directed / 2]);
         chords[begin + i] = f.chord;
         sources[i] = {.pair = f.directed / 2,
                       .item = begin + i,

@@ -102,22 +102,25 @@ public:
                                                     .places = {},
                                                     .begin = chords,
                                                     .chords = view_of(chords_.all),
-                                                    .sources = {sources.data() + before, count}});
+                                                    .sources = {sources.data() + before, count},
+                                                    .moved = {}});
     }
 
     /// For pairs whose edges touch and that have no contact so far (`contact`, per pair), as is
-    /// possible with aligned bodies: casts the edges again as if one body had moved a little, once
-    /// forward and once back. Appends the chords where both bodies have an inside, and writes their
-    /// sources.
+    /// possible with aligned bodies: looks at the edges again as if one body had moved a little
+    /// forward and, if that shows no overlap, a little back. Appends the chords where both bodies
+    /// have an inside, and writes their sources.
     void add_touching_chords(const Scene& scene, View<const stages::DirectedPair> directed,
                              View<const std::uint32_t> contact, Buffer<RaySource>& sources) {
         sources.clear();
+        executor_.assign(moved_, directed.size / 2, 0u);
         for (const double sign : {1.0, -1.0}) {
             const std::uint32_t again = tools_.list(
                 ListId::touching_edges, count_of(now_.edges),
                 stages::OnlyTouches{.near = view_of(std::as_const(now_.edges)),
                                     .touching = view_of(touching_),
-                                    .contact = contact},
+                                    .contact = contact,
+                                    .moved = view_of(std::as_const(moved_))},
                 scratch_.places);
             if (again == 0) return;
             executor_.emit(ListId::chords, again,
@@ -154,7 +157,8 @@ public:
                                                        .places = view_of(scratch_.places),
                                                        .begin = chords,
                                                        .chords = view_of(chords_.all),
-                                                       .sources = {sources.data() + before, kept}});
+                                                       .sources = {sources.data() + before, kept},
+                                                       .moved = view_of(moved_)});
         }
     }
 
@@ -242,6 +246,7 @@ private:
     ChordLists<E> chords_;
     Buffer<std::uint32_t> touching_;  ///< per pair: an edge touches the other surface
     Buffer<std::uint32_t> crossed_;   ///< per pair: an edge may cross the other surface
+    Buffer<std::uint32_t> moved_;     ///< per pair: an edge that was moved shows an overlap
     EdgeScratch<E> scratch_;
 };
 

@@ -19,11 +19,13 @@ namespace pierce::stages {
 /// entries counts once.
 struct OnlyTouches {
     View<const NearEdge> near;
-    View<const std::uint32_t> touching, contact;  ///< per pair
+    View<const std::uint32_t> touching, contact, moved;  ///< per pair; `moved`: an earlier move has
+                                                         ///< shown that it overlaps
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const std::uint32_t pair = near[i].directed / 2;
-        return touching[pair] && !contact[pair] && (i == 0 || !near[i - 1].is_same_edge(near[i]));
+        return touching[pair] && !contact[pair] && !moved[pair] &&
+               (i == 0 || !near[i - 1].is_same_edge(near[i]));
     }
 };
 

@@ -297,7 +297,8 @@ private:
 
 /// Per new ray that starts inside: makes it a contact without a test of its own body, and tells its
 /// pair if the contact has any depth. It may have none, because the way apart may lead out of the
-/// target at once. It replaces a chord's contact without a depth.
+/// target at once; of a chord, that is no contact. A chord's contact along the way apart replaces
+/// one without a depth.
 struct KeepSeparated {
     View<const std::uint32_t> inside;
     View<const RaySource> sources;
@@ -312,11 +313,13 @@ struct KeepSeparated {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t ray = first_ray + inside[i];
         const RaySource& from = sources[ray];
-        if (from.start == RayStart::chord && from.item < flat.size && flat[from.item] != no_record)
-            keep[flat[from.item]] = 0;
+        const bool is_deep = meetings[ray].t > 0, is_chord = from.start == RayStart::chord;
         candidates[first_candidate + i] = ray;
-        keep[first_candidate + i] = 1;
-        if (meetings[ray].t > 0) atomic_mark(touching[sources[ray].pair]);
+        keep[first_candidate + i] = is_deep || !is_chord;
+        if (!is_deep) return;
+        atomic_mark(touching[from.pair]);
+        if (is_chord && from.item < flat.size && flat[from.item] != no_record)
+            keep[flat[from.item]] = 0;
     }
 };
 
