@@ -76,7 +76,7 @@ constexpr Count counts[] = {
     {"pairs", "pairs", &FrameResult::pairs, true},
     {"full rays", "rays", &FrameResult::rays, true},
     {"hits", "hits", &FrameResult::hits, true},
-    {"edges cast", "edges", &FrameResult::edges, false},
+    {"near edges", "edges", &FrameResult::edges, false},
     {"chords", "chords", &FrameResult::chords, false},
     {"edge contacts", "edge_contacts", &FrameResult::edge_contacts, false},
     {"separated pairs", "separated_pairs", &FrameResult::separated_pairs, false},

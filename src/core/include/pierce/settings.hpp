@@ -19,8 +19,8 @@ enum class Temporal : std::uint8_t {
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): misses overlaps that hold no vertex or are thinner
-               ///< than one ray, 2 to 5 % of the pairs in piles, and takes a quarter to a fifth of
-               ///< the time (docs/accuracy.md)
+               ///< than one ray, 2 to 5 % of the pairs in piles, and takes 0.2 to 0.3 of the time
+               ///< (docs/accuracy.md)
     complete,  ///< its edges too, and bodies inside one another: no overlap is missed
 };
 

@@ -47,8 +47,10 @@ struct StepStats {
     std::uint32_t proofs = 0;            ///< vertices newly proved to be outside
     std::uint32_t rested = 0;            ///< 1 if Temporal::certified ran as Temporal::off, because
                                          ///< remembering would not have paid
-    std::uint32_t edges = 0;             ///< edges cast at the other body of a pair
-    std::uint32_t chords = 0;            ///< parts of those edges inside the other body
+    std::uint32_t edges = 0;             ///< edges near the other body of a pair, once for each
+                                         ///< group of sixteen of its triangles
+    std::uint32_t chords = 0;            ///< parts of edges inside the other body; those at an end
+                                         ///< only of pairs that have no contact with a depth
     std::uint32_t edge_contacts = 0;     ///< contacts from chords
     std::uint32_t inside_tests = 0;      ///< rays that looked for parts of a body inside another
     std::uint32_t separated_pairs = 0;   ///< pairs that overlap without a contact along an inward

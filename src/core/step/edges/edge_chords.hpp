@@ -35,7 +35,7 @@ public:
               View<const std::uint32_t> links, RayBatch<E>& batch, Buffer<Route>& routes) {
         measure_boxes(scene);
         const bool remembers = scene.plan->remembers();
-        if (remembers) recall(scene, directed, memory, links);
+        if (remembers) recall_pairs(scene, directed, memory, links);
         cull(scene, directed, blocks);
         if (remembers) merge(directed.size);
         executor_.assign(touching_, directed.size / 2, 0u);
@@ -59,7 +59,7 @@ public:
                    count = static_cast<std::uint32_t>(chords_.found.size());
         chords_.all.resize(count);
         batch.resize(begin + count);
-        if (scene.plan->remembers()) routes.resize(begin + count);
+        if (remembers) routes.resize(begin + count);
         executor_.for_each(count, stages::GenerateChordRays{.bodies = scene.bodies,
                                                             .directed = directed,
                                                             .found = view_of(chords_.found),
@@ -164,7 +164,7 @@ public:
 
     View<const Chord> chords() const { return view_of(chords_.all); }
 
-    /// Clears the chords: there are none in this step.
+    /// Clears what an earlier step has left: there is nothing in this one so far.
     void forget() {
         now_.clear();
         chords_.all.clear();
@@ -190,8 +190,8 @@ private:
     }
 
     /// Which pairs' near edges are still those of the last step.
-    void recall(const Scene& scene, View<const stages::DirectedPair> directed,
-                View<const PairMemory> memory, View<const std::uint32_t> links) {
+    void recall_pairs(const Scene& scene, View<const stages::DirectedPair> directed,
+                      View<const PairMemory> memory, View<const std::uint32_t> links) {
         now_.of_pairs.resize(directed.size);
         executor_.for_each(directed.size,
                            stages::RecallNearEdges{.bodies = scene.bodies,
