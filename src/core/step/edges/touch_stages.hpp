@@ -10,9 +10,9 @@
 #include "core/step/solids/directed_pair.hpp"
 #include "pierce/min_max.hpp"
 
-/// edges of pairs whose edges only touch: looked at again as if one body had moved a little. Edges that
-/// lay in the other body's surface then lie inside or outside of it. If two bodies overlap, some
-/// edge of one crosses the other.
+/// edges of pairs whose edges only touch: looked at again as if one body had moved a little. Edges
+/// that lay in the other body's surface then lie inside or outside of it. If two bodies overlap,
+/// some edge of one crosses the other.
 namespace pierce::stages {
 
 /// True for edges of pairs whose edges touch, and that have no contact so far. An edge with several
