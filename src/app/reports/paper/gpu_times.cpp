@@ -65,7 +65,7 @@ Table measure_all(std::span<const Pile> piles, const PaperReportOptions& options
     for (const Pile& pile : piles) {
         const scenes::Recording& all = pile.loop.recording;
         const std::uint32_t frames = std::min(phase_frames, all.frame_count / 2);
-        add_row(table, pile.name + " landing",
+        add_row(table, pile.name + " at half time",
                 scenes::excerpt(all, all.frame_count / 2 - frames, frames), keep);
         add_row(table, pile.name + " at the end",
                 scenes::excerpt(all, all.frame_count - frames, frames), keep);
