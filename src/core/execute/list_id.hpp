@@ -21,7 +21,7 @@ enum class ListId : std::uint8_t {
     contacts,
     uncertain_rays,
     // edges
-    edge_patches,
+    edge_blocks,
     edge_groups,
     found_edges,
     near_edges,

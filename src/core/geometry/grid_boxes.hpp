@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/device/four.hpp"
 #include "core/device/loops.hpp"
 #include "core/device/quick_math.hpp"
 #include "core/device/whole.hpp"
@@ -49,6 +50,11 @@ struct alignas(16) QuickBox {
     }
 };
 
+/// Two boxes that are asked about together.
+struct TwoBoxes {
+    QuickBox first, second;
+};
+
 /// A step is 1/124 of a side of a box. Coordinates inside the box lie on steps 1 to 125,
 /// coordinates below or above it on 0 and 126. If a coordinate is not above another one, its step
 /// is not above the other's step, however values are rounded: a difference, a product and a sum in
@@ -87,6 +93,16 @@ struct alignas(16) BoxSteps {
         return std::bit_cast<std::uint32_t>(sum) - std::bit_cast<std::uint32_t>(whole_numbers);
     }
 
+#if defined(PIERCE_FOUR_LANES)
+    /// The steps of an end of a box along all axes, plus `more`.
+    Four::Bits at_end(const Vec3f& end, std::uint32_t more) const {
+        const Four share = (Four::at(&end) - Four::at(&origin)) * Four::at(&per_length),
+                   sum = Four(static_cast<float>(last)) * min_of(max_of(share, 0), 1) +
+                         Four(whole_numbers + static_cast<float>(more));
+        return reinterpret_cast<Four::Bits>(sum.lane) - std::bit_cast<std::int32_t>(whole_numbers);
+    }
+#endif
+
 private:
     static constexpr float whole_numbers = 0x1p23f;
 };
@@ -123,6 +139,12 @@ struct alignas(16) GridBoxes {
         return near<2>({box, other});
     }
 
+    /// A bit for each of the sixteen that may overlap one of two boxes.
+    PIERCE_HD std::uint32_t near(const TwoBoxes& boxes) const {
+        const std::uint32_t both = near(boxes.first, boxes.second);
+        return (both | both >> constants::group_size) & 0xffffu;
+    }
+
 private:
     static constexpr std::uint32_t top_bit = 0x80, every_byte = 0x01010101,
                                    top_bits = top_bit * every_byte;
@@ -156,12 +178,21 @@ private:
         for (std::uint32_t b = 0; b < count; ++b) {
             unsigned char hits[constants::group_size];
             for (unsigned char& hit : hits) hit = top_bit;
+#if defined(PIERCE_FOUR_LANES)
+            const Four::Bits lows = grid.at_end(box[b].lower, 1),
+                             highs = grid.at_end(box[b].upper, 0);
+#endif
             for (int axis = 0; axis < 3; ++axis) {
                 const auto* const begin = reinterpret_cast<const unsigned char*>(lower[axis].word);
                 const auto* const end = reinterpret_cast<const unsigned char*>(upper[axis].word);
+#if defined(PIERCE_FOUR_LANES)
+                const auto low = static_cast<unsigned char>(lows[axis]),
+                           high = static_cast<unsigned char>(highs[axis] | int{top_bit});
+#else
                 const auto low = static_cast<unsigned char>(grid.at(box[b].lower[axis], axis, 1)),
                            high = static_cast<unsigned char>(grid.at(box[b].upper[axis], axis, 0) |
                                                              top_bit);
+#endif
                 PIERCE_VECTOR_LOOP
                 for (std::uint32_t k = 0; k < constants::group_size; ++k)
                     hits[k] &= static_cast<unsigned char>((high - begin[k]) & (end[k] - low));

@@ -67,6 +67,13 @@ struct SeenPatch {
     float padding = 0;
 };
 
+/// Sixteen edges of a mesh as spheres around their middles, relative to a centre. Places past the
+/// last edge repeat the centre.
+struct EdgeGroup {
+    Offsets middles;
+    float half[Offsets::count] = {};  ///< [length] half of the edge, rounded up
+};
+
 /// Spheres around the patches (patch.hpp) of a block, in the space of the positions.
 struct PatchBlock {
     Vec3d center;
@@ -117,9 +124,9 @@ struct MeshArrays {
                                           ///< constants::patch_size each
     Array<PatchBlock> blocks;             ///< of the rest shape
     Array<Offsets> patches;  ///< per patch, its vertices relative to its centre; of the rest shape
-    Array<Edge> edges;  ///< patch after patch; an edge belongs to the patch of its first vertex
-    Array<std::uint32_t> edge_offsets;     ///< per patch and one more: where its edges begin
-    Array<QuickBox> edge_boxes;            ///< per patch, around its edges; of the rest shape
+    Array<Edge> edges;       ///< group after group (edge_group.hpp)
+    Array<EdgeGroup> edge_groups;          ///< of the rest shape
+    Array<PatchBlock> edge_blocks;         ///< spheres around groups of edges; of the rest shape
     Array<TriangleFeatures> features;      ///< per triangle
     Array<std::uint32_t> group_triangles;  ///< all triangles, group after group,
                                            ///< constants::group_size each
@@ -149,8 +156,8 @@ constexpr void for_each_array(F&& f, M&... m) {
     f(m.blocks...);
     f(m.patches...);
     f(m.edges...);
-    f(m.edge_offsets...);
-    f(m.edge_boxes...);
+    f(m.edge_groups...);
+    f(m.edge_blocks...);
     f(m.features...);
     f(m.group_triangles...);
     f(m.box_nodes...);

@@ -85,13 +85,11 @@ PIERCE_HD inline Vec3d measured_center(const MeshView& mesh, View<const Vec3f> p
            Vec3d{block.offsets.x[k], block.offsets.y[k], block.offsets.z[k]};
 }
 
-/// Completes block `b`, whose patches are measured. Places past the last patch repeat the block's
-/// centre.
-PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions,
-                                   std::uint32_t b, PatchBlock& block) {
-    block.center = to_double(
-        positions[mesh.patch_vertices[patch_begin(b * constants::block_size)]]);
-    for (std::uint32_t k = block_length(mesh, b); k < constants::block_size; ++k) {
+/// Completes a block with the given centre, of which the first `count` spheres are measured. Places
+/// past the last one repeat the centre.
+PIERCE_HD inline void finish_block(Vec3d center, std::uint32_t count, PatchBlock& block) {
+    block.center = center;
+    for (std::uint32_t k = count; k < constants::block_size; ++k) {
         block.offsets.set(k, {});
         block.radius[k] = 0;
     }
@@ -99,6 +97,13 @@ PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> posit
     for (std::uint32_t k = 0; k < constants::block_size; ++k)
         reach = max_of(block.radius[k], reach);
     block.reach = longest(block.offsets) + reach;
+}
+
+/// Completes block `b` of a mesh, whose patches are measured.
+PIERCE_HD inline void finish_block(const MeshView& mesh, View<const Vec3f> positions,
+                                   std::uint32_t b, PatchBlock& block) {
+    const std::uint32_t first = mesh.patch_vertices[patch_begin(b * constants::block_size)];
+    finish_block(to_double(positions[first]), block_length(mesh, b), block);
 }
 
 /// Offsets turned by `rotation`, in float32: all sixteen, or a share of them.

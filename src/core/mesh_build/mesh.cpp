@@ -7,6 +7,7 @@
 #include "core/base/reach.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/box_nodes.hpp"
+#include "core/mesh/edge_group.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
@@ -102,11 +103,12 @@ void Mesh::Parts::divide_into_patches() {
 }
 
 void Mesh::Parts::find_edges() {
-    MeshEdges edges = edges_of(view);
-    arrays.edges = std::move(edges.edges);
-    arrays.edge_offsets = std::move(edges.offsets);
-    arrays.edge_boxes = std::move(edges.boxes);
+    arrays.edges = edges_of(view);
     see_arrays();
+    arrays.edge_groups.resize(edge_group_count(view));
+    arrays.edge_blocks.resize(edge_block_count(view));
+    for (std::uint32_t b = 0; b < edge_block_count(view); ++b)
+        measure_edge_block(view, b, arrays.edge_blocks[b], view_of(arrays.edge_groups));
     arrays.features = features_of(view);
     arrays.parts = parts_of(view);
     arrays.neighbors = neighbors_of(arrays.triangles);

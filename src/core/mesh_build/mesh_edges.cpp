@@ -1,43 +1,33 @@
 #include "core/mesh_build/mesh_edges.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/device/bits.hpp"
+#include "core/mesh/edge_group.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/mesh/patch.hpp"
+#include "core/mesh_build/spatial_order.hpp"
 
 namespace pierce {
 
-MeshEdges edges_of(const MeshView& mesh) {
-    std::vector<std::uint32_t> place(mesh.positions.size);
-    for (std::uint32_t i = 0; i < mesh.patch_vertices.size; ++i) place[mesh.patch_vertices[i]] = i;
-
-    MeshEdges made;
-    for_each_edge(
-        {mesh.triangles.begin(), mesh.triangles.end()}, [&](std::span<const HalfEdge> sides) {
-            std::uint32_t first = sides[0].low, second = sides[0].high;
-            if (first == second) return;
-            if (place[second] < place[first]) std::swap(first, second);
-            if (sides.size() == 2 && sides[0].forward != sides[1].forward)
-                made.edges.push_back({{first, second}, {sides[0].triangle, sides[1].triangle}});
-            else
-                for (const HalfEdge& side : sides)
-                    made.edges.push_back({{first, second}, {side.triangle, no_triangle}});
-        });
-    std::ranges::stable_sort(made.edges, {}, [&](const Edge& e) { return place[e.vertex[0]]; });
-
-    made.offsets.assign(patch_count(mesh) + 1, 0);
-    made.boxes.assign(patch_count(mesh), {});
-    for (const Edge& e : made.edges) {
-        const std::uint32_t p = place[e.vertex[0]] / constants::patch_size;
-        ++made.offsets[p + 1];
-        for (std::uint32_t v : e.vertex) made.boxes[p].extend(mesh.positions[v]);
-    }
-    std::partial_sum(made.offsets.begin(), made.offsets.end(), made.offsets.begin());
-    return made;
+std::vector<Edge> edges_of(const MeshView& mesh) {
+    std::vector<Edge> edges;
+    for_each_edge({mesh.triangles.begin(), mesh.triangles.end()},
+                  [&](std::span<const HalfEdge> sides) {
+                      const std::uint32_t low = sides[0].low, high = sides[0].high;
+                      if (low == high) return;
+                      if (sides.size() == 2 && sides[0].forward != sides[1].forward)
+                          edges.push_back({{low, high}, {sides[0].triangle, sides[1].triangle}});
+                      else
+                          for (const HalfEdge& side : sides)
+                              edges.push_back({{low, high}, {side.triangle, no_triangle}});
+                  });
+    std::vector<Vec3d> middles;
+    for (const Edge& e : edges) middles.push_back(middle_of(e, mesh.positions));
+    std::vector<Edge> ordered;
+    for (std::uint32_t e : spatial_order(middles)) ordered.push_back(edges[e]);
+    return ordered;
 }
 
 std::vector<TriangleFeatures> features_of(const MeshView& mesh) {

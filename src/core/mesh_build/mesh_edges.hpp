@@ -7,16 +7,9 @@
 
 namespace pierce {
 
-/// The edges of a mesh, patch after patch (patch.hpp): an edge belongs to the patch that holds the
-/// first of its two vertices.
-struct MeshEdges {
-    std::vector<Edge> edges;
-    std::vector<std::uint32_t> offsets;  ///< per patch and one more: where its edges begin
-    std::vector<QuickBox> boxes;         ///< per patch, around its edges in the rest shape
-};
-
-/// Reads positions, triangles and patches of `mesh`.
-MeshEdges edges_of(const MeshView& mesh);
+/// The edges of a mesh, group after group (edge_group.hpp): those that are near each other are side
+/// by side. Reads positions and triangles of `mesh`.
+std::vector<Edge> edges_of(const MeshView& mesh);
 
 /// The features of every triangle; reads the edges of `mesh`.
 std::vector<TriangleFeatures> features_of(const MeshView& mesh);

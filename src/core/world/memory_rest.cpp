@@ -10,7 +10,8 @@ namespace {
 /// True if the vertices that need no full ray are so many that memory pays.
 bool pays(const StepStats& stats, bool deforms) {
     const double spared = static_cast<double>(stats.certified) + stats.walks - stats.lost_walks,
-                 looked_at = static_cast<double>(stats.rays) + stats.certified + stats.walks;
+                 rays = static_cast<double>(stats.rays) - std::min(stats.rays, stats.chords),
+                 looked_at = rays + stats.certified + stats.walks;
     return spared >=
            (deforms ? constants::memory_share_deforming : constants::memory_share) * looked_at;
 }

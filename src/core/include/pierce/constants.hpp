@@ -121,9 +121,14 @@ inline constexpr double edge_tolerance = 4;
 inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_skin_most = 0.25,
                         edge_skin_wait = 2;
 
-/// A proof that an edge crosses one triangle at most looks as far as the bodies move in this many
-/// steps: looking further meets more triangles.
-inline constexpr double edge_look_steps = 8;
+/// A proof that an edge crosses one triangle at most looks as far as the bodies move in
+/// `edge_look_steps`, but not less far than `edge_look_least` [mean edge length]: looking further
+/// meets more triangles.
+inline constexpr double edge_look_steps = 2, edge_look_least = 1.0 / 16;
+
+/// The triangles near an edge are looked for again when those that were found are all only within
+/// this part of how far a look goes [1].
+inline constexpr double edge_look_again = 0.25;
 
 /// How deep both bodies must be where an edge inside the other body gives the pair its only
 /// contacts [touch tolerance].
@@ -201,6 +206,14 @@ inline constexpr float quick_normal_rounding = 0x1p-20f;
 /// What a product of four lengths in float32 may lose [largest coordinate to the fourth]. The sum
 /// of the roundings is written out where it is used (quick_prism.hpp), with half as much to spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;
+
+/// What float32 may lose of a gap between a segment and a triangle: along the triangle's normal
+/// [side squared], along the product of a side with the segment [side times segment], across a side
+/// [side to the third], by the length of the direction [1], and by the coordinates [largest
+/// coordinate]. The sums of the roundings are written out where they are used (segment_gap.hpp).
+inline constexpr float gap_lost_normal = 0x1p-13f, gap_lost_product = 0x1p-14f,
+                       gap_lost_side = 0x1p-11f, gap_lost_length = 0x1p-5f,
+                       gap_lost_coordinates = 0x1p-21f;
 
 /// The lengths between which float32 products of four lengths are used [length]. Below
 /// quick_smallest their rounding comes near the smallest float32. Above quick_largest their squares

@@ -47,8 +47,7 @@ struct StepStats {
     std::uint32_t proofs = 0;            ///< vertices newly proved to be outside
     std::uint32_t rested = 0;            ///< 1 if Temporal::certified ran as Temporal::off, because
                                          ///< remembering would not have paid
-    std::uint32_t edges = 0;             ///< edges near the other body of a pair, once for each
-                                         ///< group of sixteen of its triangles
+    std::uint32_t edges = 0;             ///< edges near the other body of a pair
     std::uint32_t chords = 0;            ///< parts of edges inside the other body; those at an end
                                          ///< only of pairs that have no contact with a depth
     std::uint32_t edge_contacts = 0;     ///< contacts from chords

@@ -94,27 +94,35 @@ struct VertexRecord {
 
 static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
 
-/// An edge of a directed pair's source, and triangles of the target that are near: those of one
-/// group with their bits set. An edge that is near several groups has as many of these, one after
-/// the other; the first has what is known of the edge: 28 bytes.
+/// Stands for any triangles, no matter which and how many.
+inline constexpr std::uint32_t some_triangle = no_triangle - 1;
+
+/// The triangles near an edge: 44 bytes. All others are so far away that they stay away until the
+/// odometer reaches `until`, and as long as both ends of the edge are closer than `room` [length]
+/// to where the pair's anchor has them.
+struct NearTriangles {
+    static constexpr std::uint32_t most = 8;
+
+    float until = -1, room = -1;  ///< negative: they are not known
+    std::uint32_t count = 0;
+    std::uint32_t triangle[most] = {};
+};
+
+/// An edge of a directed pair's source that is near the target's surface: 64 bytes.
 struct NearEdge {
     std::uint32_t directed = 0;
     std::uint32_t edge = 0;
-    std::uint32_t group = 0;
-    std::uint16_t near = 0;    ///< triangles that the edge may meet until the pair is asked again
-    std::uint16_t nearer = 0;  ///< of these, those that it may meet until the odometer reaches
-                               ///< `until`
-    float until = 0;
     float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this
-    std::uint32_t may_cross = 1;  ///< 0: it crosses none until then
-
-    PIERCE_HD bool is_same_edge(const NearEdge& other) const {
-        return directed == other.directed && edge == other.edge;
-    }
+    float room = 0;    ///< [length] and as long as both its ends are closer than this to where the
+                       ///< pair's anchor has them
+    std::uint32_t crosses = some_triangle;  ///< the triangle that it may cross until then
+    NearTriangles triangles;
 };
+static_assert(sizeof(NearEdge) == 64);
 
-/// The near edges of a directed pair: 16 bytes.
+/// The near edges of a directed pair.
 struct NearEdgesOfPair {
+    Frame anchor;      ///< the source's space to the target's when they were found
     float expiry = 0;  ///< all other edges are away from the target's surface until the odometer
                        ///< reaches this
     std::uint32_t first = 0, count = 0;

@@ -20,40 +20,31 @@ namespace pierce::stages {
 /// The triangles that an edge may cross.
 class EdgeTriangles {
 public:
-    /// Of the triangles near an edge from `a` to `b`, whose first entry is near[i], those that may
-    /// be closer than `margin` [length]. The ends are given in the target's space. Looks as far as
-    /// `limit` [length], which is not less than the margin. If `nearer_only`, no others than those
-    /// marked as nearer can be that close; if `marks`, they are marked.
-    PIERCE_HD EdgeTriangles(View<NearEdge> near, std::uint32_t i, const BodyView& target, Vec3d a,
-                            Vec3d b, double margin, double limit, bool nearer_only, bool marks)
-        : near_(near), first_(i), target_(target), gap_(limit), second_gap_(limit) {
-        const Surface surface = target.surface();
-        const Vec3d middle = 0.5 * (a + b);
-        const QuickBox first_half = box_around(a, middle, limit),
-                       second_half = box_around(middle, b, limit);
-        for (std::uint32_t k = i; k < near.size && near[k].is_same_edge(near[i]); ++k) {
-            const GridBoxes& boxes = target.box_nodes[near[k].group].boxes;
-            std::uint32_t mask = near[k].nearer, nearer = 0;
-            if (!nearer_only) {
-                const std::uint32_t both = boxes.near(first_half, second_half);
-                mask = near[k].near & (both | both >> constants::group_size);
-            }
-            for (; mask != 0; mask &= mask - 1) {
-                const std::uint32_t bit = lowest_bit(mask), triangle = triangle_at(k, bit);
-                const double gap = segment_gap(a, b, surface, triangle, limit);
-                if (!(gap < limit)) continue;
-                nearer |= 1u << bit;
-                second_gap_ = min_of(max_of(gap, gap_), second_gap_);
-                gap_ = min_of(gap, gap_);
-                if (gap > margin) continue;
-                if (count_ < most) triangles_[count_] = triangle;
-                ++count_;
-            }
-            if (marks) near[k].nearer = static_cast<std::uint16_t>(nearer);
-        }
+    /// Of the target's triangles, those that may be closer to the edge than `margin` [length].
+    /// Looks as far as `limit` [length], which is not less than the margin.
+    PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double margin,
+                            double limit)
+        : target_(target), gap_(limit), second_gap_(limit) {
+        const Vec3d middle = 0.5 * (edge.a + edge.b);
+        halves_ = {box_around(edge.a, middle, limit), box_around(middle, edge.b, limit)};
+        look(edge, margin, limit, [&](const auto& see) { for_each(see); });
     }
 
+    /// The same of a few triangles; no others are closer than `limit`.
+    PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double margin,
+                            double limit, const NearTriangles& few)
+        : target_(target), gap_(limit), second_gap_(limit) {
+        look(edge, margin, limit, [&](const auto& see) {
+            for (std::uint32_t k = 0; k < few.count; ++k) see(few.triangle[k]);
+        });
+    }
+
+    /// The only triangle that the edge may cross.
+    PIERCE_HD EdgeTriangles(const BodyView& target, std::uint32_t triangle)
+        : target_(target), count_(1), triangles_{triangle} {}
+
     PIERCE_HD std::uint32_t count() const { return count_; }
+    PIERCE_HD std::uint32_t first() const { return triangles_[0]; }
 
     /// [length] How far away all of them are, or all but one, at least; the limit if further.
     PIERCE_HD double gap() const { return gap_; }
@@ -63,76 +54,97 @@ public:
     PIERCE_HD Hit first_hit(const Ray& ray) const {
         return first_crossing(ray, target_.surface(), [&](CrossingSearch& search) {
             for (std::uint32_t k = 0; k < count_ && count_ <= most; ++k) search.test(triangles_[k]);
-            if (count_ <= most) return;
-            for (std::uint32_t k = first_; k < near_.size && near_[k].is_same_edge(near_[first_]);
-                 ++k)
-                for (std::uint32_t mask = near_[k].near; mask != 0; mask &= mask - 1)
-                    search.test(triangle_at(k, lowest_bit(mask)));
+            if (count_ > most) for_each([&](std::uint32_t triangle) { search.test(triangle); });
         });
     }
+
+    /// The triangles that are closer than the limit, if they are few.
+    PIERCE_HD const NearTriangles& near() const { return near_; }
+    PIERCE_HD bool are_few() const { return near_.count <= NearTriangles::most; }
 
 private:
     static constexpr std::uint32_t most = 16;
 
-    /// The box around a segment, larger by `margin`.
-    PIERCE_HD static QuickBox box_around(Vec3d from, Vec3d to, double margin) {
-        QuickBox box;
-        for (int r = 0; r < 3; ++r) {
-            box.lower[r] = not_above(static_cast<float>(min_of(from[r], to[r]) - margin));
-            box.upper[r] = not_below(static_cast<float>(max_of(from[r], to[r]) + margin));
+    template <class List>
+    PIERCE_HD void look(const PlacedEdge& edge, double margin, double limit, const List& list) {
+        std::uint32_t asked[SegmentGaps::count], size = 0;
+        const auto measure = [&] {
+            for (std::uint32_t k = size; k < SegmentGaps::count; ++k) asked[k] = asked[0];
+            const SegmentGaps gaps(edge.a, edge.b, target_.surface(), asked);
+            for (std::uint32_t k = 0; k < size; ++k) add(asked[k], gaps[k], margin, limit);
+            size = 0;
+        };
+        list([&](std::uint32_t triangle) {
+            asked[size++] = triangle;
+            if (size == SegmentGaps::count) measure();
+        });
+        if (size > 0) measure();
+    }
+
+    PIERCE_HD void add(std::uint32_t triangle, double gap, double margin, double limit) {
+        if (!(gap < limit)) return;
+        if (are_few()) {
+            if (near_.count < NearTriangles::most) near_.triangle[near_.count] = triangle;
+            ++near_.count;
         }
-        return box;
+        second_gap_ = min_of(max_of(gap, gap_), second_gap_);
+        gap_ = min_of(gap, gap_);
+        if (gap > margin) return;
+        if (count_ < most) triangles_[count_] = triangle;
+        ++count_;
     }
 
-    PIERCE_HD std::uint32_t triangle_at(std::uint32_t k, std::uint32_t bit) const {
-        return target_.mesh.group_triangles[near_[k].group * constants::group_size + bit];
+    template <class See>
+    PIERCE_HD void for_each(const See& see) const {
+        for_each_group(
+            target_.box_nodes, BoxLevels(target_.mesh.triangles.size), halves_,
+            [&](std::uint32_t group, std::uint32_t mask) {
+                for (; mask != 0; mask &= mask - 1)
+                    see(target_.mesh
+                            .group_triangles[group * constants::group_size + lowest_bit(mask)]);
+                return false;
+            });
     }
 
-    View<NearEdge> near_;
-    std::uint32_t first_ = 0;
     const BodyView& target_;
+    TwoBoxes halves_;
     double gap_ = 0, second_gap_ = 0;
     std::uint32_t count_ = 0;
     std::uint32_t triangles_[most];
+    NearTriangles near_;
 };
 
-/// True for edges that may cross more than one triangle: no proof to the contrary holds. An edge
-/// with several entries counts once. Of the other edges, marks the pairs of those that may cross
-/// one.
+/// True for edges that may cross more than one triangle: no proof to the contrary holds. Of the
+/// other edges, marks the pairs of those that may cross one.
 struct MayCross {
+    View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const NearEdge> near;
-    bool remembers = false;
+    View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
+    View<NearEdge> near;
     View<std::uint32_t> crossed_pairs;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
-        const NearEdge& first = near[i];
-        if (i > 0 && near[i - 1].is_same_edge(first)) return false;
-        if (first.expiry > directed[first.directed].odometer) return other(first);
-        // Without memory, a look at an edge near one triangle alone proves nothing for later.
-        const bool is_near_two = (first.near & (first.near - 1)) != 0 ||
-                                 (i + 1 < near.size && near[i + 1].is_same_edge(first));
-        return remembers || is_near_two ? true : other(first);
-    }
-
-private:
-    PIERCE_HD bool other(const NearEdge& edge) const {
-        if (edge.may_cross) atomic_mark(crossed_pairs[edge.directed / 2]);
+        NearEdge& edge = near[i];
+        const DirectedPair& d = directed[edge.directed];
+        if (!(edge.expiry > d.odometer)) {
+            if (!(edge.room > 0) || of_pairs.size == 0) return true;
+            const double left = static_cast<double>(edge.room) -
+                                way_from(of_pairs[edge.directed].anchor, bodies, d, edge.edge);
+            if (!(left > 0)) return true;
+            edge.expiry = d.odometer + static_cast<float>(left);
+        }
+        if (edge.crosses != no_triangle) atomic_mark(crossed_pairs[edge.directed / 2]);
         return false;
     }
 };
 
 /// True for edges of pairs that have no contact with a depth so far, if they may cross a triangle.
-/// An edge with several entries counts once.
 struct MayCrossOne {
     View<const NearEdge> near;
     View<const std::uint32_t> has_depth;  ///< per pair
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
-        const NearEdge& first = near[i];
-        if (has_depth[first.directed / 2] || (i > 0 && near[i - 1].is_same_edge(first)))
-            return false;
-        return first.may_cross;
+        return near[i].crosses != no_triangle && !has_depth[near[i].directed / 2];
     }
 };
 
@@ -210,34 +222,62 @@ private:
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
         const Edge& edge = source.mesh.edges[item.edge];
-        Vec3d a = d.to_space.to_parent(to_double(source.positions[edge.vertex[0]])),
-              b = d.to_space.to_parent(to_double(source.positions[edge.vertex[1]]));
+        PlacedEdge placed(source, d, edge);
         if (move != 0) {
             const Vec3d by = target.space.rotation.transposed() * nudged(item.directed);
-            a += by;
-            b += by;
+            placed.a += by;
+            placed.b += by;
         }
         const double tolerance = constants::edge_tolerance * d.touch,
                      margin = edge_margin(directed, item.directed);
-        const bool remembers = wanted == Chords::within && of_pairs.size > 0,
-                   nearer_only = remembers && item.until > d.odometer;
-        const double ahead = !remembers    ? 0.0
-                             : nearer_only ? static_cast<double>(item.until - d.odometer)
-                                           : look_ahead(item.directed);
-        const bool marks = ahead > 0 && !nearer_only;
-        const EdgeTriangles triangles(near, i, target, a, b, tolerance,
-                                      ahead > 0 ? ahead + margin : tolerance, nearer_only, marks);
-        if (marks) near[i].until = d.odometer + static_cast<float>(ahead);
+        const double ahead = wanted == Chords::within && of_pairs.size > 0
+                                 ? look_ahead(item.directed)
+                                 : 0.0;
+        const double way = ahead > 0
+                               ? way_from(of_pairs[item.directed].anchor, bodies, d, item.edge)
+                               : 0.0;
+        const auto proved = [&](double gap) {
+            near[i].expiry = d.odometer + static_cast<float>(gap - margin);
+            near[i].room = static_cast<float>(gap - margin - way);
+        };
+        // Edges that lie in the other body are asked again after all have been asked in this step.
+        const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
+        const double clearance = is_known ? 0 : clearance_of(source, target, placed);
+        if (clearance > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
+            if (wanted == Chords::within) near[i].crosses = no_triangle;
+            if (ahead > 0) proved(clearance);
+            return;
+        }
+        const double known = ahead > 0
+                                 ? max_of(static_cast<double>(item.triangles.until - d.odometer),
+                                          static_cast<double>(item.triangles.room) - way)
+                                 : 0.0;
+        const bool are_known = known > margin + constants::edge_look_again * ahead;
+        const EdgeTriangles triangles = is_known ? EdgeTriangles(target, item.crosses)
+                                        : are_known
+                                            ? EdgeTriangles(target, placed, tolerance, known,
+                                                            item.triangles)
+                                            : EdgeTriangles(target, placed, tolerance,
+                                                            ahead > 0 ? ahead + margin : tolerance);
+        if (ahead > 0 && !are_known) {
+            near[i].triangles = triangles.are_few() ? triangles.near() : NearTriangles{};
+            if (triangles.are_few()) {
+                near[i].triangles.until = d.odometer + static_cast<float>(ahead + margin);
+                near[i].triangles.room = static_cast<float>(ahead + margin - way);
+            }
+        }
         if (wanted == Chords::within) {
-            near[i].may_cross = triangles.gap() < triangles.second_gap() || triangles.count() > 1;
-            if (near[i].may_cross) atomic_mark(crossed_pairs[item.directed / 2]);
+            near[i].crosses = triangles.count() == 1  ? triangles.first()
+                              : triangles.count() > 1 ? some_triangle
+                                                      : no_triangle;
+            if (triangles.count() > 0) atomic_mark(crossed_pairs[item.directed / 2]);
             if (triangles.count() < 2) {
                 if (ahead > 0)
-                    near[i].expiry = d.odometer +
-                                     static_cast<float>(triangles.second_gap() - margin);
+                    proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
                 return;
             }
         }
+        const Vec3d a = placed.a, b = placed.b;
         Ray ray;
         ray.origin = a;
         ray.direction = normalized(b - a);
@@ -274,8 +314,11 @@ private:
     /// [length] How far to look for triangles that an edge may cross later; zero: not at all.
     PIERCE_HD double look_ahead(std::uint32_t direction) const {
         const DirectedPair& d = directed[direction];
-        const double left = static_cast<double>(of_pairs[direction].expiry - d.odometer);
-        return max_of(min_of(constants::edge_look_steps * static_cast<double>(d.step), left), 0.0);
+        if (!(of_pairs[direction].expiry > d.odometer)) return 0;
+        const double edge = min_of(bodies[d.source].mesh.mean_edge_length,
+                                   bodies[d.target].mesh.mean_edge_length);
+        return max_of(constants::edge_look_steps * static_cast<double>(d.step),
+                      constants::edge_look_least * edge);
     }
 
     /// [length] By how much an edge is moved, in world space.

@@ -31,21 +31,23 @@ public:
     /// Finds the edges' chords, the parts of them inside the other body of their pair, and adds
     /// their rays to `batch` and `routes`.
     void find(const Scene& scene, View<const stages::DirectedPair> directed,
-              View<const stages::CullItem> blocks, View<const PairMemory> memory,
-              View<const std::uint32_t> links, RayBatch<E>& batch, Buffer<Route>& routes) {
+              View<const PairMemory> memory, View<const std::uint32_t> links, RayBatch<E>& batch,
+              Buffer<Route>& routes) {
         measure_boxes(scene);
         const bool remembers = scene.plan->remembers();
         if (remembers) recall_pairs(scene, directed, memory, links);
-        cull(scene, directed, blocks);
-        if (remembers) merge(directed.size);
+        cull(scene, directed);
+        if (remembers) merge(scene, directed, memory, links);
         executor_.assign(touching_, directed.size / 2, 0u);
         executor_.assign(crossed_, directed.size / 2, 0u);
-        const Count asked = tools_.list(ListId::asked_edges, count_of(now_.edges),
-                                        stages::MayCross{.directed = directed,
-                                                         .near = view_of(std::as_const(now_.edges)),
-                                                         .remembers = remembers,
-                                                         .crossed_pairs = view_of(crossed_)},
-                                        scratch_.places);
+        const Count asked = tools_.list(
+            ListId::asked_edges, count_of(now_.edges),
+            stages::MayCross{.bodies = scene.bodies,
+                             .directed = directed,
+                             .of_pairs = view_of(std::as_const(now_.of_pairs)),
+                             .near = view_of(now_.edges),
+                             .crossed_pairs = view_of(crossed_)},
+            scratch_.places);
         executor_.emit(ListId::chords, asked,
                        stages::FindChords{.bodies = scene.bodies,
                                           .directed = directed,
@@ -117,7 +119,8 @@ public:
         for (const double sign : {1.0, -1.0}) {
             const std::uint32_t again = tools_.list(
                 ListId::touching_edges, count_of(now_.edges),
-                stages::OnlyTouches{.near = view_of(std::as_const(now_.edges)),
+                stages::OnlyTouches{.directed = directed,
+                                    .near = view_of(std::as_const(now_.edges)),
                                     .touching = view_of(touching_),
                                     .contact = contact,
                                     .moved = view_of(std::as_const(moved_))},
@@ -170,7 +173,7 @@ public:
         chords_.all.clear();
     }
 
-    /// How many edges were near the other body of their pair, once for each group of its triangles.
+    /// How many edges were near the other body of their pair.
     Count near_edges() const { return count_of(now_.edges); }
 
     /// Makes what this step remembers what the last step has left.
@@ -204,21 +207,18 @@ private:
 
     /// Which edges are near triangles of the other body of their pair, of pairs that are asked
     /// anew.
-    void cull(const Scene& scene, View<const stages::DirectedPair> directed,
-              View<const stages::CullItem> blocks) {
+    void cull(const Scene& scene, View<const stages::DirectedPair> directed) {
         const bool remembers = scene.plan->remembers();
-        const View<const NearEdgesOfPair> of_pairs = view_of(std::as_const(now_.of_pairs));
-        executor_.emit(ListId::edge_patches, Count{blocks.size},
+        executor_.emit(
+            ListId::edge_blocks, Count{directed.size},
+            stages::ListEdgeBlocks{scene.bodies, directed, view_of(std::as_const(now_.of_pairs))},
+            near_.blocks);
+        executor_.emit(ListId::edge_groups, count_of(near_.blocks),
                        stages::CullEdgeBlock{.bodies = scene.bodies,
                                              .directed = directed,
-                                             .blocks = blocks,
-                                             .of_pairs = of_pairs},
-                       near_.patches);
-        executor_.emit(
-            ListId::edge_groups, count_of(near_.patches),
-            stages::ListEdgeGroups{
-                .bodies = scene.bodies, .directed = directed, .patches = view_of(near_.patches)},
-            near_.groups);
+                                             .blocks = view_of(near_.blocks),
+                                             .remembers = remembers},
+                       near_.groups);
         executor_.emit(ListId::found_edges, count_of(near_.groups),
                        stages::FindNearEdges{.bodies = scene.bodies,
                                              .directed = directed,
@@ -228,15 +228,22 @@ private:
     }
 
     /// The near edges of all pairs, kept or found anew.
-    void merge(std::uint32_t directed) {
+    void merge(const Scene& scene, View<const stages::DirectedPair> directed,
+               View<const PairMemory> memory, View<const std::uint32_t> links) {
         executor_.for_each(
             count_of(near_.found),
             stages::CountNearEdges{view_of(std::as_const(near_.found)), view_of(now_.of_pairs)});
-        executor_.emit(ListId::near_edges, Count{directed},
-                       stages::MergeNearEdges{.found = view_of(std::as_const(near_.found)),
-                                              .last = view_of(std::as_const(last_.edges)),
-                                              .of_pairs = view_of(now_.of_pairs)},
-                       now_.edges);
+        executor_.emit(
+            ListId::near_edges, Count{directed.size},
+            stages::MergeNearEdges{.bodies = scene.bodies,
+                                   .directed = directed,
+                                   .memory = memory,
+                                   .links = links,
+                                   .last_of_pairs = view_of(std::as_const(last_.of_pairs)),
+                                   .found = view_of(std::as_const(near_.found)),
+                                   .last = view_of(std::as_const(last_.edges)),
+                                   .of_pairs = view_of(now_.of_pairs)},
+            now_.edges);
     }
 
     StepTools<E, T>& tools_;

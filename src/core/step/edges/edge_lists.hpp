@@ -29,8 +29,7 @@ struct NearEdgeLists {
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
-    Buffer<stages::CullItem> patches;
-    Buffer<stages::EdgeGroup> groups;
+    Buffer<stages::CullItem> blocks, groups;
     Buffer<NearEdge> found;
 };
 

@@ -2,6 +2,8 @@
 
 #include "core/device/view.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/edges/near_edges.hpp"
+#include "pierce/min_max.hpp"
 
 /// edges: near edges from step to step.
 namespace pierce::stages {
@@ -22,8 +24,14 @@ struct CountNearEdges {
     }
 };
 
-/// Per directed pair: lists its near edges, those of the last step or those newly found.
+/// Per directed pair: lists its near edges, those of the last step or those newly found. What was
+/// proved of an edge still holds if it is found anew.
 struct MergeNearEdges {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const PairMemory> memory;
+    View<const std::uint32_t> links;
+    View<const NearEdgesOfPair> last_of_pairs;  ///< empty if the last step did not remember
     View<const NearEdge> found, last;
     View<NearEdgesOfPair> of_pairs;
 
@@ -32,11 +40,33 @@ struct MergeNearEdges {
     PIERCE_HD void write(std::uint32_t i, const NearEdgesOfPair& of_pair, std::uint32_t place,
                          NearEdge* near) const {
         const View<const NearEdge> from = of_pair.is_kept ? last : found;
+        NearEdgesOfPair before;
+        if (!of_pair.is_kept && memory[i].known && last_of_pairs.size > 0)
+            before = last_of_pairs[2 * links[i / 2] + i % 2];
+        std::uint32_t old = before.first;
         for (std::uint32_t k = 0; k < of_pair.count; ++k) {
-            near[place + k] = from[of_pair.first + k];
-            near[place + k].directed = i;
+            NearEdge& edge = near[place + k];
+            edge = from[of_pair.first + k];
+            edge.directed = i;
+            // Both lists are in the order of edges.
+            while (old < before.first + before.count && last[old].edge < edge.edge) ++old;
+            if (old < before.first + before.count && last[old].edge == edge.edge)
+                take_over(last[old], before.anchor, edge);
         }
         of_pairs[i].first = place;
+    }
+
+private:
+    PIERCE_HD void take_over(const NearEdge& old, const Frame& anchor, NearEdge& edge) const {
+        const DirectedPair& d = directed[edge.directed];
+        const auto way = static_cast<float>(way_from(anchor, bodies, d, edge.edge));
+        edge.triangles = old.triangles;
+        edge.triangles.room -= way;
+        const float room = old.room - way, expiry = max_of(old.expiry, d.odometer + room);
+        if (!(expiry > max_of(edge.expiry, d.odometer))) return;
+        edge.expiry = expiry;
+        edge.room = room;
+        edge.crosses = old.crosses;
     }
 };
 

@@ -1,177 +1,163 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
-#include "core/device/loops.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/box_nodes.hpp"
+#include "core/mesh/edge_group.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/mesh/patch.hpp"
 #include "core/step/edges/edge_cull.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "pierce/min_max.hpp"
 
-/// edges, second part: which triangles of the target an edge may cross. Boxes around edges, sixteen
-/// at a time, are compared with the target's tree of boxes. No triangle that an edge crosses is
-/// left out.
+/// edges, second part: which edges are near the target's surface. Spheres around a group's edges
+/// are compared with the target's clearance; of edges that are left, several places are. Of a
+/// target that deforms, or whose clearance is too coarse, boxes of edges are compared with its tree
+/// of boxes. No edge that crosses the surface is left out.
 namespace pierce::stages {
 
-/// Boxes around a group's edges in the space of its target, larger by `margin`.
-struct EdgeBoxes {
-    float lower[3][Offsets::count], upper[3][Offsets::count];
-
-    PIERCE_HD EdgeBoxes(const BodyView& source, const DirectedPair& d, const EdgeGroup& group,
-                        double margin) {
-        const Vec3d center = to_double(source.positions[source.mesh.edges[group.first].vertex[0]]);
-        const Vec3f c = to_float(center);  // a float32 position: nothing is lost
-        Offsets middles, halves;
-        for (std::uint32_t k = 0; k < group.count; ++k) {
-            const Edge& edge = source.mesh.edges[group.first + k];
-            const Vec3f a = source.positions[edge.vertex[0]] - c,
-                        b = source.positions[edge.vertex[1]] - c;
-            middles.set(k, 0.5f * (a + b));
-            halves.set(k, 0.5f * (b - a));
-        }
-        const TurnedOffsets<> middle(middles, d.to_space.rotation),
-            half(halves, d.to_space.rotation);
-        const Vec3d placed = d.to_space.to_parent(center);
-        const double span = static_cast<double>(longest(middles)) +
-                            static_cast<double>(longest(halves));
-        // The centre, the rotation, the offsets and their sums are rounded to float32: each by at
-        // most an ulp of its size.
-        const float more = round_up(margin + 4 * constants::float_ulp *
-                                                 (std::fabs(placed.x) + std::fabs(placed.y) +
-                                                  std::fabs(placed.z) + 2 * span));
-        const Vec3f at = to_float(placed);
-        for (int r = 0; r < 3; ++r) {
-            PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < Offsets::count; ++k) {
-                const float x = at[r] + middle.at[r][k], reach = std::fabs(half.at[r][k]) + more;
-                lower[r][k] = x - reach;
-                upper[r][k] = x + reach;
-            }
-        }
+/// The box around a segment, larger by `margin`.
+PIERCE_HD inline QuickBox box_around(Vec3d from, Vec3d to, double margin) {
+    QuickBox box;
+    for (int r = 0; r < 3; ++r) {
+        box.lower[r] = not_above(static_cast<float>(min_of(from[r], to[r]) - margin));
+        box.upper[r] = not_below(static_cast<float>(max_of(from[r], to[r]) + margin));
     }
+    return box;
+}
 
-    PIERCE_HD QuickBox box(std::uint32_t k) const {
-        QuickBox box;
-        for (int r = 0; r < 3; ++r) {
-            box.lower[r] = lower[r][k];
-            box.upper[r] = upper[r][k];
-        }
-        return box;
-    }
+/// An edge in the space of its target.
+struct PlacedEdge {
+    Vec3d a, b;
 
-    /// The box around the first `count`.
-    PIERCE_HD QuickBox around(std::uint32_t count) const {
-        QuickBox all;
-        for (std::uint32_t k = 0; k < count; ++k) all.extend(box(k));
-        return all;
-    }
-
-    /// A bit for each that overlaps `other`.
-    PIERCE_HD std::uint32_t overlap(const QuickBox& other) const {
-        std::uint32_t apart[Offsets::count] = {};
-        for (int r = 0; r < 3; ++r) {
-            PIERCE_VECTOR_LOOP
-            for (std::uint32_t k = 0; k < Offsets::count; ++k)
-                apart[k] |= static_cast<std::uint32_t>(lower[r][k] > other.upper[r]) |
-                            static_cast<std::uint32_t>(upper[r][k] < other.lower[r]);
-        }
-        std::uint32_t mask = 0;
-        for (std::uint32_t k = 0; k < Offsets::count; ++k) mask |= (apart[k] ^ 1u) << k;
-        return mask;
-    }
+    PIERCE_HD PlacedEdge(const BodyView& source, const DirectedPair& d, const Edge& edge)
+        : a(d.to_space.to_parent(to_double(source.positions[edge.vertex[0]]))),
+          b(d.to_space.to_parent(to_double(source.positions[edge.vertex[1]]))) {}
 };
 
-/// Per group of edges: lists the edges that may cross triangles of the target, and these triangles.
+/// [length] How far an edge's ends are from where an earlier frame of the pair has them, in the
+/// target's space; infinite if one of the bodies deforms.
+PIERCE_HD inline double way_from(const Frame& anchor, View<const BodyView> bodies,
+                                 const DirectedPair& d, std::uint32_t edge) {
+    const BodyView& source = bodies[d.source];
+    if (source.motion == Motion::deforming || bodies[d.target].motion == Motion::deforming)
+        return INFINITY;
+    double squared = 0;
+    for (std::uint32_t v : source.mesh.edges[edge].vertex) {
+        const Vec3d p = to_double(source.positions[v]);
+        squared = max_of(length_squared(d.to_space.to_parent(p) - anchor.to_parent(p)), squared);
+    }
+    return std::sqrt(squared);
+}
+
+/// True if the target's clearance says which edges of the source are near: the target does not
+/// deform, and edges are longer than the grid's cells.
+PIERCE_HD inline bool clearance_tells(const BodyView& source, const BodyView& target) {
+    return target.motion != Motion::deforming &&
+           target.mesh.clearance_at.cell < source.mesh.mean_edge_length;
+}
+
+/// [length] A lower bound of the distance from an edge to the surface of its target, by the
+/// target's box and its clearance; zero or less if nothing is known.
+PIERCE_HD inline double clearance_of(const BodyView& source, const BodyView& target,
+                                     const PlacedEdge& edge) {
+    if (target.motion == Motion::deforming) return 0;
+    const Box& box = target.mesh.box;
+    double beyond = 0;
+    for (int r = 0; r < 3; ++r)
+        beyond = max_of(max_of(box.lower[r] - max_of(edge.a[r], edge.b[r]),
+                               min_of(edge.a[r], edge.b[r]) - box.upper[r]),
+                        beyond);
+    if (!clearance_tells(source, target)) return beyond;
+    return max_of(target.mesh.clearance().along(edge.a, edge.b), beyond);
+}
+
+/// Per group of edges: lists the edges that may be near the target's surface.
 struct FindNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const EdgeGroup> groups;
+    View<const CullItem> groups;
     bool remembers = false;
 
     static constexpr bool in_order = true;
 
-    /// The first of what is found.
+    /// A bit for each, and how far away each is for certain.
     struct Found {
-        static constexpr std::uint32_t most = 15;
-
-        std::uint32_t count = 0;
-        std::uint32_t group[most];
-        std::uint16_t mask[most];
-        std::uint8_t edge[most];
-        std::uint8_t padding[3];
+        std::uint32_t mask = 0;
+        float gap[Offsets::count];
     };
 
     PIERCE_HD Found find(std::uint32_t i) const {
+        const CullItem item = groups[i];
+        const DirectedPair& d = directed[item.directed];
+        const BodyView& source = bodies[d.source];
+        const BodyView& target = bodies[d.target];
+        const EdgeGroup& group = source.mesh.edge_groups[item.index];
+        const PatchBlock& block = source.mesh.edge_blocks[item.index / constants::block_size];
+        const EdgePlace place(bodies, directed, item.directed, remembers);
+        const BallsNearby<> balls(
+            target, place.to_fit, patch_center(source.mesh.edge_blocks, item.index), group.middles,
+            group.half, static_cast<double>(block.radius[item.index % constants::block_size]),
+            place.margin);
+        const double margin = edge_margin(directed, item.directed),
+                     more = remembers ? edge_skin(bodies, d) : 0.0;
         Found found;
-        search(i, [&](std::uint32_t k, std::uint32_t group, std::uint32_t mask) {
-            if (found.count < Found::most) {
-                found.group[found.count] = group;
-                found.mask[found.count] = static_cast<std::uint16_t>(mask);
-                found.edge[found.count] = static_cast<std::uint8_t>(k);
-            }
-            ++found.count;
-        });
+        found.mask = balls.near & first_bits(edge_group_length(source.mesh, item.index));
+        for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
+            const std::uint32_t k = lowest_bit(left);
+            const double gap = clearance_of(source, target, placed(item, k)) - margin;
+            found.gap[k] = static_cast<float>(gap);
+            if (gap > more) found.mask ^= 1u << k;
+        }
+        if (found.mask != 0 && !clearance_tells(source, target))
+            found.mask = by_boxes(i, found.mask, margin + more);
         return found;
     }
-    PIERCE_HD static std::uint32_t count(const Found& found) { return found.count; }
+    PIERCE_HD static std::uint32_t count(const Found& found) { return bit_count(found.mask); }
     PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
                          NearEdge* near) const {
-        const EdgeGroup& edges = groups[i];
-        if (found.count <= Found::most) {
-            for (std::uint32_t k = 0; k < found.count; ++k)
-                near[place + k] = {edges.directed, edges.first + found.edge[k], found.group[k],
-                                   found.mask[k]};
-            return;
+        const CullItem item = groups[i];
+        const float odometer = directed[item.directed].odometer;
+        for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
+            const std::uint32_t k = lowest_bit(left);
+            near[place++] = {.directed = item.directed,
+                             .edge = item.index * constants::group_size + k,
+                             .expiry = odometer + found.gap[k],
+                             .room = found.gap[k],
+                             .crosses = found.gap[k] > 0 ? no_triangle : some_triangle,
+                             .triangles = {}};
         }
-        search(i, [&](std::uint32_t k, std::uint32_t group, std::uint32_t mask) {
-            near[place++] = {edges.directed, edges.first + k, group,
-                             static_cast<std::uint16_t>(mask)};
-        });
     }
 
 private:
-    /// Calls see(k, group, mask), edge after edge.
-    template <class See>
-    PIERCE_HD void search(std::uint32_t i, const See& see) const {
-        constexpr std::uint32_t most = 16;
-        const EdgeGroup edges = groups[i];
-        const DirectedPair& d = directed[edges.directed];
-        const View<const BoxNode> nodes = bodies[d.target].box_nodes;
-        const BoxLevels levels(bodies[d.target].mesh.triangles.size);
-        const EdgeBoxes boxes(
-            bodies[d.source], d, edges,
-            edge_margin(directed, edges.directed) + (remembers ? edge_skin(bodies, d) : 0.0));
-        std::uint32_t group[most], overlap[most], count = 0, any = 0;
-        for_each_group(nodes, levels, boxes.around(edges.count),
-                       [&](std::uint32_t g, std::uint32_t) {
-                           if (count < most) {
-                               group[count] = g;
-                               overlap[count] = boxes.overlap(nodes[g].around);
-                               any |= overlap[count];
-                           }
-                           ++count;
-                           return false;
-                       });
-        if (count > most) any = ~0u;
-        for (any &= (1u << edges.count) - 1; any != 0; any &= any - 1) {
-            const std::uint32_t k = lowest_bit(any);
-            const QuickBox box = boxes.box(k);
-            if (count > most) {
-                for_each_group(nodes, levels, box, [&](std::uint32_t g, std::uint32_t mask) {
-                    see(k, g, mask);
-                    return false;
-                });
-                continue;
-            }
-            for (std::uint32_t n = 0; n < count; ++n) {
-                if (!(overlap[n] >> k & 1)) continue;
-                const std::uint32_t mask = nodes[group[n]].boxes.near(box);
-                if (mask != 0) see(k, group[n], mask);
-            }
+    PIERCE_HD PlacedEdge placed(const CullItem& item, std::uint32_t k) const {
+        const DirectedPair& d = directed[item.directed];
+        const BodyView& source = bodies[d.source];
+        return {source, d, source.mesh.edges[item.index * constants::group_size + k]};
+    }
+
+    /// Of some edges of a group, those whose box, larger by `margin`, meets a box around sixteen
+    /// triangles of the target.
+    PIERCE_HD std::uint32_t by_boxes(std::uint32_t i, std::uint32_t mask, double margin) const {
+        const CullItem item = groups[i];
+        const BodyView& target = bodies[directed[item.directed].target];
+        QuickBox box[Offsets::count], around;
+        for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+            const std::uint32_t k = lowest_bit(left);
+            const PlacedEdge edge = placed(item, k);
+            box[k] = box_around(edge.a, edge.b, margin);
+            around.extend(box[k]);
         }
+        std::uint32_t near = 0;
+        for_each_group(target.box_nodes, BoxLevels(target.mesh.triangles.size), around,
+                       [&](std::uint32_t group, std::uint32_t) {
+                           for (std::uint32_t left = mask & ~near; left != 0; left &= left - 1) {
+                               const std::uint32_t k = lowest_bit(left);
+                               if (target.box_nodes[group].boxes.near(box[k]) != 0) near |= 1u << k;
+                           }
+                           return near == mask;
+                       });
+        return near;
     }
 };
 

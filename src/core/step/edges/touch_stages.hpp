@@ -15,17 +15,19 @@
 /// some edge of one crosses the other.
 namespace pierce::stages {
 
-/// True for edges of pairs whose edges touch, and that have no contact so far. An edge with several
-/// entries counts once.
+/// True for edges of pairs whose edges touch, and that have no contact so far; not for edges that
+/// are proved to cross nothing, even if they are moved.
 struct OnlyTouches {
+    View<const DirectedPair> directed;
     View<const NearEdge> near;
     View<const std::uint32_t> touching, contact, moved;  ///< per pair; `moved`: an earlier move has
                                                          ///< shown that it overlaps
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
-        const std::uint32_t pair = near[i].directed / 2;
+        const NearEdge& edge = near[i];
+        const std::uint32_t pair = edge.directed / 2;
         return touching[pair] && !contact[pair] && !moved[pair] &&
-               (i == 0 || !near[i - 1].is_same_edge(near[i]));
+               (edge.crosses != no_triangle || !(edge.expiry > directed[edge.directed].odometer));
     }
 };
 

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "core/device/loops.hpp"
+#include "pierce/host_device.hpp"
+
+#if defined(__GNUC__) && !defined(__CUDACC__)
+#define PIERCE_FOUR_LANES  // of one vector register
+#endif
+
+namespace pierce {
+
+/// Four float32, with arithmetic on all of them at once: on the host in one vector register, which
+/// a compiler does not find by itself in longer computations.
+struct Four {
+    static constexpr std::uint32_t count = 4;
+
+#if defined(PIERCE_FOUR_LANES)
+    using Lanes = float __attribute__((vector_size(16)));
+    using Bits = std::int32_t __attribute__((vector_size(16)));
+
+    Lanes lane;
+
+    Four() = default;
+    Four(float all) : lane{all, all, all, all} {}
+    Four(Lanes lanes) : lane(lanes) {}
+
+    /// The four that lie at an address.
+    static Four at(const void* address) {
+        Four four;
+        std::memcpy(&four.lane, address, sizeof four.lane);
+        return four;
+    }
+
+    friend Four operator+(Four a, Four b) { return a.lane + b.lane; }
+    friend Four operator-(Four a, Four b) { return a.lane - b.lane; }
+    friend Four operator*(Four a, Four b) { return a.lane * b.lane; }
+    friend Four operator/(Four a, Four b) { return a.lane / b.lane; }
+    friend Four operator-(Four a) { return -a.lane; }
+    /// Of two numbers of which one is NaN: the second.
+    friend Four max_of(Four a, Four b) { return a.lane > b.lane ? a.lane : b.lane; }
+    friend Four min_of(Four a, Four b) { return a.lane < b.lane ? a.lane : b.lane; }
+    friend Four abs_of(Four a) {
+        return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(a.lane) & 0x7fffffff);
+    }
+#else
+    float lane[count];
+
+    Four() = default;
+    PIERCE_HD Four(float all) : lane{all, all, all, all} {}
+
+    template <class F>
+    PIERCE_HD static Four of(const F& f) {
+        Four result;
+        PIERCE_UNROLLED_LOOP
+        for (std::uint32_t k = 0; k < count; ++k) result.lane[k] = f(k);
+        return result;
+    }
+    PIERCE_HD friend Four operator+(Four a, Four b) {
+        return of([&](std::uint32_t k) { return a.lane[k] + b.lane[k]; });
+    }
+    PIERCE_HD friend Four operator-(Four a, Four b) {
+        return of([&](std::uint32_t k) { return a.lane[k] - b.lane[k]; });
+    }
+    PIERCE_HD friend Four operator*(Four a, Four b) {
+        return of([&](std::uint32_t k) { return a.lane[k] * b.lane[k]; });
+    }
+    PIERCE_HD friend Four operator/(Four a, Four b) {
+        return of([&](std::uint32_t k) { return a.lane[k] / b.lane[k]; });
+    }
+    PIERCE_HD friend Four operator-(Four a) {
+        return of([&](std::uint32_t k) { return -a.lane[k]; });
+    }
+    PIERCE_HD friend Four max_of(Four a, Four b) {
+        return of([&](std::uint32_t k) { return a.lane[k] > b.lane[k] ? a.lane[k] : b.lane[k]; });
+    }
+    PIERCE_HD friend Four min_of(Four a, Four b) {
+        return of([&](std::uint32_t k) { return a.lane[k] < b.lane[k] ? a.lane[k] : b.lane[k]; });
+    }
+    PIERCE_HD friend Four abs_of(Four a) {
+        return of([&](std::uint32_t k) { return std::fabs(a.lane[k]); });
+    }
+#endif
+
+    PIERCE_HD float operator[](std::uint32_t k) const { return lane[k]; }
+    PIERCE_HD void set(std::uint32_t k, float value) { lane[k] = value; }
+};
+
+/// Four points or directions.
+struct FourVec3 {
+    Four x, y, z;
+
+    PIERCE_HD friend FourVec3 operator-(FourVec3 a, FourVec3 b) {
+        return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
+    PIERCE_HD friend FourVec3 operator*(FourVec3 a, Four s) { return {a.x * s, a.y * s, a.z * s}; }
+    PIERCE_HD friend FourVec3 cross(FourVec3 a, FourVec3 b) {
+        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    }
+    PIERCE_HD friend Four dot(FourVec3 a, FourVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+    /// The largest coordinate of each, without sign.
+    PIERCE_HD friend Four largest_of(FourVec3 a) {
+        return max_of(max_of(abs_of(a.x), abs_of(a.y)), abs_of(a.z));
+    }
+};
+
+}  // namespace pierce
