@@ -50,9 +50,12 @@ struct alignas(16) QuickBox {
     }
 };
 
-/// Two boxes that are asked about together.
-struct TwoBoxes {
-    QuickBox first, second;
+/// A few boxes that are asked about together; an even number of them.
+struct FewBoxes {
+    static constexpr std::uint32_t most = 8;
+
+    QuickBox box[most];
+    std::uint32_t count = 0;
 };
 
 /// A step is 1/124 of a side of a box. Coordinates inside the box lie on steps 1 to 125,
@@ -139,10 +142,12 @@ struct alignas(16) GridBoxes {
         return near<2>({box, other});
     }
 
-    /// A bit for each of the sixteen that may overlap one of two boxes.
-    PIERCE_HD std::uint32_t near(const TwoBoxes& boxes) const {
-        const std::uint32_t both = near(boxes.first, boxes.second);
-        return (both | both >> constants::group_size) & 0xffffu;
+    /// A bit for each of the sixteen that may overlap one of a few boxes.
+    PIERCE_HD std::uint32_t near(const FewBoxes& boxes) const {
+        std::uint32_t mask = 0;
+        for (std::uint32_t b = 0; b < boxes.count; b += 2)
+            mask |= near(boxes.box[b], boxes.box[b + 1]);
+        return (mask | mask >> constants::group_size) & ((1u << constants::group_size) - 1);
     }
 
 private:

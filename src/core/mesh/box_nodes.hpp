@@ -67,7 +67,7 @@ PIERCE_HD inline void measure_node(const MeshView& mesh, View<const Vec3f> posit
 }
 
 /// Calls see(group, mask) for every group of triangles with a bit for each of its triangles whose
-/// box may overlap `box`, one box or one of two, if there are any; stops when see() returns true,
+/// box may overlap `box`, one box or one of a few, if there are any; stops when see() returns true,
 /// and returns true then.
 template <class Box, class See>
 PIERCE_HD bool for_each_group(View<const BoxNode> nodes, const BoxLevels& levels, const Box& box,

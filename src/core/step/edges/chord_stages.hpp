@@ -25,8 +25,7 @@ public:
     PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double margin,
                             double limit)
         : target_(target), gap_(limit), second_gap_(limit) {
-        const Vec3d middle = 0.5 * (edge.a + edge.b);
-        halves_ = {box_around(edge.a, middle, limit), box_around(middle, edge.b, limit)};
+        boxes_ = boxes_along(edge, target, limit);
         look(edge, margin, limit, [&](const auto& see) { for_each(see); });
     }
 
@@ -97,7 +96,7 @@ private:
     template <class See>
     PIERCE_HD void for_each(const See& see) const {
         for_each_group(
-            target_.box_nodes, BoxLevels(target_.mesh.triangles.size), halves_,
+            target_.box_nodes, BoxLevels(target_.mesh.triangles.size), boxes_,
             [&](std::uint32_t group, std::uint32_t mask) {
                 for (; mask != 0; mask &= mask - 1)
                     see(target_.mesh
@@ -107,7 +106,7 @@ private:
     }
 
     const BodyView& target_;
-    TwoBoxes halves_;
+    FewBoxes boxes_;
     double gap_ = 0, second_gap_ = 0;
     std::uint32_t count_ = 0;
     std::uint32_t triangles_[most];

@@ -35,6 +35,34 @@ struct PlacedEdge {
           b(d.to_space.to_parent(to_double(source.positions[edge.vertex[1]]))) {}
 };
 
+/// Boxes along the part of an edge that is near the box around its target, larger by `margin`: two,
+/// or more if that part is much longer than the target's edges.
+PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target,
+                                      double margin) {
+    const BoxLevels levels(target.mesh.triangles.size);
+    const QuickBox& around = target.box_nodes[levels.begin[levels.count - 1]].around;
+    const Vec3d way = edge.b - edge.a;
+    double begin = 0, end = 1;
+    for (int r = 0; r < 3; ++r) {
+        if (!(std::fabs(way[r]) > margin)) continue;
+        const double low = (static_cast<double>(around.lower[r]) - margin - edge.a[r]) / way[r],
+                     high = (static_cast<double>(around.upper[r]) + margin - edge.a[r]) / way[r];
+        begin = max_of(min_of(low, high), begin);
+        end = min_of(max_of(low, high), end);
+    }
+    // Rounding of a quotient moves a place along the edge by less than its share of this.
+    begin = max_of(begin - constants::double_rounding, 0.0);
+    end = max_of(min_of(end + constants::double_rounding, 1.0), begin);
+    const double edges = (end - begin) * length(way) / target.mesh.mean_edge_length;
+    FewBoxes boxes;
+    for (boxes.count = 2; boxes.count < FewBoxes::most && edges > boxes.count;) boxes.count += 2;
+    const double part = (end - begin) / boxes.count;
+    for (std::uint32_t k = 0; k < boxes.count; ++k)
+        boxes.box[k] = box_around(edge.a + (begin + k * part) * way,
+                                  edge.a + (begin + (k + 1) * part) * way, margin);
+    return boxes;
+}
+
 /// [length] How far an edge's ends are from where an earlier frame of the pair has them, in the
 /// target's space; infinite if one of the bodies deforms.
 PIERCE_HD inline double way_from(const Frame& anchor, View<const BodyView> bodies,
