@@ -19,7 +19,7 @@ enum class Temporal : std::uint8_t {
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): misses overlaps that hold no vertex or are thinner
-               ///< than one ray, 2 to 5 % of the pairs in piles, and takes 0.2 to 0.3 of the time
+               ///< than one ray, 2 to 5 % of the pairs in piles, and takes about 0.3 of the time
                ///< (docs/accuracy.md)
     complete,  ///< its edges too, and bodies inside one another: no overlap is missed
 };
@@ -31,7 +31,7 @@ struct Settings {
 
     Coverage coverage = Coverage::vertices;
     /// Contacts move from where their ray leaves the target to the closest point of its surface:
-    /// less depth, never more. Leaving this out saves 1 to 5 % of the time of complete coverage;
+    /// less depth, never more. Leaving this out saves 4 to 5 % of the time of complete coverage;
     /// normals are then 16 to 20 degrees off the shortest way out in the median (docs/accuracy.md).
     bool reproject = false;
 
