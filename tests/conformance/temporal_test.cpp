@@ -417,25 +417,73 @@ TEST_P(TemporalTest, BodiesThatJumpOrPartLeaveNothingBehind) {
 
 TEST_P(TemporalTest, ContactsOfBodiesThatRestCostNoRays) {
     if (!GetParam().make()->certificates_pay()) GTEST_SKIP() << "it traces everything";
-    Sinking scene(GetParam(), with(Temporal::certified)), plain(GetParam(), with(Temporal::off));
-    const auto rays = [&] { return scene.world.stats().rays + scene.world.stats().walks; };
-    const auto expect_same = [&](const char* when) {
-        EXPECT_EQ(contact_hash(scene.world.contacts()), contact_hash(plain.world.contacts()))
-            << when;
-        EXPECT_EQ(ages(scene.world), ages(plain.world)) << when;
+    for (const Coverage coverage : {Coverage::vertices, Coverage::complete}) {
+        SCOPED_TRACE(coverage == Coverage::complete ? "complete, re-projected" : "vertices");
+        Settings settings = with(Temporal::certified);
+        settings.coverage = coverage;
+        settings.reproject = coverage == Coverage::complete;
+        Sinking scene(GetParam(), settings), plain(GetParam(), without_memory(settings));
+        const auto rays = [&] { return scene.world.stats().rays + scene.world.stats().walks; };
+        const auto expect_same = [&](const char* when) {
+            EXPECT_EQ(contact_hash(scene.world.contacts()), contact_hash(plain.world.contacts()))
+                << when;
+            EXPECT_EQ(ages(scene.world), ages(plain.world)) << when;
+        };
+        for (int step = 0; step < 4; ++step) {
+            EXPECT_GT(scene.at(0.9), 0u);
+            plain.at(0.9);
+            expect_same("at rest");
+            EXPECT_EQ(rays() == 0, step > 0) << "step " << step;
+        }
+        for (double height : {std::nextafter(0.9, 1.0), 0.9, -0.0, 0.0}) {
+            scene.at(height);
+            plain.at(height);
+            expect_same("moved");
+            EXPECT_GT(rays(), 0u) << "moved by as little as can be: " << height;
+        }
+    }
+}
+
+TEST_P(TemporalTest, ContactsOfEdgesAndOfContainedBodiesAreKeptWhileNothingMoves) {
+    if (!GetParam().make()->certificates_pay()) GTEST_SKIP() << "it traces everything";
+    Settings settings = with(Temporal::certified);
+    settings.coverage = Coverage::complete;
+    settings.reproject = true;
+    World kept(GetParam().make(), settings), plain(GetParam().make(), without_memory(settings));
+    // On edge, and then turned by about a right angle.
+    const double half_sine = std::sin(0.4), half_cosine = std::cos(0.4);
+    const Quaternion on_edge{half_sine, 0, 0, half_cosine},
+        across{0.65 * half_sine, 0.76 * half_sine, 0.76 * half_cosine, 0.65 * half_cosine};
+    const auto add = [&](World& world) {
+        // Two bars that cross like an X, edge on edge, and a small ball in a large one.
+        const MeshId bar = world.add_mesh("bar", scenes::box({-2, -0.2, -0.2}, {2, 0.2, 0.2})),
+                     ball = world.add_mesh("ball", scenes::sphere(1, 2)),
+                     small = world.add_mesh("small", scenes::sphere(0.2, 1));
+        world.add_rigid_body(bar, {{0, 0, 0}, on_edge});
+        const BodyId moves = world.add_rigid_body(bar, {{0, 0, 0.5}, across});
+        world.add_rigid_body(ball, {{10, 0, 0}, {}});
+        world.add_rigid_body(small, {{10.1, 0, 0.1}, {}});
+        return moves;
     };
-    for (int step = 0; step < 4; ++step) {
-        EXPECT_GT(scene.at(0.9), 0u);
-        plain.at(0.9);
-        expect_same("at rest");
-        EXPECT_EQ(rays() == 0, step > 0) << "step " << step;
+    const BodyId moves = add(kept);
+    add(plain);
+    std::uint32_t of_edges = 0, of_separation = 0;
+    for (int step = 0; step < 9; ++step) {
+        const double height = step < 5 ? 0.5 : 0.499;
+        for (World* world : {&kept, &plain}) {
+            world->set_pose(moves, {{0, 0, height}, across});
+            world->detect();
+        }
+        EXPECT_EQ(contact_hash(kept.contacts()), contact_hash(plain.contacts())) << step;
+        EXPECT_EQ(ages(kept), ages(plain)) << step;
+        const bool rests = step > 0 && step != 5;
+        EXPECT_EQ(kept.stats().rays == 0, rests) << step;
+        EXPECT_EQ(kept.stats().inside_tests == 0, step > 0) << step;
+        of_edges += kept.stats().edge_contacts;
+        for (const Contact& c : kept.contacts()) of_separation += c.found == Found::separation;
     }
-    for (double height : {std::nextafter(0.9, 1.0), 0.9, -0.0, 0.0}) {
-        scene.at(height);
-        plain.at(height);
-        expect_same("moved");
-        EXPECT_GT(rays(), 0u) << "moved by as little as can be: " << height;
-    }
+    EXPECT_GT(of_edges, 0u);
+    EXPECT_GT(of_separation, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, TemporalTest, testing::ValuesIn(test::backends()),

@@ -203,10 +203,11 @@ private:
     using Sum = typename E::template Sum<Value>;
     using Count = typename E::Count;
 
-    /// True if stages between classify and contacts read or change which candidates are contacts.
-    static bool others_ask(const Plan& plan) {
+    /// True if it is told which candidates are contacts before contacts are listed: stages between
+    /// read or change it, or the list has contacts of the last step, too.
+    static bool tests_first(const Plan& plan) {
         return plan.needs(StageId::self_overlap) || plan.needs(StageId::separation) ||
-               plan.needs(StageId::reproject);
+               plan.needs(StageId::reproject) || plan.settings.keeps_contacts();
     }
 
     /// The rays that are traced: all rays, or those that neither a proof nor a walk replaces.
@@ -368,8 +369,6 @@ private:
                 .temporal = temporal,
                 .seen = scene.seen,
                 .last = last_.of_vertices(),
-                .links = view_of(pairs_.links),
-                .last_keys = view_of(last_.contact_keys),
                 .block_offsets = view_of(cull_.block_offsets),
                 .block_records = view_of(now_.blocks),
                 .records = view_of(now_.patches)};
@@ -494,7 +493,7 @@ private:
     // earlier, candidates are tested as contacts are listed.
     void test_own_exits(const Scene& scene) {
         batch_.keep.resize(count_of(batch_.candidates));
-        if (others_ask(*scene.plan))
+        if (tests_first(*scene.plan))
             executor_.for_each(count_of(batch_.candidates), own_exit_test(scene.bodies));
     }
     stages::TestOwnExit own_exit_test(View<const BodyView> bodies) {
@@ -552,11 +551,20 @@ private:
     // they were tested before.
     void contacts(const Scene& scene) {
         const Count candidates = count_of(batch_.candidates);
+        const bool keeps = scene.plan->settings.keeps_contacts();
         const stages::KeyContacts keys{.chords = edges_.chords(),
                                        .sources = view_of(batch_.sources),
                                        .candidates = view_of(batch_.candidates),
-                                       .keep = view_of(batch_.keep)};
-        if (others_ask(*scene.plan))
+                                       .keep = view_of(batch_.keep),
+                                       .directed = view_of(cull_.directed),
+                                       .links = view_of(pairs_.links),
+                                       .last_keys = view_of(last_.contact_keys)};
+        if (keeps)
+            executor_.emit(
+                ListId::contacts,
+                Count{executor_.number(candidates) + executor_.number(count_of(pairs_.pairs))},
+                keys, sort_.keys, sort_.values);
+        else if (tests_first(*scene.plan))
             executor_.emit(ListId::contacts, candidates, keys, sort_.keys, sort_.values);
         else
             executor_.emit(ListId::contacts, candidates,

@@ -51,7 +51,7 @@ struct Settings {
 
     /// True if contacts of pairs in which nothing moves are kept without another look.
     PIERCE_HD bool keeps_contacts() const {
-        return temporal == Temporal::certified && coverage == Coverage::vertices && !reproject;
+        return temporal == Temporal::certified;
     }
 };
 

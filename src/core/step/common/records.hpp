@@ -188,7 +188,7 @@ enum class Route : std::uint32_t {
     walk,    ///< from its record
     full,    ///< a ray through the target's tree
     walked,  ///< the walk found the answer
-    kept,    ///< nothing has moved: its contact stays as it was
+    kept,    ///< nothing has moved: its pair's contacts stay as they were
 };
 
 }  // namespace pierce

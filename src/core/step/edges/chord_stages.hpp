@@ -114,7 +114,8 @@ private:
 };
 
 /// True for edges that may cross more than one triangle: no proof to the contrary holds. Of the
-/// other edges, marks the pairs of those that may cross one.
+/// other edges, marks the pairs of those that may cross one. Pairs in which nothing has moved are
+/// not asked.
 struct MayCross {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -125,6 +126,7 @@ struct MayCross {
     PIERCE_HD bool operator()(std::uint32_t i) const {
         NearEdge& edge = near[i];
         const DirectedPair& d = directed[edge.directed];
+        if (d.still) return false;
         if (!(edge.expiry > d.odometer)) {
             if (!(edge.room > 0) || of_pairs.size == 0) return true;
             const double left = static_cast<double>(edge.room) -

@@ -46,7 +46,7 @@ struct RecallNearEdges {
         const DirectedPair& d = directed[i];
         NearEdgesOfPair of_pair;
         if (memory[i].known && last.size > 0) of_pair = last[2 * links[i / 2] + i % 2];
-        of_pair.is_kept = of_pair.expiry > d.odometer;
+        of_pair.is_kept = of_pair.expiry > d.odometer || d.still;
         if (!of_pair.is_kept)
             of_pair = {.anchor = d.to_space,
                        .expiry = d.odometer + static_cast<float>(edge_skin(bodies, d))};

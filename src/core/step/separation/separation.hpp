@@ -57,6 +57,10 @@ private:
                                                 .touching = view_of(marks_.touching),
                                                 .has_depth = view_of(marks_.has_depth),
                                                 .flat = view_of(marks_.flat)});
+        executor_.for_each(pairs.size, stages::MarkStill{.directed = directed,
+                                                         .reached = view_of(marks_.reached),
+                                                         .touching = view_of(marks_.touching),
+                                                         .has_depth = view_of(marks_.has_depth)});
         list_chords(scene, directed, edges, batch);
         const View<const Chord> chords = edges.chords();
         const View<const RaySource> from_chords = view_of(std::as_const(stranded_.of_chords));

@@ -39,6 +39,18 @@ struct MarkTouching {
     }
 };
 
+/// Per pair: one in which nothing has moved keeps its contacts, and nothing is to be looked for.
+struct MarkStill {
+    View<const DirectedPair> directed;
+    View<std::uint32_t> reached, touching, has_depth;  ///< per pair
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (directed[2 * i].still) reached[i] = touching[i] = has_depth[i] = 1;
+    }
+};
+
 /// Per directed pair without a candidate: how many parts of its source there are to look for inside
 /// the target.
 struct CountParts {

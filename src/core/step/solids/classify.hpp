@@ -71,8 +71,8 @@ struct RelateToLayer {
 };
 
 /// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates,
-/// and writes how they leave the target. Walks have met their triangle already; a contact that is
-/// kept was inside and still is.
+/// and writes how they leave the target. Walks have met their triangle already; contacts that are
+/// kept are not looked at.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -81,7 +81,7 @@ struct TestInside {
     View<Meeting> meetings;    ///< written where inside
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        if (routes.size > 0 && routes[i] == Route::kept) return true;
+        if (routes.size > 0 && routes[i] == Route::kept) return false;
         if (hits[i].triangle == no_triangle || hits[i].predicted) return false;
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);

@@ -9,6 +9,7 @@
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/solids/classify.hpp"
+#include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_batch.hpp"
 #include "core/trace/meeting.hpp"
 #include "pierce/contact.hpp"
@@ -25,20 +26,55 @@ PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t 
 }
 static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
-/// Per candidate: if it is kept, its key and its index.
+/// Marks a contact that is taken over from the last step: the rest is its place in the last list.
+inline constexpr std::uint32_t taken_over = std::uint32_t{1} << 31;
+
+/// The place of the first key that is not less.
+PIERCE_HD inline std::uint32_t first_not_less(View<const std::uint64_t> keys, std::uint64_t key) {
+    std::uint32_t low = 0, high = keys.size;
+    while (low < high) {
+        const std::uint32_t middle = low + (high - low) / 2;
+        (keys[middle] < key ? low : high) = keys[middle] < key ? middle + 1 : middle;
+    }
+    return low;
+}
+
+/// Per candidate: if it is kept, its key and its index. Then per pair, if pairs are given: if
+/// nothing in it has moved, its contacts of the last step.
 struct KeyContacts {
     View<const Chord> chords;
     View<const RaySource> sources;
     View<const std::uint32_t> candidates, keep;
+    View<const DirectedPair> directed;
+    View<const std::uint32_t> links;
+    View<const std::uint64_t> last_keys;
 
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const { return keep[i]; }
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        if (i < candidates.size) return keep[i];
+        const std::uint32_t pair = i - candidates.size;
+        return directed[2 * pair].still ? first_of(links[pair] + 1) - first_of(links[pair]) : 0;
+    }
     PIERCE_HD static std::uint32_t count(std::uint32_t kept) { return kept; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t kept, std::uint32_t place,
                          std::uint64_t* keys, std::uint32_t* order) const {
         if (!kept) return;
-        const RaySource s = sources[candidates[i]];
-        keys[place] = contact_key(s, s.pair, chords);
-        order[place] = i;
+        if (i < candidates.size) {
+            const RaySource s = sources[candidates[i]];
+            keys[place] = contact_key(s, s.pair, chords);
+            order[place] = i;
+            return;
+        }
+        const std::uint32_t pair = i - candidates.size, first = first_of(links[pair]);
+        for (std::uint32_t k = 0; k < kept; ++k) {
+            const auto rest = static_cast<std::uint32_t>(last_keys[first + k]);
+            keys[place + k] = std::uint64_t{pair} << 32 | rest;
+            order[place + k] = taken_over | (first + k);
+        }
+    }
+
+private:
+    PIERCE_HD std::uint32_t first_of(std::uint32_t last_pair) const {
+        return first_not_less(last_keys, std::uint64_t{last_pair} << 32);
     }
 };
 
@@ -52,7 +88,7 @@ struct OrderChords {
     View<std::uint32_t> order;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        if (i > 0 && keys[i - 1] == keys[i]) return;
+        if ((order[i] & taken_over) || (i > 0 && keys[i - 1] == keys[i])) return;
         for (std::uint32_t next = i + 1; next < keys.size && keys[next] == keys[i]; ++next)
             for (std::uint32_t k = next; k > i && chord(k) < chord(k - 1); --k) {
                 const std::uint32_t later = order[k - 1];
@@ -96,15 +132,14 @@ struct FillContact {
     View<Contact> contacts;
 
     PIERCE_HD ContactSums operator()(std::uint32_t i) const {
-        const std::uint32_t r = candidates[order[i]];
         const bool first = i == 0 || keys[i - 1] >> 32 != keys[i] >> 32;
-        if (routes.size > 0 && routes[r] == Route::kept) {
-            Contact kept = last_contacts[records[r].contact];
+        if (order[i] & taken_over) {
+            Contact kept = last_contacts[order[i] & ~taken_over];
             ages[i] = ++kept.age;
-            records[r].contact = i;
             write_whole(contacts[i], kept);
             return sums_of(kept, first);
         }
+        const std::uint32_t r = candidates[order[i]];
         const bool moved = accepted.size > 0 && accepted[order[i]];
         const RayResults& results = moved ? aimed : found_rays;
         const std::uint32_t place = moved ? order[i] : r;
@@ -180,11 +215,7 @@ private:
         const std::uint64_t key = contact_key(from, links[from.pair], chords);
         if (ray < records.size && is_contact(last_keys, records[ray].contact, key))
             return last_ages[records[ray].contact] + 1;
-        std::uint32_t low = 0, high = last_keys.size;
-        while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
-        }
+        const std::uint32_t low = first_not_less(last_keys, key);
         return low < last_keys.size && last_keys[low] == key ? last_ages[low] + 1 : 0;
     }
 };

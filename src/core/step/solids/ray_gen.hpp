@@ -143,9 +143,8 @@ struct GenerateRay {
         if (routes.size > 0 && routes[i] == Route::skip) return;  // no stage reads the ray
         const DirectedPair& d = directed[2 * sources[i].pair + sources[i].side];
         if (d.still) {
-            hits[i].triangle = records[i].triangle;
-            rays[i].target = d.target;  // nothing else of the ray is read
-            return;
+            if (!records[i].predicted) hits[i].triangle = records[i].triangle;
+            return;  // no stage reads the ray
         }
         if (d.along_velocity) {
             rays[i] = velocity_ray(bodies[d.source], d, sources[i].side == 1, sources[i].item);

@@ -286,8 +286,6 @@ struct CullVertices {
     Temporal temporal = Temporal::off;
     SeenShapes seen;
     RecordsView last;
-    View<const std::uint32_t> links;          ///< per pair, to last step's
-    View<const std::uint64_t> last_keys;      ///< of last step's contacts
     View<const std::uint32_t> block_offsets;  ///< per directed pair
     View<BlockRecord> block_records;  ///< this and the next are empty if steps do not remember
     View<PatchRecord> records;
@@ -352,11 +350,7 @@ struct CullVertices {
             const bool skips = record != nullptr && record->expiry > d.odometer &&
                                d.waits(temporal);
             routes[place] = skips ? Route::skip : Route::full;
-            if (!d.still) continue;
-            const std::uint64_t key = vertex_contact_key(links[patch.directed / 2],
-                                                         patch.directed % 2, sources[place].item);
-            routes[place] = is_contact(last_keys, vertices[place].contact, key) ? Route::kept
-                                                                                : Route::skip;
+            if (d.still) routes[place] = Route::kept;
         }
     }
 
