@@ -30,9 +30,9 @@ struct Four {
 
     /// The four that lie at an address.
     static Four at(const void* address) {
-        Four four;
-        std::memcpy(&four.lane, address, sizeof four.lane);
-        return four;
+        Lanes lanes{};
+        std::memcpy(&lanes, address, sizeof lanes);
+        return lanes;
     }
 
     friend Four operator+(Four a, Four b) { return a.lane + b.lane; }

@@ -24,8 +24,10 @@ std::vector<Edge> edges_of(const MeshView& mesh) {
                               edges.push_back({{low, high}, {side.triangle, no_triangle}});
                   });
     std::vector<Vec3d> middles;
+    middles.reserve(edges.size());
     for (const Edge& e : edges) middles.push_back(middle_of(e, mesh.positions));
     std::vector<Edge> ordered;
+    ordered.reserve(edges.size());
     for (std::uint32_t e : spatial_order(middles)) ordered.push_back(edges[e]);
     return ordered;
 }

@@ -50,9 +50,7 @@ struct Settings {
     double walk_threshold = constants::walk_threshold;
 
     /// True if contacts of pairs in which nothing moves are kept without another look.
-    PIERCE_HD bool keeps_contacts() const {
-        return temporal == Temporal::certified;
-    }
+    PIERCE_HD bool keeps_contacts() const { return temporal == Temporal::certified; }
 };
 
 }  // namespace pierce

@@ -40,8 +40,7 @@ TEST(SegmentGapTest, TheGapIsNeverMoreThanTheDistanceAndZeroOnlyWhereTheyMeet) {
         const std::vector<Triangle> triangles{{{0, 1, 2}}};
         const Surface surface{view_of(std::as_const(positions)), view_of(std::as_const(triangles)),
                               0};
-        const Vec3d middle = i % 2 == 0 ? random.in_box(1.5)
-                                        : first + small * random.in_box(1.5);
+        const Vec3d middle = i % 2 == 0 ? random.in_box(1.5) : first + small * random.in_box(1.5);
         const Vec3d a = middle + random.in_box(0.7), b = middle + random.in_box(0.7);
         const double distance = distance_between(a, b, surface);
         const double gap = SegmentGaps(a, b, surface, {0, 0, 0, 0})[i % SegmentGaps::count];
