@@ -65,7 +65,8 @@ struct ClearanceGridView : ClearanceGridLayout {
         std::uint8_t least = steps_at(index[0][0], index[1][0], index[2][0]);
         for (std::uint32_t k = 1; k < Four::count; ++k)
             least = min_of(steps_at(index[0][k], index[1][k], index[2][k]), least);
-        // The points are rounded to float32, twice each.
+        // Along each axis five roundings lead to a cell, by half an ulp each: of both vectors, of
+        // the sum, of the length of a cell and of the quotient.
         double size_of_points = 0;
         for (int r = 0; r < 3; ++r)
             size_of_points += static_cast<double>(std::fabs(from[r]) + std::fabs(way[r]));

@@ -126,8 +126,8 @@ inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_s
 /// meets more triangles.
 inline constexpr double edge_look_steps = 2, edge_look_least = 1.0 / 16;
 
-/// The triangles near an edge are looked for again when those that were found are all only within
-/// this part of how far a look goes [1].
+/// The triangles near an edge are looked for again once those that were found are known to be all
+/// there are only up to this part of the distance that a look covers [1].
 inline constexpr double edge_look_again = 0.25;
 
 /// How deep both bodies must be where an edge inside the other body gives the pair its only

@@ -241,7 +241,8 @@ private:
             near[i].expiry = d.odometer + static_cast<float>(gap - margin);
             near[i].room = static_cast<float>(gap - margin - way);
         };
-        // Edges that lie in the other body are asked again after all have been asked in this step.
+        // Chords at ends are asked for after chords within edges, in the same step: by then it is
+        // known if an edge may cross only one triangle, and which.
         const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
         const double clearance = is_known ? 0 : clearance_of(source, target, placed);
         if (clearance > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
