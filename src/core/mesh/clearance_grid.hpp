@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "core/device/four.hpp"
 #include "core/device/view.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
@@ -45,33 +44,6 @@ struct ClearanceGridView : ClearanceGridLayout {
             at[i] = static_cast<std::int32_t>(
                 clamp_to((p[i] - box.lower[i]) * per_length, 0.0, size[i] - 1.0));
         return step * steps_at(at[0], at[1], at[2]);
-    }
-
-    /// A lower bound of the distance from the segment between `a` and `b` to the solid, looked up
-    /// at four points of it; zero or less if nothing is known.
-    PIERCE_HD double along(Vec3d a, Vec3d b) const {
-        constexpr double first = 0.5 / Four::count, part = 1.0 / Four::count;
-        const Vec3f from = to_float(a - box.lower), way = to_float(b - a);
-        std::int32_t index[3][Four::count];
-        for (int r = 0; r < 3; ++r) {
-            const Four last = static_cast<float>(size[r]) - 1.0f;
-            Four at = from[r];
-            for (std::uint32_t k = 0; k < Four::count; ++k)
-                at.set(k, from[r] + static_cast<float>(first + k * part) * way[r]);
-            at = min_of(max_of(at * Four(static_cast<float>(per_length)), 0), last);
-            for (std::uint32_t k = 0; k < Four::count; ++k)
-                index[r][k] = static_cast<std::int32_t>(at[k]);
-        }
-        std::uint8_t least = steps_at(index[0][0], index[1][0], index[2][0]);
-        for (std::uint32_t k = 1; k < Four::count; ++k)
-            least = min_of(steps_at(index[0][k], index[1][k], index[2][k]), least);
-        // Along each axis five roundings lead to a cell, by half an ulp each: of both vectors, of
-        // the sum, of the length of a cell and of the quotient.
-        double size_of_points = 0;
-        for (int r = 0; r < 3; ++r)
-            size_of_points += static_cast<double>(std::fabs(from[r]) + std::fabs(way[r]));
-        const double rounding = 4 * constants::float_ulp * size_of_points;
-        return step * least - 0.5 * part * length(b - a) - rounding;
     }
 
     PIERCE_HD std::uint8_t steps_at(std::int32_t x, std::int32_t y, std::int32_t z) const {

@@ -7,6 +7,7 @@
 #include "core/geometry/grid_boxes.hpp"
 #include "core/mesh/clearance_grid.hpp"
 #include "core/mesh/leaf.hpp"
+#include "core/mesh/slab_grid.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/ids.hpp"
@@ -141,6 +142,9 @@ struct MeshArrays {
                              ///< closed
     Array<std::uint8_t> clearance_steps;  ///< cells of clearance(); empty for a mesh that is not
                                           ///< closed
+    Array<std::uint32_t> first_slabs;     ///< this and the next two are of slabs()
+    Array<std::uint16_t> slab_places;
+    Array<CellSlab> slabs;
 };
 
 /// Calls f(m.array...) for every array of some meshes' MeshArrays.
@@ -168,6 +172,9 @@ constexpr void for_each_array(F&& f, M&... m) {
     f(m.star_clearance...);
     f(m.own_exit...);
     f(m.clearance_steps...);
+    f(m.first_slabs...);
+    f(m.slab_places...);
+    f(m.slabs...);
 }
 
 template <class T>
@@ -197,6 +204,10 @@ struct MeshView : MeshArrays<ConstView>, MeshShape {
     /// A lower bound of the distance of points to the rest shape; of a mesh that is not closed
     /// nothing is known.
     PIERCE_HD ClearanceGridView clearance() const { return {clearance_at, clearance_steps}; }
+    /// Where the rest shape's surface is and which way it faces, cell by cell of clearance().
+    PIERCE_HD SlabGridView slabs_by_cell() const {
+        return {clearance(), first_slabs, slab_places, slabs};
+    }
 };
 
 }  // namespace pierce

@@ -16,6 +16,7 @@
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/own_exits.hpp"
 #include "core/mesh_build/spatial_order.hpp"
+#include "core/mesh_build/slab_grid.hpp"
 #include "core/mesh_build/star_clearance.hpp"
 #include "core/mesh_build/triangle_rings.hpp"
 #include "pierce/constants.hpp"
@@ -127,6 +128,10 @@ void Mesh::Parts::measure_solid() {
     ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
     arrays.clearance_steps = std::move(clearance.steps);
     view.clearance_at = clearance.layout;
+    SlabGrid slabs = build_slab_grid(clearance.layout, arrays.positions, arrays.triangles);
+    arrays.first_slabs = std::move(slabs.first);
+    arrays.slab_places = std::move(slabs.place);
+    arrays.slabs = std::move(slabs.slabs);
     arrays.own_exit = own_exits_of(view);
 }
 

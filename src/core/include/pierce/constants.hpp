@@ -130,6 +130,10 @@ inline constexpr double edge_look_steps = 2, edge_look_least = 1.0 / 16;
 /// there are only up to this part of the distance that a look covers [1].
 inline constexpr double edge_look_again = 0.25;
 
+/// It is noted that an edge crosses a surface once at most, instead of how far away it is, if that
+/// holds so many times longer.
+inline constexpr double edge_once_pays = 2;
+
 /// How deep both bodies must be where an edge inside the other body gives the pair its only
 /// contacts [touch tolerance].
 inline constexpr double least_inside = 2;
@@ -159,6 +163,30 @@ inline constexpr std::uint32_t grid_resolution = 64;
 
 /// Clearance is stored in one byte, in steps of this part of a cell [1 / cell].
 inline constexpr std::uint32_t clearance_steps_per_cell = 8;
+
+/// How far from a cell of a clearance grid its slab still holds the surface [cell].
+inline constexpr double slab_reach = 1;
+
+/// A segment is looked at in parts no longer than this, if there are no more than so many [cell].
+inline constexpr double slab_part = 1.25;
+inline constexpr std::uint32_t slab_parts_most = 32;
+
+/// Places in a clearance grid are rounded by less than this [cell]: they are below 2^7 cells, and
+/// eight roundings of float32 by half an ulp each lead to one.
+inline constexpr double slab_rounding = 0x1p-14;
+
+/// A slab's planes are stored in steps of this part of a cell [1 / cell], its normal in steps of
+/// this part of its length.
+inline constexpr double slab_units = 0x1p12;
+inline constexpr double slab_normal_unit = 127;
+
+/// If both ends of a segment move by less than this part of its length, times some number up to 1,
+/// its direction changes by less than that number: if its length stays, 1/2 would do, otherwise the
+/// square root of 1/8.
+inline constexpr double slab_turn = 1.0 / 3;
+
+/// Triangles whose box has a diagonal below this are not clipped to find a slab [cell].
+inline constexpr double slab_small_triangle = 0.5;
 
 /// Diagonal of a cube [edge length].
 inline constexpr double cell_diagonal = 1.7320508075688774;

@@ -244,11 +244,15 @@ private:
         // Chords at ends are asked for after chords within edges, in the same step: by then it is
         // known if an edge may cross only one triangle, and which.
         const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
-        const double clearance = is_known ? 0 : clearance_of(source, target, placed);
-        if (clearance > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
-            if (wanted == Chords::within) near[i].crosses = no_triangle;
-            if (ahead > 0) proved(clearance);
-            return;
+        if (!is_known) {
+            const SegmentProof proof = proof_of(target, placed);
+            const bool once = wanted == Chords::within && proof.prefers_once();
+            if ((once ? proof.once : proof.gap) > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
+                if (wanted == Chords::within) near[i].crosses = once ? some_triangle : no_triangle;
+                if (once) atomic_mark(crossed_pairs[item.directed / 2]);
+                if (ahead > 0) proved(once ? proof.once : proof.gap);
+                return;
+            }
         }
         const double known = ahead > 0
                                  ? max_of(static_cast<double>(item.triangles.until - d.odometer),

@@ -85,19 +85,18 @@ PIERCE_HD inline bool clearance_tells(const BodyView& source, const BodyView& ta
            target.mesh.clearance_at.cell < source.mesh.mean_edge_length;
 }
 
-/// [length] A lower bound of the distance from an edge to the surface of its target, by the
-/// target's box and its clearance; zero or less if nothing is known.
-PIERCE_HD inline double clearance_of(const BodyView& source, const BodyView& target,
-                                     const PlacedEdge& edge) {
-    if (target.motion == Motion::deforming) return 0;
+/// What is certain of an edge and the surface of its target without looking at triangles, by the
+/// target's box and by the slabs of its cells. Of a target that deforms nothing is known.
+PIERCE_HD inline SegmentProof proof_of(const BodyView& target, const PlacedEdge& edge) {
+    if (target.motion == Motion::deforming) return {};
     const Box& box = target.mesh.box;
     double beyond = 0;
     for (int r = 0; r < 3; ++r)
         beyond = max_of(max_of(box.lower[r] - max_of(edge.a[r], edge.b[r]),
                                min_of(edge.a[r], edge.b[r]) - box.upper[r]),
                         beyond);
-    if (!clearance_tells(source, target)) return beyond;
-    return max_of(target.mesh.clearance().along(edge.a, edge.b), beyond);
+    const SegmentProof proof = target.mesh.slabs_by_cell().along(edge.a, edge.b);
+    return {max_of(proof.gap, beyond), max_of(proof.once, beyond)};
 }
 
 /// Per group of edges: lists the edges that may be near the target's surface.
@@ -109,10 +108,12 @@ struct FindNearEdges {
 
     static constexpr bool in_order = true;
 
-    /// A bit for each, and how far away each is for certain.
+    /// A bit for each, and until when it is proved that it does not cross the surface, or not more
+    /// than once.
     struct Found {
         std::uint32_t mask = 0;
-        float gap[Offsets::count];
+        std::uint32_t may_cross = 0;  ///< a bit for each that may cross until then
+        float room[Offsets::count];
     };
 
     PIERCE_HD Found find(std::uint32_t i) const {
@@ -133,9 +134,11 @@ struct FindNearEdges {
         found.mask = balls.near & first_bits(edge_group_length(source.mesh, item.index));
         for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
-            const double gap = clearance_of(source, target, placed(item, k)) - margin;
-            found.gap[k] = static_cast<float>(gap);
-            if (gap > more) found.mask ^= 1u << k;
+            const SegmentProof proof = proof_of(target, placed(item, k));
+            if (proof.gap - margin > more) found.mask ^= 1u << k;
+            const bool may_cross = proof.prefers_once();
+            found.may_cross |= static_cast<std::uint32_t>(may_cross) << k;
+            found.room[k] = static_cast<float>((may_cross ? proof.once : proof.gap) - margin);
         }
         if (found.mask != 0 && !clearance_tells(source, target))
             found.mask = by_boxes(i, found.mask, margin + more);
@@ -150,9 +153,9 @@ struct FindNearEdges {
             const std::uint32_t k = lowest_bit(left);
             near[place++] = {.directed = item.directed,
                              .edge = item.index * constants::group_size + k,
-                             .expiry = odometer + found.gap[k],
-                             .room = found.gap[k],
-                             .crosses = found.gap[k] > 0 ? no_triangle : some_triangle,
+                             .expiry = odometer + found.room[k],
+                             .room = found.room[k],
+                             .crosses = found.may_cross >> k & 1u ? some_triangle : no_triangle,
                              .triangles = {}};
         }
     }

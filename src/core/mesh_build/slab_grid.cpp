@@ -1,0 +1,187 @@
+#include "core/mesh_build/slab_grid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+namespace {
+
+/// How far from the middle of a cell a slab holds the surface [cell]. Places are rounded, here, too.
+constexpr double reach = 0.5 + constants::slab_reach + constants::slab_rounding;
+
+/// A triangle in cells of the grid.
+struct GridTriangle {
+    std::array<Vec3d, 3> corner;
+    Vec3d normal;  ///< unit; zero if the triangle has none
+    std::array<std::int32_t, 3> first, last;  ///< cells that it is near, by its box
+    bool is_small = false;  ///< not worth clipping
+};
+
+/// A convex polygon: a triangle clipped by up to six planes.
+class Polygon {
+public:
+    explicit Polygon(const GridTriangle& t) : count_(3) {
+        std::ranges::copy(t.corner, corner_.begin());
+    }
+
+    std::span<const Vec3d> corners() const { return {corner_.data(), count_}; }
+
+    /// Keeps what is within `reach` of a point along every axis.
+    void clip(Vec3d around) {
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double side : {-1.0, 1.0}) clip(axis, side, side * around[axis] + reach);
+    }
+
+    /// Twice the area, along the normal.
+    Vec3d area() const {
+        Vec3d sum;
+        for (std::size_t k = 2; k < count_; ++k)
+            sum += cross(corner_[k - 1] - corner_[0], corner_[k] - corner_[0]);
+        return sum;
+    }
+
+private:
+    void clip(int axis, double side, double limit) {
+        std::array<Vec3d, 9> kept;
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < count_; ++k) {
+            const Vec3d p = corner_[k], q = corner_[k + 1 < count_ ? k + 1 : 0];
+            const double over_p = side * p[axis] - limit, over_q = side * q[axis] - limit;
+            if (over_p <= 0) kept[count++] = p;
+            if ((over_p < 0 && over_q > 0) || (over_p > 0 && over_q < 0))
+                kept[count++] = p + (over_p / (over_p - over_q)) * (q - p);
+        }
+        corner_ = kept;
+        count_ = count;
+    }
+
+    std::array<Vec3d, 9> corner_;
+    std::size_t count_;
+};
+
+GridTriangle in_cells(const ClearanceGridLayout& grid, std::span<const Vec3f> positions,
+                      const Triangle& triangle) {
+    GridTriangle t;
+    Box box;
+    for (std::size_t c = 0; c < 3; ++c) {
+        t.corner[c] = (1 / grid.cell) * (to_double(positions[triangle.vertex[c]]) - grid.box.lower);
+        box.extend(t.corner[c]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        t.first[at] = std::max(static_cast<std::int32_t>(std::floor(box.lower[i] + 0.5 - reach)),
+                               0);
+        t.last[at] = std::min(static_cast<std::int32_t>(std::floor(box.upper[i] - 0.5 + reach)),
+                              grid.size[i] - 1);
+    }
+    const Vec3d product = cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]);
+    const double sides = std::max({length_squared(t.corner[1] - t.corner[0]),
+                                   length_squared(t.corner[2] - t.corner[1]),
+                                   length_squared(t.corner[0] - t.corner[2])});
+    if (length(product) > constants::degenerate_area * sides) t.normal = normalized(product);
+    t.is_small = box.extent() < constants::slab_small_triangle;
+    return t;
+}
+
+/// The slab of a cell.
+class SlabBuilder {
+public:
+    explicit SlabBuilder(Vec3d middle) : middle_(middle) {}
+
+    void add(const GridTriangle& t) {
+        Polygon polygon(t);
+        if (!t.is_small) polygon.clip(middle_);
+        if (polygon.corners().empty()) return;
+        normals_.push_back(t.normal);
+        area_ += polygon.area();
+        for (const Vec3d p : polygon.corners()) corners_.push_back(p - middle_);
+    }
+
+    bool is_empty() const { return corners_.empty(); }
+
+    CellSlab slab() const {
+        CellSlab slab;
+        const Vec3d along = normalized(area_);
+        Vec3d stored;
+        for (int i = 0; i < 3; ++i) {
+            slab.normal[i] = static_cast<std::int8_t>(along[i] * constants::slab_normal_unit);
+            stored[i] = slab.normal[i] / constants::slab_normal_unit;
+        }
+        double low = INFINITY, high = -INFINITY;
+        for (const Vec3d p : corners_) {
+            low = std::min(dot(stored, p), low);
+            high = std::max(dot(stored, p), high);
+        }
+        slab.low = static_cast<std::int16_t>(std::floor(low * constants::slab_units) - 1);
+        slab.high = static_cast<std::int16_t>(std::ceil(high * constants::slab_units) + 1);
+        const Vec3d axis = normalized(stored);
+        double cosine = 1, sine = 0;
+        for (const Vec3d n : normals_) {
+            cosine = std::min(dot(axis, n), cosine);
+            sine = std::max(length(cross(axis, n)), sine);
+        }
+        if (cosine > 0)
+            slab.sine = static_cast<std::uint8_t>(std::min(std::ceil(sine * 255), 255.0));
+        return slab;
+    }
+
+private:
+    Vec3d middle_, area_;
+    std::vector<Vec3d> corners_;  ///< from the middle
+    std::vector<Vec3d> normals_;
+};
+
+}  // namespace
+
+SlabGrid build_slab_grid(const ClearanceGridLayout& grid, std::span<const Vec3f> positions,
+                         std::span<const Triangle> triangles) {
+    SlabGrid slabs;
+    if (!(grid.cell > 0)) return slabs;
+    const auto layers = static_cast<std::size_t>(grid.size[2]),
+               layer = static_cast<std::size_t>(grid.size[0]) *
+                       static_cast<std::size_t>(grid.size[1]);
+    std::vector<GridTriangle> placed;
+    placed.reserve(triangles.size());
+    std::vector<std::vector<std::uint32_t>> of_layer(layers);
+    for (const Triangle& t : triangles) {
+        placed.push_back(in_cells(grid, positions, t));
+        for (std::int32_t z = placed.back().first[2]; z <= placed.back().last[2]; ++z)
+            of_layer[static_cast<std::size_t>(z)].push_back(
+                static_cast<std::uint32_t>(placed.size() - 1));
+    }
+    slabs.place.assign(layer * layers, SlabGridView::no_slab);
+    slabs.first.reserve(layers);
+    std::vector<std::vector<std::uint32_t>> of_cell(layer);
+    for (std::int32_t z = 0; z < grid.size[2]; ++z) {
+        for (auto& list : of_cell) list.clear();
+        for (const std::uint32_t i : of_layer[static_cast<std::size_t>(z)]) {
+            const GridTriangle& t = placed[i];
+            const double span = reach * (std::abs(t.normal.x) + std::abs(t.normal.y) +
+                                         std::abs(t.normal.z));
+            for (std::int32_t y = t.first[1]; y <= t.last[1]; ++y)
+                for (std::int32_t x = t.first[0]; x <= t.last[0]; ++x) {
+                    const Vec3d middle{x + 0.5, y + 0.5, z + 0.5};
+                    if (std::abs(dot(t.normal, middle - t.corner[0])) <= span)
+                        of_cell[grid.index_of(x, y, 0)].push_back(i);
+                }
+        }
+        const auto first = static_cast<std::uint32_t>(slabs.slabs.size());
+        slabs.first.push_back(first);
+        for (std::int32_t y = 0; y < grid.size[1]; ++y)
+            for (std::int32_t x = 0; x < grid.size[0]; ++x) {
+                SlabBuilder builder({x + 0.5, y + 0.5, z + 0.5});
+                for (const std::uint32_t i : of_cell[grid.index_of(x, y, 0)])
+                    builder.add(placed[i]);
+                if (builder.is_empty()) continue;
+                slabs.place[grid.index_of(x, y, z)] = static_cast<std::uint16_t>(
+                    slabs.slabs.size() - first);
+                slabs.slabs.push_back(builder.slab());
+            }
+    }
+    return slabs;
+}
+
+}  // namespace pierce

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/slab_grid.hpp"
+
+namespace pierce {
+
+/// Owns the arrays of a SlabGridView.
+struct SlabGrid {
+    std::vector<std::uint32_t> first;
+    std::vector<std::uint16_t> place;
+    std::vector<CellSlab> slabs;
+};
+
+/// Finds the slabs of a closed surface for the cells of its clearance grid: around each cell the
+/// triangles are clipped, their mean normal is the slab's, and the slab is as thick as what is left
+/// of them.
+SlabGrid build_slab_grid(const ClearanceGridLayout& grid, std::span<const Vec3f> positions,
+                         std::span<const Triangle> triangles);
+
+}  // namespace pierce
