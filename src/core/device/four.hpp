@@ -46,6 +46,12 @@ struct Four {
     friend Four abs_of(Four a) {
         return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(a.lane) & 0x7fffffff);
     }
+    friend Four whole_part_of(Four a) {
+        return __builtin_convertvector(__builtin_convertvector(a.lane, Bits), Lanes);
+    }
+    friend Four where(Four a, Four less_than, Four then, Four otherwise) {
+        return a.lane < less_than.lane ? then.lane : otherwise.lane;
+    }
 #else
     float lane[count];
 
@@ -83,10 +89,49 @@ struct Four {
     PIERCE_HD friend Four abs_of(Four a) {
         return of([&](std::uint32_t k) { return std::fabs(a.lane[k]); });
     }
+    /// Without what is behind the point; of numbers below 2^31.
+    PIERCE_HD friend Four whole_part_of(Four a) {
+        return of([&](std::uint32_t k) {
+            return static_cast<float>(static_cast<std::int32_t>(a.lane[k]));
+        });
+    }
+    /// `then` where a is less, otherwise `otherwise`.
+    PIERCE_HD friend Four where(Four a, Four less_than, Four then, Four otherwise) {
+        return of([&](std::uint32_t k) {
+            return a.lane[k] < less_than.lane[k] ? then.lane[k] : otherwise.lane[k];
+        });
+    }
 #endif
+
+    PIERCE_HD friend float least_of(Four a) {
+        const float one = a[2] < a[0] ? a[2] : a[0], other = a[3] < a[1] ? a[3] : a[1];
+        return one < other ? one : other;
+    }
 
     PIERCE_HD float operator[](std::uint32_t k) const { return lane[k]; }
     PIERCE_HD void set(std::uint32_t k, float value) { lane[k] = value; }
+};
+
+/// Four words of 32 bits.
+struct FourWords {
+    static constexpr std::uint32_t count = Four::count;
+
+    std::uint32_t word[count];
+
+    /// Of each, the `bits` bits from `first` on, as a number with a sign.
+    template <int first, int bits>
+    PIERCE_HD Four field() const {
+#if defined(PIERCE_FOUR_LANES)
+        Four::Bits lanes;
+        std::memcpy(&lanes, word, sizeof lanes);
+        return __builtin_convertvector(lanes << (32 - first - bits) >> (32 - bits), Four::Lanes);
+#else
+        return Four::of([&](std::uint32_t k) {
+            return static_cast<float>(static_cast<std::int32_t>(word[k] << (32 - first - bits)) >>
+                                      (32 - bits));
+        });
+#endif
+    }
 };
 
 /// Four points or directions.

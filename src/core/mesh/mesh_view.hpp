@@ -142,8 +142,7 @@ struct MeshArrays {
                              ///< closed
     Array<std::uint8_t> clearance_steps;  ///< cells of clearance(); empty for a mesh that is not
                                           ///< closed
-    Array<std::uint32_t> first_slabs;     ///< this and the next two are of slabs()
-    Array<std::uint16_t> slab_places;
+    Array<SlabCell> slab_cells;           ///< this and the next are of slabs_by_cell()
     Array<CellSlab> slabs;
 };
 
@@ -172,8 +171,7 @@ constexpr void for_each_array(F&& f, M&... m) {
     f(m.star_clearance...);
     f(m.own_exit...);
     f(m.clearance_steps...);
-    f(m.first_slabs...);
-    f(m.slab_places...);
+    f(m.slab_cells...);
     f(m.slabs...);
 }
 
@@ -206,7 +204,7 @@ struct MeshView : MeshArrays<ConstView>, MeshShape {
     PIERCE_HD ClearanceGridView clearance() const { return {clearance_at, clearance_steps}; }
     /// Where the rest shape's surface is and which way it faces, cell by cell of clearance().
     PIERCE_HD SlabGridView slabs_by_cell() const {
-        return {clearance(), first_slabs, slab_places, slabs};
+        return {clearance_at, slab_cells, slabs};
     }
 };
 

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
+#include "core/device/four.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/clearance_grid.hpp"
 #include "pierce/constants.hpp"
@@ -12,14 +13,24 @@
 namespace pierce {
 
 /// Two parallel planes around the part of a surface that is near a cell of a clearance grid, and a
-/// cone around its normals. Near is what the cell reaches when it grows by
-/// constants::slab_reach on every side. Coordinates are relative to the cell's middle.
+/// cone around its normals. Near is what the cell reaches when it grows by constants::slab_reach on
+/// every side. Heights are relative to the cell's middle, along the normal.
 struct CellSlab {
     std::int8_t normal[3] = {0, 0, 0};  ///< [1 / slab_normal_unit] not longer than 1
-    std::uint8_t sine = 255;  ///< [1 / 255] of the cone's half angle; 255: normals face any way
-    std::int16_t low = 0, high = 0;  ///< [cell / slab_units] along the normal
+    std::int8_t sine = slab_any_way;    ///< [1 / slab_normal_unit] of the cone's half angle
+    std::int16_t low = INT16_MAX, high = INT16_MIN;  ///< [cell / slab_units]
+
+    /// A sine of normals that may face any way.
+    static constexpr std::int8_t slab_any_way = 127;
 };
 static_assert(sizeof(CellSlab) == 8);
+
+/// A cell of a clearance grid: its clearance, and where its slab is.
+struct SlabCell {
+    std::uint32_t steps : 8;   ///< as in ClearanceGridView
+    std::uint32_t slab : 24;   ///< 0 is the slab of a cell without a surface near
+};
+static_assert(sizeof(SlabCell) == 4);
 
 /// What is certain about a segment and a surface.
 struct SegmentProof {
@@ -33,105 +44,130 @@ struct SegmentProof {
 };
 
 /// The slabs of a closed surface, looked up in the cells of its clearance grid.
-struct SlabGridView {
-    ClearanceGridView clearance;
-    View<const std::uint32_t> first;   ///< per layer of cells along z, where its slabs begin
-    View<const std::uint16_t> place;   ///< per cell, which of its layer's slabs; or no_slab
-    View<const CellSlab> slabs;        ///< empty: nothing is known
-
-    static constexpr std::uint16_t no_slab = 0xffff;
+struct SlabGridView : ClearanceGridLayout {
+    View<const SlabCell> cells;  ///< x fastest; empty: nothing is known
+    View<const CellSlab> slabs;
 
     /// Looks at the segment in places that are so close to each other that every part of it is near
     /// the cell of one of them. Of a segment that is too long for that nothing is known.
     PIERCE_HD SegmentProof along(Vec3d a, Vec3d b) const {
-        SegmentProof proof;
-        if (slabs.size == 0) return proof;
-        // Outside of the grid the surface is at least a cell away, and so is it from a place within
-        // rounding of it.
-        const Vec3d way = b - a;
-        double begin = 0, end = 1;
-        for (int r = 0; r < 3; ++r) {
-            const double low = clearance.box.lower[r] - a[r], high = clearance.box.upper[r] - a[r];
-            if (way[r] > 0) {
-                begin = max_of(low / way[r], begin);
-                end = min_of(high / way[r], end);
-            } else if (way[r] < 0) {
-                begin = max_of(high / way[r], begin);
-                end = min_of(low / way[r], end);
-            } else if (!(low < 0 && high > 0)) {
-                end = -1;
-            }
-        }
-        const double cell = clearance.cell,
-                     whole = (constants::slab_reach - constants::slab_rounding) * cell;
-        if (!(begin < end)) return {whole, whole};
-        const double size = length(way), cells = (end - begin) * size * clearance.per_length;
-        std::uint32_t parts = 4;
-        while (constants::slab_part * parts < cells && parts < constants::slab_parts_most)
-            parts *= 2;
-        const double half = 0.5 * cells / parts;  // [cell] of a part
-        const double room = constants::slab_reach - half - constants::slab_rounding;
-        if (!(room > 0)) return proof;
-        const double shrink = 1 / size;
-        const Vec3f along{static_cast<float>(way.x * shrink), static_cast<float>(way.y * shrink),
-                          static_cast<float>(way.z * shrink)};
-        const Vec3f from = to_float(clearance.per_length *
-                                    (a + begin * way - clearance.box.lower)),
-                    step = to_float((clearance.per_length * (end - begin) / parts) * way);
-        const auto reach = static_cast<float>(half), most = static_cast<float>(room),
-                   turn = static_cast<float>(constants::slab_turn * size * clearance.per_length);
+        if (cells.size == 0) return {};
+        Vec3d from = per_length * (a - box.lower), to = per_length * (b - box.lower);
+        // Outside of the grid the surface is at least a cell away.
         float gap = INFINITY;
-        if (begin > 0 || end < 1) gap = static_cast<float>(whole * clearance.per_length);
-        float once[2] = {gap, gap};
-        for (std::uint32_t k = 0; k < parts; ++k) {
-            const float at = static_cast<float>(k) + 0.5f;
-            float part_gap = most, part_once[2] = {most, most};
-            look({from.x + at * step.x, from.y + at * step.y, from.z + at * step.z}, along, reach,
-                 turn, most, part_gap, part_once);
-            gap = min_of(part_gap, gap);
-            for (int s = 0; s < 2; ++s)
-                once[s] = min_of(max_of(part_gap, part_once[s]), once[s]);
-            if (!(max_of(once[0], once[1]) > 0)) break;
+        if (!is_within(from) || !is_within(to)) {
+            gap = static_cast<float>(constants::slab_reach - constants::slab_rounding);
+            if (!clip(from, to)) return {cell * static_cast<double>(gap), cell * static_cast<double>(gap)};
         }
-        proof.gap = static_cast<double>(gap) * cell;
-        proof.once = static_cast<double>(max_of(once[0], once[1])) * cell;
-        return proof;
+        const Vec3f begin = to_float(from), way = to_float(to - from);
+        const float reach = length(way);
+        std::uint32_t fours = 1;
+        while (constants::slab_part * Four::count * fours < static_cast<double>(reach) &&
+               fours < constants::slab_fours_most)
+            fours *= 2;
+        const Parts parts{begin, way, reach, 1.0f / static_cast<float>(fours * Four::count), *this};
+        if (!(parts.most > 0)) return {};
+        float once[2] = {gap, gap};
+        for (std::uint32_t k = 0; k < fours; ++k) {
+            parts.look(static_cast<float>(k * Four::count), gap, once);
+            if (!(max_of(once[0], once[1]) > 0)) return {};
+        }
+        return {cell * static_cast<double>(gap),
+                cell * static_cast<double>(max_of(once[0], once[1]))};
     }
 
 private:
-    /// One part of a segment [cell].
-    PIERCE_HD void look(Vec3f p, Vec3f along, float reach, float turn, float most, float& gap,
-                        float (&once)[2]) const {
-        std::int32_t index[3];
-        for (int r = 0; r < 3; ++r)
-            index[r] = static_cast<std::int32_t>(
-                clamp_to(p[r], 0.0f, static_cast<float>(clearance.size[r]) - 1.0f));
-        const std::size_t cell = clearance.index_of(index[0], index[1], index[2]);
-        const float clear = (1.0f / constants::clearance_steps_per_cell) *
-                                static_cast<float>(clearance.steps[cell]) -
-                            reach - static_cast<float>(constants::slab_rounding);
-        const std::uint16_t at = place[cell];
-        if (at == no_slab) {
-            gap = max_of(clear, most);
-            return;
+    /// A segment in equal parts, in cells.
+    struct Parts {
+        Vec3f begin, step;
+        float half;  ///< of a part
+        float turn;
+        float most;  ///< how far away a surface still is if no slab tells otherwise
+        const SlabGridView& grid;
+
+        PIERCE_HD Parts(Vec3f from, Vec3f way, float reach, float part, const SlabGridView& cells)
+            : begin(from),
+              step(part * way),
+              half(0.5f * part * reach),
+              turn(static_cast<float>(constants::slab_turn) / part),
+              most(static_cast<float>(constants::slab_reach - constants::slab_rounding) - half),
+              grid(cells) {}
+
+        /// Four parts from `first` on.
+        PIERCE_HD void look(float first, float& gap, float (&once)[2]) const {
+            constexpr auto rounding = static_cast<float>(constants::slab_rounding),
+                           unit = static_cast<float>(1 / constants::slab_normal_unit),
+                           height_unit = static_cast<float>(1 / constants::slab_units);
+            Four at = first + 0.5f;
+            for (std::uint32_t k = 1; k < Four::count; ++k)
+                at.set(k, first + 0.5f + static_cast<float>(k));
+            const FourVec3 p{Four(begin.x) + at * Four(step.x), Four(begin.y) + at * Four(step.y),
+                             Four(begin.z) + at * Four(step.z)};
+            const FourVec3 cell{cell_of(p.x, 0), cell_of(p.y, 1), cell_of(p.z, 2)};
+            const Four index = (cell.z * Four(static_cast<float>(grid.size[1])) + cell.y) *
+                                   Four(static_cast<float>(grid.size[0])) +
+                               cell.x;
+            Four clear;
+            FourWords normals, heights;
+            for (std::uint32_t k = 0; k < Four::count; ++k) {
+                const SlabCell found = grid.cells[static_cast<std::uint32_t>(index[k])];
+                clear.set(k, static_cast<float>(found.steps));
+                std::uint32_t words[2];
+                std::memcpy(words, &grid.slabs[found.slab], sizeof words);
+                normals.word[k] = words[0];
+                heights.word[k] = words[1];
+            }
+            const FourVec3 n{Four(unit) * normals.field<0, 8>(), Four(unit) * normals.field<8, 8>(),
+                             Four(unit) * normals.field<16, 8>()};
+            const Four sine = Four(unit) * normals.field<24, 8>(),
+                       low = Four(height_unit) * heights.field<0, 16>(),
+                       high = Four(height_unit) * heights.field<16, 16>();
+            const Four middle = 0.5f;
+            const FourVec3 q{p.x - cell.x - middle, p.y - cell.y - middle, p.z - cell.z - middle};
+            const Four height = dot(n, q),
+                       slope = dot(n, FourVec3{step.x, step.y, step.z}),
+                       steep = abs_of(slope);
+            const Four apart = max_of(height - high, low - height) - Four(0.5f) * steep -
+                               Four(rounding);
+            const Four part_gap = max_of(min_of(apart, most),
+                                         Four(1.0f / constants::clearance_steps_per_cell) * clear -
+                                             Four(half + rounding));
+            const Four sure = min_of(
+                Four(turn) * (steep - (sine + Four(rounding)) * Four(2 * half)), most);
+            const Four up = max_of(part_gap, where(0, slope, sure, -1)),
+                       down = max_of(part_gap, where(slope, 0, sure, -1));
+            gap = min_of(least_of(part_gap), gap);
+            once[0] = min_of(least_of(up), once[0]);
+            once[1] = min_of(least_of(down), once[1]);
         }
-        const CellSlab& slab = slabs[first[static_cast<std::uint32_t>(index[2])] + at];
-        constexpr auto unit = static_cast<float>(1 / constants::slab_normal_unit);
-        const Vec3f n{unit * slab.normal[0], unit * slab.normal[1], unit * slab.normal[2]};
-        const Vec3f q{p.x - static_cast<float>(index[0]) - 0.5f,
-                      p.y - static_cast<float>(index[1]) - 0.5f,
-                      p.z - static_cast<float>(index[2]) - 0.5f};
-        constexpr auto length_unit = static_cast<float>(1 / constants::slab_units);
-        const float height = n.x * q.x + n.y * q.y + n.z * q.z,
-                    slope = n.x * along.x + n.y * along.y + n.z * along.z;
-        const float apart = max_of(height - length_unit * slab.high,
-                                   length_unit * slab.low - height) -
-                            reach * std::fabs(slope) - static_cast<float>(constants::slab_rounding);
-        gap = max_of(min_of(apart, most), clear);
-        const float sure = turn * (std::fabs(slope) - static_cast<float>(constants::slab_rounding) -
-                                   (1.0f / 255) * slab.sine);
-        once[0] = slope > 0 && slab.sine < 255 ? min_of(sure, most) : -1.0f;
-        once[1] = slope < 0 && slab.sine < 255 ? min_of(sure, most) : -1.0f;
+
+        PIERCE_HD Four cell_of(Four p, int axis) const {
+            return whole_part_of(
+                min_of(max_of(p, 0), static_cast<float>(grid.size[axis]) - 1.0f));
+        }
+    };
+
+    PIERCE_HD bool is_within(Vec3d p) const {
+        return p.x > 0 && p.x < size[0] && p.y > 0 && p.y < size[1] && p.z > 0 && p.z < size[2];
+    }
+
+    /// Leaves the part of a segment that is in the grid [cell]; false if there is none.
+    PIERCE_HD bool clip(Vec3d& a, Vec3d& b) const {
+        const Vec3d way = b - a;
+        double begin = 0, end = 1;
+        for (int r = 0; r < 3; ++r) {
+            if (!(way[r] < 0 || way[r] > 0)) {
+                if (!(a[r] > 0 && a[r] < size[r])) return false;
+                continue;
+            }
+            const double low = -a[r] / way[r], high = (size[r] - a[r]) / way[r];
+            begin = max_of(min_of(low, high), begin);
+            end = min_of(max_of(low, high), end);
+        }
+        if (!(begin < end)) return false;
+        b = a + end * way;
+        a += begin * way;
+        return true;
     }
 };
 

@@ -126,12 +126,11 @@ void Mesh::Parts::measure_solid() {
                   });
     arrays.star_clearance = star_clearance(view);
     ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
+    SlabGrid slabs = build_slab_grid(clearance, arrays.positions, arrays.triangles);
+    arrays.slab_cells = std::move(slabs.cells);
+    arrays.slabs = std::move(slabs.slabs);
     arrays.clearance_steps = std::move(clearance.steps);
     view.clearance_at = clearance.layout;
-    SlabGrid slabs = build_slab_grid(clearance.layout, arrays.positions, arrays.triangles);
-    arrays.first_slabs = std::move(slabs.first);
-    arrays.slab_places = std::move(slabs.place);
-    arrays.slabs = std::move(slabs.slabs);
     arrays.own_exit = own_exits_of(view);
 }
 

@@ -12,6 +12,12 @@ namespace {
 /// How far from the middle of a cell a slab holds the surface [cell]. Places are rounded, here, too.
 constexpr double reach = 0.5 + constants::slab_reach + constants::slab_rounding;
 
+/// A place in the list of slabs fits into these bits of a SlabCell: there are fewer cells.
+constexpr std::uint32_t slab_bits = (1u << 24) - 1;
+static_assert((constants::grid_resolution + 2) * (constants::grid_resolution + 2) *
+                  (constants::grid_resolution + 2) <
+              slab_bits);
+
 /// A triangle in cells of the grid.
 struct GridTriangle {
     std::array<Vec3d, 3> corner;
@@ -124,7 +130,8 @@ public:
             sine = std::max(length(cross(axis, n)), sine);
         }
         if (cosine > 0)
-            slab.sine = static_cast<std::uint8_t>(std::min(std::ceil(sine * 255), 255.0));
+            slab.sine = static_cast<std::int8_t>(std::min(
+                std::ceil(sine * constants::slab_normal_unit), double{CellSlab::slab_any_way}));
         return slab;
     }
 
@@ -136,25 +143,24 @@ private:
 
 }  // namespace
 
-SlabGrid build_slab_grid(const ClearanceGridLayout& grid, std::span<const Vec3f> positions,
+SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> positions,
                          std::span<const Triangle> triangles) {
+    const ClearanceGridLayout& grid = clearance.layout;
     SlabGrid slabs;
     if (!(grid.cell > 0)) return slabs;
-    const auto layers = static_cast<std::size_t>(grid.size[2]),
-               layer = static_cast<std::size_t>(grid.size[0]) *
-                       static_cast<std::size_t>(grid.size[1]);
+    slabs.cells.reserve(clearance.steps.size());
+    for (const std::uint8_t steps : clearance.steps) slabs.cells.push_back({steps, 0});
+    slabs.slabs.push_back({});
     std::vector<GridTriangle> placed;
     placed.reserve(triangles.size());
-    std::vector<std::vector<std::uint32_t>> of_layer(layers);
+    std::vector<std::vector<std::uint32_t>> of_layer(static_cast<std::size_t>(grid.size[2])),
+        of_cell(grid.index_of(0, 0, 1));
     for (const Triangle& t : triangles) {
         placed.push_back(in_cells(grid, positions, t));
         for (std::int32_t z = placed.back().first[2]; z <= placed.back().last[2]; ++z)
             of_layer[static_cast<std::size_t>(z)].push_back(
                 static_cast<std::uint32_t>(placed.size() - 1));
     }
-    slabs.place.assign(layer * layers, SlabGridView::no_slab);
-    slabs.first.reserve(layers);
-    std::vector<std::vector<std::uint32_t>> of_cell(layer);
     for (std::int32_t z = 0; z < grid.size[2]; ++z) {
         for (auto& list : of_cell) list.clear();
         for (const std::uint32_t i : of_layer[static_cast<std::size_t>(z)]) {
@@ -168,16 +174,13 @@ SlabGrid build_slab_grid(const ClearanceGridLayout& grid, std::span<const Vec3f>
                         of_cell[grid.index_of(x, y, 0)].push_back(i);
                 }
         }
-        const auto first = static_cast<std::uint32_t>(slabs.slabs.size());
-        slabs.first.push_back(first);
         for (std::int32_t y = 0; y < grid.size[1]; ++y)
             for (std::int32_t x = 0; x < grid.size[0]; ++x) {
                 SlabBuilder builder({x + 0.5, y + 0.5, z + 0.5});
                 for (const std::uint32_t i : of_cell[grid.index_of(x, y, 0)])
                     builder.add(placed[i]);
                 if (builder.is_empty()) continue;
-                slabs.place[grid.index_of(x, y, z)] = static_cast<std::uint16_t>(
-                    slabs.slabs.size() - first);
+                slabs.cells[grid.index_of(x, y, z)].slab = slabs.slabs.size() & slab_bits;
                 slabs.slabs.push_back(builder.slab());
             }
     }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,15 +9,14 @@ namespace pierce {
 
 /// Owns the arrays of a SlabGridView.
 struct SlabGrid {
-    std::vector<std::uint32_t> first;
-    std::vector<std::uint16_t> place;
+    std::vector<SlabCell> cells;
     std::vector<CellSlab> slabs;
 };
 
 /// Finds the slabs of a closed surface for the cells of its clearance grid: around each cell the
 /// triangles are clipped, their mean normal is the slab's, and the slab is as thick as what is left
 /// of them.
-SlabGrid build_slab_grid(const ClearanceGridLayout& grid, std::span<const Vec3f> positions,
+SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> positions,
                          std::span<const Triangle> triangles);
 
 }  // namespace pierce

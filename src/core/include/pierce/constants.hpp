@@ -167,9 +167,9 @@ inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 /// How far from a cell of a clearance grid its slab still holds the surface [cell].
 inline constexpr double slab_reach = 1;
 
-/// A segment is looked at in parts no longer than this, if there are no more than so many [cell].
-inline constexpr double slab_part = 1.25;
-inline constexpr std::uint32_t slab_parts_most = 32;
+/// A segment is looked at in parts no longer than this [cell], if so many times four are enough.
+inline constexpr double slab_part = 1.5;
+inline constexpr std::uint32_t slab_fours_most = 8;
 
 /// Places in a clearance grid are rounded by less than this [cell]: they are below 2^7 cells, and
 /// eight roundings of float32 by half an ulp each lead to one.
