@@ -25,14 +25,15 @@ inline const CLI::Validator positive_number(
 /// What is looked for, and where contacts end.
 inline void add_coverage(CLI::App& command, Settings& settings) {
     static const std::map<std::string, Coverage> coverages{{"vertices", Coverage::vertices},
+                                                           {"overlaps", Coverage::overlaps},
                                                            {"complete", Coverage::complete}};
     command
         .add_option_function<std::string>(
             "--coverage",
             [&settings](const std::string& name) { settings.coverage = coverages.at(name); },
-            "what is looked for inside other bodies: vertices (the default), or complete, with "
-            "edges and whole bodies")
-        ->check(CLI::IsMember({"vertices", "complete"}));
+            "what is looked for inside other bodies: vertices (the default), or overlaps, with "
+            "edges and whole bodies where no vertex is inside, or complete, with all edges")
+        ->check(CLI::IsMember({"vertices", "overlaps", "complete"}));
     command
         .add_option_function<std::string>(
             "--reproject",

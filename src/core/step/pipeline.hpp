@@ -99,7 +99,7 @@ public:
         stats.contacts = executor_.number(count_of(now_.contacts));
         stats.hits = executor_.read(sums_.hits);
         stats.own_rays = executor_.read(sums_.own_rays);
-        if (plan.is_complete()) {
+        if (plan.misses_no_overlap()) {
             stats.edges = executor_.number(edges_.near_edges());
             stats.chords = edges_.chords().size;
             stats.inside_tests = separation_.inside_tests();
@@ -509,7 +509,8 @@ private:
 
     /// Pairs that overlap without a contact so far.
     void separation(const Scene& scene) {
-        separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed), edges_, batch_,
+        separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed),
+                             view_of(now_.directed), view_of(pairs_.links), edges_, batch_,
                              routes_.routes);
     }
 
@@ -572,7 +573,7 @@ private:
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
         tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         const Count total = count_of(now_.contact_keys);
-        if (scene.plan->is_complete())
+        if (scene.plan->misses_no_overlap())
             executor_.for_each(total, stages::OrderChords{.chords = edges_.chords(),
                                                           .sources = view_of(batch_.sources),
                                                           .candidates = view_of(batch_.candidates),

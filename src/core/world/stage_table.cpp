@@ -10,6 +10,7 @@ bool always(const Plan&) { return true; }
 bool casts_rays(const Plan& plan) { return plan.casts_rays; }
 bool remembers(const Plan& plan) { return plan.remembers(); }
 bool is_complete(const Plan& plan) { return plan.is_complete(); }
+bool misses_no_overlap(const Plan& plan) { return plan.misses_no_overlap(); }
 
 constexpr StageInfo table[] = {
     {.id = StageId::bounds,
@@ -98,9 +99,9 @@ constexpr StageInfo table[] = {
      .page = "step.md#self_overlap"},
     {.id = StageId::separation,
      .name = "separation",
-     .needed = is_complete,
-     .when = "coverage is complete",
-     .reads = "candidates, chords",
+     .needed = misses_no_overlap,
+     .when = "coverage is complete or overlaps",
+     .reads = "candidates, chords; near edges of the last step",
      .writes = "contacts of pairs that overlap and have none so far",
      .page = "step.md#separation"},
     {.id = StageId::reproject,

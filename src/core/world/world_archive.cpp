@@ -33,7 +33,7 @@ template <class A>
 void transfer(A& archive, Settings& s) {
     transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.may_rest,
                  s.prediction_distance, s.full_every, s.walk_threshold);
-    transfer(archive, s.coverage, Coverage::complete);
+    transfer(archive, s.coverage, Coverage::overlaps);
     transfer(archive, s.temporal, Temporal::certified);
 }
 

@@ -168,7 +168,7 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
-            if (plan.is_complete() && view.is_solid()) {
+            if (plan.misses_no_overlap() && view.is_solid()) {
                 body.box_nodes.resize(view.mesh.box_nodes.size);
                 view.box_nodes = box_nodes[i] = view_of(body.box_nodes);
             }

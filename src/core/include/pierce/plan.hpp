@@ -31,6 +31,8 @@ struct Plan {
 
     bool remembers() const { return settings.temporal != Temporal::off; }
     bool is_complete() const { return settings.coverage == Coverage::complete; }
+    /// True if pairs that overlap without a vertex inside are found, too.
+    bool misses_no_overlap() const { return settings.coverage != Coverage::vertices; }
     bool needs(StageId stage) const { return std::ranges::find(stages, stage) != stages.end(); }
 };
 

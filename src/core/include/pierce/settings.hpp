@@ -21,7 +21,9 @@ enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): misses overlaps that hold no vertex or are thinner
                ///< than one ray, 2 to 5 % of the pairs in piles, and takes about 0.3 of the time
                ///< (docs/accuracy.md)
-    complete,  ///< its edges too, and bodies inside one another: no overlap is missed
+    complete,  ///< all its edges too, and bodies inside one another: no edge inside is missed
+    overlaps,  ///< of pairs without a contact of a vertex, the edges too, and bodies inside one
+               ///< another: no pair that overlaps is missed
 };
 
 /// How a world detects contacts. Every field has a default that suits any scale.

@@ -33,35 +33,12 @@ public:
     void find(const Scene& scene, View<const stages::DirectedPair> directed,
               View<const PairMemory> memory, View<const std::uint32_t> links, RayBatch<E>& batch,
               Buffer<Route>& routes) {
-        measure_boxes(scene);
-        const bool remembers = scene.plan->remembers();
-        if (remembers) recall_pairs(scene, directed, memory, links);
-        cull(scene, directed);
-        if (remembers) merge(scene, directed, memory, links);
-        executor_.assign(touching_, directed.size / 2, 0u);
-        executor_.assign(crossed_, directed.size / 2, 0u);
-        const Count asked = tools_.list(
-            ListId::asked_edges, count_of(now_.edges),
-            stages::MayCross{.bodies = scene.bodies,
-                             .directed = directed,
-                             .of_pairs = view_of(std::as_const(now_.of_pairs)),
-                             .near = view_of(now_.edges),
-                             .crossed_pairs = view_of(crossed_)},
-            scratch_.places);
-        executor_.emit(ListId::chords, asked,
-                       stages::FindChords{.bodies = scene.bodies,
-                                          .directed = directed,
-                                          .near = view_of(now_.edges),
-                                          .of_pairs = view_of(std::as_const(now_.of_pairs)),
-                                          .places = view_of(scratch_.places),
-                                          .touching = view_of(touching_),
-                                          .crossed_pairs = view_of(crossed_)},
-                       chords_.found);
+        look_within(scene, directed, memory, links, {});
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()),
                    count = static_cast<std::uint32_t>(chords_.found.size());
         chords_.all.resize(count);
         batch.resize(begin + count);
-        if (remembers) routes.resize(begin + count);
+        if (scene.plan->remembers()) routes.resize(begin + count);
         executor_.for_each(count, stages::GenerateChordRays{.bodies = scene.bodies,
                                                             .directed = directed,
                                                             .found = view_of(chords_.found),
@@ -71,6 +48,17 @@ public:
                                                             .sources = view_of(batch.sources),
                                                             .hits = view_of(batch.hits),
                                                             .routes = view_of(routes)});
+    }
+
+    /// The same for pairs that have no contact with a depth so far, without rays: writes the
+    /// chords' sources.
+    void find_where_nothing_is(const Scene& scene, View<const stages::DirectedPair> directed,
+                               View<const PairMemory> memory, View<const std::uint32_t> links,
+                               View<const std::uint32_t> has_depth, Buffer<RaySource>& sources) {
+        look_within(scene, directed, memory, links, has_depth);
+        chords_.all.clear();
+        sources.clear();
+        append_found(sources);
     }
 
     /// For pairs that have no contact with a depth so far: appends the chords that hold an end of
@@ -95,17 +83,7 @@ public:
                                           .touching = view_of(touching_),
                                           .crossed_pairs = {}},
                        chords_.found);
-        const auto chords = static_cast<std::uint32_t>(chords_.all.size()),
-                   count = static_cast<std::uint32_t>(chords_.found.size()),
-                   before = static_cast<std::uint32_t>(sources.size());
-        chords_.all.resize(chords + count);
-        sources.resize(before + count);
-        executor_.for_each(count, stages::KeepChord{.found = view_of(chords_.found),
-                                                    .places = {},
-                                                    .begin = chords,
-                                                    .chords = view_of(chords_.all),
-                                                    .sources = {sources.data() + before, count},
-                                                    .moved = {}});
+        append_found(sources);
     }
 
     /// For pairs whose edges touch and that have no contact so far (`contact`, per pair), as is
@@ -180,6 +158,51 @@ public:
     void recall() { std::swap(now_, last_); }
 
 private:
+    /// Finds the chords within edges; not of pairs with `has_depth`, if that is not empty.
+    void look_within(const Scene& scene, View<const stages::DirectedPair> directed,
+                     View<const PairMemory> memory, View<const std::uint32_t> links,
+                     View<const std::uint32_t> has_depth) {
+        measure_boxes(scene);
+        const bool remembers = scene.plan->remembers();
+        if (remembers) recall_pairs(scene, directed, memory, links, has_depth);
+        cull(scene, directed, has_depth);
+        if (remembers) merge(scene, directed, memory, links);
+        executor_.assign(touching_, directed.size / 2, 0u);
+        executor_.assign(crossed_, directed.size / 2, 0u);
+        const Count asked = tools_.list(
+            ListId::asked_edges, count_of(now_.edges),
+            stages::MayCross{.bodies = scene.bodies,
+                             .directed = directed,
+                             .of_pairs = view_of(std::as_const(now_.of_pairs)),
+                             .near = view_of(now_.edges),
+                             .crossed_pairs = view_of(crossed_)},
+            scratch_.places);
+        executor_.emit(ListId::chords, asked,
+                       stages::FindChords{.bodies = scene.bodies,
+                                          .directed = directed,
+                                          .near = view_of(now_.edges),
+                                          .of_pairs = view_of(std::as_const(now_.of_pairs)),
+                                          .places = view_of(scratch_.places),
+                                          .touching = view_of(touching_),
+                                          .crossed_pairs = view_of(crossed_)},
+                       chords_.found);
+    }
+
+    /// Appends the chords just found, and their sources.
+    void append_found(Buffer<RaySource>& sources) {
+        const auto chords = static_cast<std::uint32_t>(chords_.all.size()),
+                   count = static_cast<std::uint32_t>(chords_.found.size()),
+                   before = static_cast<std::uint32_t>(sources.size());
+        chords_.all.resize(chords + count);
+        sources.resize(before + count);
+        executor_.for_each(count, stages::KeepChord{.found = view_of(chords_.found),
+                                                    .places = {},
+                                                    .begin = chords,
+                                                    .chords = view_of(chords_.all),
+                                                    .sources = {sources.data() + before, count},
+                                                    .moved = {}});
+    }
+
     /// Boxes around the triangles of deforming bodies.
     void measure_boxes(const Scene& scene) {
         for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
@@ -194,11 +217,13 @@ private:
 
     /// Which pairs' near edges are still those of the last step.
     void recall_pairs(const Scene& scene, View<const stages::DirectedPair> directed,
-                      View<const PairMemory> memory, View<const std::uint32_t> links) {
+                      View<const PairMemory> memory, View<const std::uint32_t> links,
+                      View<const std::uint32_t> has_depth) {
         now_.of_pairs.resize(directed.size);
         executor_.for_each(directed.size,
                            stages::RecallNearEdges{.bodies = scene.bodies,
                                                    .directed = directed,
+                                                   .has_depth = has_depth,
                                                    .memory = memory,
                                                    .links = links,
                                                    .last = view_of(std::as_const(last_.of_pairs)),
@@ -207,11 +232,13 @@ private:
 
     /// Which edges are near triangles of the other body of their pair, of pairs that are asked
     /// anew.
-    void cull(const Scene& scene, View<const stages::DirectedPair> directed) {
+    void cull(const Scene& scene, View<const stages::DirectedPair> directed,
+              View<const std::uint32_t> has_depth) {
         const bool remembers = scene.plan->remembers();
         executor_.emit(
             ListId::edge_blocks, Count{directed.size},
-            stages::ListEdgeBlocks{scene.bodies, directed, view_of(std::as_const(now_.of_pairs))},
+            stages::ListEdgeBlocks{scene.bodies, directed, view_of(std::as_const(now_.of_pairs)),
+                                   has_depth},
             near_.blocks);
         executor_.emit(ListId::edge_groups, count_of(near_.blocks),
                        stages::CullEdgeBlock{.bodies = scene.bodies,

@@ -37,6 +37,7 @@ PIERCE_HD inline double edge_skin(View<const BodyView> bodies, const DirectedPai
 struct RecallNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
+    View<const std::uint32_t> has_depth;  ///< per pair, those to leave out; empty: none
     View<const PairMemory> memory;
     View<const std::uint32_t> links;
     View<const NearEdgesOfPair> last;  ///< empty if the last step did not remember
@@ -45,6 +46,10 @@ struct RecallNearEdges {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
         NearEdgesOfPair of_pair;
+        if (has_depth.size > 0 && has_depth[i / 2]) {
+            now[i] = of_pair;
+            return;
+        }
         if (memory[i].known && last.size > 0) of_pair = last[2 * links[i / 2] + i % 2];
         of_pair.is_kept = of_pair.expiry > d.odometer || d.still;
         if (!of_pair.is_kept)
@@ -65,10 +70,12 @@ struct ListEdgeBlocks {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
+    View<const std::uint32_t> has_depth;   ///< per pair, those to leave out; empty: none
 
     static constexpr bool in_order = true;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        if (has_depth.size > 0 && has_depth[i / 2]) return 0;
         const bool is_kept = of_pairs.size > 0 && of_pairs[i].is_kept;
         return is_kept || !asks_edges(bodies, directed[i])
                    ? 0

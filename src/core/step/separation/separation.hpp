@@ -25,8 +25,11 @@ public:
     /// Adds the rays of such pairs to `batch` and `routes`; rays that start inside become
     /// candidates that are contacts. Earlier candidates stay candidates.
     void separate(const Scene& scene, View<const Pair> pairs,
-                  View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
-                  RayBatch<E>& batch, Buffer<Route>& routes) {
+                  View<const stages::DirectedPair> directed, View<const PairMemory> memory,
+                  View<const std::uint32_t> links, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+                  Buffer<Route>& routes) {
+        mark(pairs, directed, edges, batch);
+        list_chords(scene, directed, memory, links, edges, batch);
         add_stranded(scene, pairs, directed, edges, batch, routes);
         add_touching(scene, directed, edges, batch, routes);
     }
@@ -37,19 +40,16 @@ public:
     std::uint32_t deep_pairs() const { return deep_count_; }
 
 private:
-    /// Adds rays along the way apart, from vertices and chords that are inside but whose pair has
-    /// no contact, and from parts of bodies that are inside.
-    void add_stranded(const Scene& scene, View<const Pair> pairs,
-                      View<const stages::DirectedPair> directed, EdgeChords<E, T>& edges,
-                      RayBatch<E>& batch, Buffer<Route>& routes) {
-        const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
-        const View<const RaySource> sources = view_of(std::as_const(batch.sources));
+    /// Which pairs have something inside so far, a contact, a contact with a depth.
+    void mark(View<const Pair> pairs,
+              View<const stages::DirectedPair> directed, const EdgeChords<E, T>& edges,
+              RayBatch<E>& batch) {
         executor_.assign(marks_.reached, pairs.size, 0u);
         executor_.assign(marks_.touching, pairs.size, 0u);
         executor_.assign(marks_.has_depth, pairs.size, 0u);
         executor_.assign(marks_.flat, edges.chords().size, no_record);
-        executor_.for_each(candidates,
-                           stages::MarkTouching{.sources = sources,
+        executor_.for_each(static_cast<std::uint32_t>(batch.candidates.size()),
+                           stages::MarkTouching{.sources = view_of(std::as_const(batch.sources)),
                                                 .meetings = view_of(std::as_const(batch.meetings)),
                                                 .candidates = view_of(batch.candidates),
                                                 .keep = view_of(batch.keep),
@@ -61,7 +61,15 @@ private:
                                                          .reached = view_of(marks_.reached),
                                                          .touching = view_of(marks_.touching),
                                                          .has_depth = view_of(marks_.has_depth)});
-        list_chords(scene, directed, edges, batch);
+    }
+
+    /// Adds rays along the way apart, from vertices and chords that are inside but whose pair has
+    /// no contact, and from parts of bodies that are inside.
+    void add_stranded(const Scene& scene, View<const Pair> pairs,
+                      View<const stages::DirectedPair> directed, const EdgeChords<E, T>& edges,
+                      RayBatch<E>& batch, Buffer<Route>& routes) {
+        const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
+        const View<const RaySource> sources = view_of(std::as_const(batch.sources));
         const View<const Chord> chords = edges.chords();
         const View<const RaySource> from_chords = view_of(std::as_const(stranded_.of_chords));
         executor_.for_each(chords.size, stages::MarkReached{from_chords, view_of(marks_.reached)});
@@ -180,15 +188,22 @@ private:
     }
 
     /// Lists where chords come from: those with rays of their own, which are the last of the batch,
-    /// and those that count only in pairs without a contact.
+    /// or those of pairs without a contact; and those that count only in pairs without a contact.
     void list_chords(const Scene& scene, View<const stages::DirectedPair> directed,
+                     View<const PairMemory> memory, View<const std::uint32_t> links,
                      EdgeChords<E, T>& edges, const RayBatch<E>& batch) {
-        const std::uint32_t count = edges.chords().size;
-        const auto all = static_cast<std::uint32_t>(batch.sources.size());
-        stranded_.of_chords.resize(count);
-        executor_.for_each(count,
-                           stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
-                                                   view_of(stranded_.of_chords)});
+        if (scene.plan->is_complete()) {
+            const std::uint32_t count = edges.chords().size;
+            const auto all = static_cast<std::uint32_t>(batch.sources.size());
+            stranded_.of_chords.resize(count);
+            executor_.for_each(
+                count, stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
+                                               view_of(stranded_.of_chords)});
+        } else {
+            edges.find_where_nothing_is(scene, directed, memory, links, view_of(marks_.has_depth),
+                                        stranded_.of_chords);
+            executor_.assign(marks_.flat, edges.chords().size, no_record);
+        }
         edges.add_chords_at_ends(scene, directed, view_of(marks_.has_depth), stranded_.of_chords);
     }
 
