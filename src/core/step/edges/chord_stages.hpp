@@ -139,22 +139,23 @@ struct MayCross {
     }
 };
 
-/// True for edges of pairs that have no contact with a depth so far, if they may cross a triangle.
-struct MayCrossOne {
-    View<const NearEdge> near;
-    View<const std::uint32_t> has_depth;  ///< per pair
+/// True for pairs that have no contact with a depth so far although a vertex is inside and an edge
+/// may cross a triangle.
+struct IsCrossed {
+    View<const std::uint32_t> crossed, reached, has_depth;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const {
-        return near[i].crosses != no_triangle && !has_depth[near[i].directed / 2];
+    PIERCE_HD bool operator()(std::uint32_t pair) const {
+        return crossed[pair] && reached[pair] && !has_depth[pair];
     }
 };
 
-/// True for pairs that have no contact with a depth so far although an edge may cross a triangle.
-struct IsCrossed {
-    View<const std::uint32_t> crossed, has_depth;
+/// True for edges of such pairs, if they may cross a triangle.
+struct MayCrossOne {
+    View<const NearEdge> near;
+    IsCrossed is_crossed;
 
-    PIERCE_HD bool operator()(std::uint32_t pair) const {
-        return crossed[pair] && !has_depth[pair];
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return near[i].crosses != no_triangle && is_crossed(near[i].directed / 2);
     }
 };
 

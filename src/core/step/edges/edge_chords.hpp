@@ -61,18 +61,19 @@ public:
         append_found(sources);
     }
 
-    /// For pairs that have no contact with a depth so far: appends the chords that hold an end of
-    /// their edge, and their sources. In other pairs these ends are in contact already, or near
-    /// something that is.
+    /// For pairs in which a vertex is inside (`reached`) and that have no contact with a depth so
+    /// far: appends the chords that hold an end of their edge, and their sources. In other pairs no
+    /// end is inside, or these ends are in contact already, or near something that is.
     void add_chords_at_ends(const Scene& scene, View<const stages::DirectedPair> directed,
-                            View<const std::uint32_t> has_depth, Buffer<RaySource>& sources) {
-        const std::uint32_t pairs = tools_.list(
-            ListId::crossed_pairs, directed.size / 2,
-            stages::IsCrossed{view_of(std::as_const(crossed_)), has_depth}, scratch_.places);
+                            View<const std::uint32_t> reached, View<const std::uint32_t> has_depth,
+                            Buffer<RaySource>& sources) {
+        const stages::IsCrossed is_crossed{view_of(std::as_const(crossed_)), reached, has_depth};
+        const std::uint32_t pairs = tools_.list(ListId::crossed_pairs, directed.size / 2,
+                                                is_crossed, scratch_.places);
         if (pairs == 0) return;
         const std::uint32_t asked = tools_.list(
             ListId::asked_edges, count_of(now_.edges),
-            stages::MayCrossOne{view_of(std::as_const(now_.edges)), has_depth}, scratch_.places);
+            stages::MayCrossOne{view_of(std::as_const(now_.edges)), is_crossed}, scratch_.places);
         executor_.emit(ListId::chords, asked,
                        stages::FindChords{.bodies = scene.bodies,
                                           .directed = directed,

@@ -204,7 +204,8 @@ private:
                                         stranded_.of_chords);
             executor_.assign(marks_.flat, edges.chords().size, no_record);
         }
-        edges.add_chords_at_ends(scene, directed, view_of(marks_.has_depth), stranded_.of_chords);
+        edges.add_chords_at_ends(scene, directed, view_of(marks_.reached), view_of(marks_.has_depth),
+                                 stranded_.of_chords);
     }
 
     /// Lists the chords that are inside by more than rounding, of pairs without a contact.
