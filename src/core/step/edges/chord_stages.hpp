@@ -232,9 +232,7 @@ private:
         }
         const double tolerance = constants::edge_tolerance * d.touch,
                      margin = edge_margin(directed, item.directed);
-        const double ahead = wanted == Chords::within && of_pairs.size > 0
-                                 ? look_ahead(item.directed)
-                                 : 0.0;
+        const double ahead = of_pairs.size > 0 ? look_ahead(item.directed) : 0.0;
         const double way = ahead > 0
                                ? way_from(of_pairs[item.directed].anchor, bodies, d, item.edge)
                                : 0.0;
@@ -266,23 +264,23 @@ private:
                                                             item.triangles)
                                             : EdgeTriangles(target, placed, tolerance,
                                                             ahead > 0 ? ahead + margin : tolerance);
-        if (ahead > 0 && !are_known) {
+        if (ahead > 0 && !is_known && !are_known) {
             near[i].triangles = triangles.are_few() ? triangles.near() : NearTriangles{};
             if (triangles.are_few()) {
                 near[i].triangles.until = d.odometer + static_cast<float>(ahead + margin);
                 near[i].triangles.room = static_cast<float>(ahead + margin - way);
             }
         }
-        if (wanted == Chords::within) {
+        if (wanted != Chords::all && !is_known) {
             near[i].crosses = triangles.count() == 1  ? triangles.first()
                               : triangles.count() > 1 ? some_triangle
                                                       : no_triangle;
+            if (triangles.count() < 2 && ahead > 0)
+                proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
+        }
+        if (wanted == Chords::within) {
             if (triangles.count() > 0) atomic_mark(crossed_pairs[item.directed / 2]);
-            if (triangles.count() < 2) {
-                if (ahead > 0)
-                    proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
-                return;
-            }
+            if (triangles.count() < 2) return;
         }
         const Vec3d a = placed.a, b = placed.b;
         Ray ray;

@@ -78,7 +78,7 @@ public:
                        stages::FindChords{.bodies = scene.bodies,
                                           .directed = directed,
                                           .near = view_of(now_.edges),
-                                          .of_pairs = {},
+                                          .of_pairs = view_of(std::as_const(now_.of_pairs)),
                                           .places = view_of(scratch_.places),
                                           .wanted = stages::Chords::at_ends,
                                           .touching = view_of(touching_),
