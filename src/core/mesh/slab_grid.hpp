@@ -107,13 +107,26 @@ private:
             const Four index = (cell.z * Four(static_cast<float>(grid.size[1])) + cell.y) *
                                    Four(static_cast<float>(grid.size[0])) +
                                cell.x;
-            Four clear;
-            FourWords normals, heights;
+            SlabCell found[Four::count];
+            std::uint32_t least = 0xff;
             for (std::uint32_t k = 0; k < Four::count; ++k) {
-                const SlabCell found = grid.cells[static_cast<std::uint32_t>(index[k])];
-                clear.set(k, static_cast<float>(found.steps));
+                found[k] = grid.cells[static_cast<std::uint32_t>(index[k])];
+                least = min_of(std::uint32_t{found[k].steps}, least);
+            }
+            constexpr float step_length = 1.0f / constants::clearance_steps_per_cell;
+            const float clear = step_length * static_cast<float>(least) - (half + rounding);
+            if (clear > 0) {
+                gap = min_of(clear, gap);
+                once[0] = min_of(clear, once[0]);
+                once[1] = min_of(clear, once[1]);
+                return;
+            }
+            FourWords normals, heights;
+            Four steps;
+            for (std::uint32_t k = 0; k < Four::count; ++k) {
+                steps.set(k, static_cast<float>(found[k].steps));
                 std::uint32_t words[2];
-                std::memcpy(words, &grid.slabs[found.slab], sizeof words);
+                std::memcpy(words, &grid.slabs[found[k].slab], sizeof words);
                 normals.word[k] = words[0];
                 heights.word[k] = words[1];
             }
@@ -130,8 +143,7 @@ private:
             const Four apart = max_of(height - high, low - height) - Four(0.5f) * steep -
                                Four(rounding);
             const Four part_gap = max_of(min_of(apart, most),
-                                         Four(1.0f / constants::clearance_steps_per_cell) * clear -
-                                             Four(half + rounding));
+                                         Four(step_length) * steps - Four(half + rounding));
             const Four sure = min_of(
                 Four(turn) * (steep - (sine + Four(rounding)) * Four(2 * half)), most);
             const Four up = max_of(part_gap, where(0, slope, sure, -1)),

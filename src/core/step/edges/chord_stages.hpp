@@ -319,7 +319,7 @@ private:
     /// [length] How far to look for triangles that an edge may cross later; zero: not at all.
     PIERCE_HD double look_ahead(std::uint32_t direction) const {
         const DirectedPair& d = directed[direction];
-        if (!(of_pairs[direction].expiry > d.odometer)) return 0;
+        if (!(edge_skin(bodies, d) > 0)) return 0;
         const double edge = min_of(bodies[d.source].mesh.mean_edge_length,
                                    bodies[d.target].mesh.mean_edge_length);
         return max_of(constants::edge_look_steps * static_cast<double>(d.step),

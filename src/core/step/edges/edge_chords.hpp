@@ -165,6 +165,7 @@ private:
                      View<const std::uint32_t> has_depth) {
         measure_boxes(scene);
         const bool remembers = scene.plan->remembers();
+        near_.gaps.clear();
         if (remembers) recall_pairs(scene, directed, memory, links, has_depth);
         cull(scene, directed, has_depth);
         if (remembers) merge(scene, directed, memory, links);
@@ -221,6 +222,7 @@ private:
                       View<const PairMemory> memory, View<const std::uint32_t> links,
                       View<const std::uint32_t> has_depth) {
         now_.of_pairs.resize(directed.size);
+        near_.gaps.resize(directed.size);
         executor_.for_each(directed.size,
                            stages::RecallNearEdges{.bodies = scene.bodies,
                                                    .directed = directed,
@@ -228,7 +230,8 @@ private:
                                                    .memory = memory,
                                                    .links = links,
                                                    .last = view_of(std::as_const(last_.of_pairs)),
-                                                   .now = view_of(now_.of_pairs)});
+                                                   .now = view_of(now_.of_pairs),
+                                                   .gaps = view_of(near_.gaps)});
     }
 
     /// Which edges are near triangles of the other body of their pair, of pairs that are asked
@@ -245,14 +248,21 @@ private:
                        stages::CullEdgeBlock{.bodies = scene.bodies,
                                              .directed = directed,
                                              .blocks = view_of(near_.blocks),
-                                             .remembers = remembers},
+                                             .gaps = view_of(near_.gaps)},
                        near_.groups);
         executor_.emit(ListId::found_edges, count_of(near_.groups),
                        stages::FindNearEdges{.bodies = scene.bodies,
                                              .directed = directed,
                                              .groups = view_of(near_.groups),
-                                             .remembers = remembers},
+                                             .gaps = view_of(near_.gaps)},
                        remembers ? near_.found : now_.edges);
+        if (remembers)
+            executor_.for_each(directed.size,
+                               stages::ExpireNearEdges{.bodies = scene.bodies,
+                                                       .directed = directed,
+                                                       .has_depth = has_depth,
+                                                       .gaps = view_of(std::as_const(near_.gaps)),
+                                                       .of_pairs = view_of(now_.of_pairs)});
     }
 
     /// The near edges of all pairs, kept or found anew.

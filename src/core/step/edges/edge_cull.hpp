@@ -1,6 +1,8 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
+#include "core/device/atomics.hpp"
+#include "core/device/ordered_float.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/edge_group.hpp"
@@ -32,8 +34,17 @@ PIERCE_HD inline double edge_skin(View<const BodyView> bodies, const DirectedPai
                   most);
 }
 
+/// The least of some gaps [length], noted by any number of items. It starts at 0, which stands for
+/// no gap.
+PIERCE_HD inline void note_gap(std::uint32_t& least, float gap) {
+    atomic_max(least, ~ordered_bits(max_of(gap, 0.0f)));
+}
+PIERCE_HD inline float noted_gap(std::uint32_t least) {
+    return least == 0 ? 0.0f : from_ordered_bits(~least);
+}
+
 /// Per directed pair: whether the near edges of the last step are still those that may meet the
-/// target, and until when those of this step will be.
+/// target. How long those of this step will be, ExpireNearEdges knows.
 struct RecallNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -42,20 +53,37 @@ struct RecallNearEdges {
     View<const std::uint32_t> links;
     View<const NearEdgesOfPair> last;  ///< empty if the last step did not remember
     View<NearEdgesOfPair> now;
+    View<std::uint32_t> gaps;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
         NearEdgesOfPair of_pair;
+        gaps[i] = 0;
         if (has_depth.size > 0 && has_depth[i / 2]) {
             now[i] = of_pair;
             return;
         }
         if (memory[i].known && last.size > 0) of_pair = last[2 * links[i / 2] + i % 2];
         of_pair.is_kept = of_pair.expiry > d.odometer || d.still;
-        if (!of_pair.is_kept)
-            of_pair = {.anchor = d.to_space,
-                       .expiry = d.odometer + static_cast<float>(edge_skin(bodies, d))};
+        if (!of_pair.is_kept) of_pair = {.anchor = d.to_space};
         now[i] = of_pair;
+    }
+};
+
+/// Per directed pair whose near edges were found anew: until when all other edges are away from the
+/// target.
+struct ExpireNearEdges {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const std::uint32_t> has_depth;  ///< per pair, those left out; empty: none
+    View<const std::uint32_t> gaps;
+    View<NearEdgesOfPair> of_pairs;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        const DirectedPair& d = directed[i];
+        if (of_pairs[i].is_kept || (has_depth.size > 0 && has_depth[i / 2])) return;
+        of_pairs[i].expiry = d.odometer + static_cast<float>(edge_skin(bodies, d)) +
+                             noted_gap(gaps[i]);
     }
 };
 
@@ -111,7 +139,8 @@ struct CullEdgeBlock {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> blocks;
-    bool remembers = false;
+    View<std::uint32_t> gaps;  ///< per directed pair, of the groups left out; empty if steps do not
+                               ///< remember
 
     static constexpr bool in_order = true;
 
@@ -121,10 +150,12 @@ struct CullEdgeBlock {
         const DirectedPair& d = directed[item.directed];
         const MeshView& mesh = bodies[d.source].mesh;
         const PatchBlock& block = mesh.edge_blocks[item.index];
-        const EdgePlace place(bodies, directed, item.directed, remembers);
+        const EdgePlace place(bodies, directed, item.directed, gaps.size > 0);
         const BallsNearby<> balls(bodies[d.target], place.to_fit, block.center, block.offsets,
                                   block.radius, static_cast<double>(block.reach), place.margin);
-        return balls.near & first_bits(edge_block_length(mesh, item.index));
+        const std::uint32_t all = first_bits(edge_block_length(mesh, item.index));
+        if (gaps.size > 0) note_gap(gaps[item.directed], balls.least_gap(all & ~balls.near));
+        return balls.near & all;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,

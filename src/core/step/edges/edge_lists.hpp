@@ -31,6 +31,7 @@ struct NearEdgeLists {
 
     Buffer<stages::CullItem> blocks, groups;
     Buffer<NearEdge> found;
+    Buffer<std::uint32_t> gaps;  ///< per directed pair (note_gap); empty if steps do not remember
 };
 
 /// The parts of edges inside the other body.

@@ -104,7 +104,8 @@ struct FindNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const CullItem> groups;
-    bool remembers = false;
+    View<std::uint32_t> gaps;  ///< per directed pair, of the edges left out; empty if steps do not
+                               ///< remember
 
     static constexpr bool in_order = true;
 
@@ -123,25 +124,35 @@ struct FindNearEdges {
         const BodyView& target = bodies[d.target];
         const EdgeGroup& group = source.mesh.edge_groups[item.index];
         const PatchBlock& block = source.mesh.edge_blocks[item.index / constants::block_size];
-        const EdgePlace place(bodies, directed, item.directed, remembers);
+        const EdgePlace place(bodies, directed, item.directed, gaps.size > 0);
         const BallsNearby<> balls(
             target, place.to_fit, patch_center(source.mesh.edge_blocks, item.index), group.middles,
             group.half, static_cast<double>(block.radius[item.index % constants::block_size]),
             place.margin);
         const double margin = edge_margin(directed, item.directed),
-                     more = remembers ? edge_skin(bodies, d) : 0.0;
+                     more = gaps.size > 0 ? edge_skin(bodies, d) : 0.0;
         Found found;
-        found.mask = balls.near & first_bits(edge_group_length(source.mesh, item.index));
+        const std::uint32_t all = first_bits(edge_group_length(source.mesh, item.index));
+        found.mask = balls.near & all;
+        float least = gaps.size > 0 ? balls.least_gap(all & ~balls.near) : 0.0f;
         for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
             const SegmentProof proof = proof_of(target, placed(item, k));
-            if (proof.gap - margin > more) found.mask ^= 1u << k;
+            const auto gap = static_cast<float>(proof.gap - margin - more);
+            if (gap > 0) {
+                found.mask ^= 1u << k;
+                least = min_of(gap, least);
+            }
             const bool may_cross = proof.prefers_once();
             found.may_cross |= static_cast<std::uint32_t>(may_cross) << k;
             found.room[k] = static_cast<float>((may_cross ? proof.once : proof.gap) - margin);
         }
-        if (found.mask != 0 && !clearance_tells(source, target))
+        if (found.mask != 0 && !clearance_tells(source, target)) {
+            const std::uint32_t before = found.mask;
             found.mask = by_boxes(i, found.mask, margin + more);
+            if (found.mask != before) least = 0;
+        }
+        if (gaps.size > 0) note_gap(gaps[item.directed], least);
         return found;
     }
     PIERCE_HD static std::uint32_t count(const Found& found) { return bit_count(found.mask); }

@@ -163,6 +163,14 @@ struct BallsNearby {
     PIERCE_HD float gap(std::uint32_t k) const {
         return max_of(std::sqrt(beyond_squared[k]), clearance[k] - jump) - size[k];
     }
+
+    /// The least of the gaps of some balls, of those in the share; infinite if there are none.
+    PIERCE_HD float least_gap(std::uint32_t mask) const {
+        float least = INFINITY;
+        for (std::uint32_t k = 0; k < Share::count; ++k)
+            if (mask >> (Share::first() + k) & 1u) least = min_of(gap(k), least);
+        return least;
+    }
 };
 
 /// The lowest `count` bits.
@@ -319,7 +327,7 @@ struct CullVertices {
             const std::uint32_t all = first_bits(patch_length(source.mesh, p));
             record.mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
-                record.expiry = d.odometer + least_gap(balls, all & ~record.mask);
+                record.expiry = d.odometer + Share::least_of_all(balls.least_gap(all & ~record.mask));
                 if (record.mask == 0 && Share::first() == 0)
                     block_records[block_offsets[patches[i].directed] + p / constants::block_size]
                         .expiry[p % constants::block_size] = record.expiry;
@@ -366,12 +374,6 @@ private:
                 static_cast<std::uint8_t>(patch.directed % 2)};
     }
 
-    PIERCE_HD static float least_gap(const BallsNearby<Share>& balls, std::uint32_t mask) {
-        float least = INFINITY;
-        for (std::uint32_t k = 0; k < Share::count; ++k)
-            if (mask >> (Share::first() + k) & 1u) least = min_of(balls.gap(k), least);
-        return Share::least_of_all(least);
-    }
 };
 
 static_assert(constants::patch_size == AllOfSixteen::count &&
