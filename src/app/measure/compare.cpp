@@ -20,6 +20,7 @@ std::span<const ComparedMethod> compared_methods() {
         {"walk", Method::rays, {.temporal = Temporal::paper, .predict = false}},
         {"walk-predict", Method::rays, {.temporal = Temporal::paper}},
         {"certified", Method::rays, {.temporal = Temporal::certified}},
+        {"overlaps", Method::rays, {.coverage = Coverage::overlaps, .reproject = true}},
         {"complete", Method::rays, {.coverage = Coverage::complete}},
         {"reprojected", Method::rays, {.coverage = Coverage::complete, .reproject = true}},
         {"gjk-hull", Method::gjk_hull, {}},

@@ -436,7 +436,7 @@ private:
     // edges: Which parts of edges are inside the other body, and a ray for each.
     void edges(const Scene& scene) {
         edges_.find(scene, view_of(cull_.directed), view_of(now_.directed), view_of(pairs_.links),
-                    batch_, routes_.routes);
+                    {}, batch_, routes_.routes);
     }
 
     // trace: The triangle each ray crosses first.

@@ -29,11 +29,12 @@ public:
     explicit EdgeChords(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
     /// Finds the edges' chords, the parts of them inside the other body of their pair, and adds
-    /// their rays to `batch` and `routes`.
+    /// their rays to `batch` and `routes`. Pairs with `has_depth` are left out, if that is not
+    /// empty.
     void find(const Scene& scene, View<const stages::DirectedPair> directed,
-              View<const PairMemory> memory, View<const std::uint32_t> links, RayBatch<E>& batch,
-              Buffer<Route>& routes) {
-        look_within(scene, directed, memory, links, {});
+              View<const PairMemory> memory, View<const std::uint32_t> links,
+              View<const std::uint32_t> has_depth, RayBatch<E>& batch, Buffer<Route>& routes) {
+        look_within(scene, directed, memory, links, has_depth);
         const auto begin = static_cast<std::uint32_t>(batch.rays.size()),
                    count = static_cast<std::uint32_t>(chords_.found.size());
         chords_.all.resize(count);
@@ -48,17 +49,6 @@ public:
                                                             .sources = view_of(batch.sources),
                                                             .hits = view_of(batch.hits),
                                                             .routes = view_of(routes)});
-    }
-
-    /// The same for pairs that have no contact with a depth so far, without rays: writes the
-    /// chords' sources.
-    void find_where_nothing_is(const Scene& scene, View<const stages::DirectedPair> directed,
-                               View<const PairMemory> memory, View<const std::uint32_t> links,
-                               View<const std::uint32_t> has_depth, Buffer<RaySource>& sources) {
-        look_within(scene, directed, memory, links, has_depth);
-        chords_.all.clear();
-        sources.clear();
-        append_found(sources);
     }
 
     /// For pairs in which a vertex is inside (`reached`) and that have no contact with a depth so
@@ -84,7 +74,17 @@ public:
                                           .touching = view_of(touching_),
                                           .crossed_pairs = {}},
                        chords_.found);
-        append_found(sources);
+        const auto chords = static_cast<std::uint32_t>(chords_.all.size()),
+                   count = static_cast<std::uint32_t>(chords_.found.size()),
+                   before = static_cast<std::uint32_t>(sources.size());
+        chords_.all.resize(chords + count);
+        sources.resize(before + count);
+        executor_.for_each(count, stages::KeepChord{.found = view_of(chords_.found),
+                                                    .places = {},
+                                                    .begin = chords,
+                                                    .chords = view_of(chords_.all),
+                                                    .sources = {sources.data() + before, count},
+                                                    .moved = {}});
     }
 
     /// For pairs whose edges touch and that have no contact so far (`contact`, per pair), as is
@@ -159,7 +159,7 @@ public:
     void recall() { std::swap(now_, last_); }
 
 private:
-    /// Finds the chords within edges; not of pairs with `has_depth`, if that is not empty.
+    /// Finds the chords within edges.
     void look_within(const Scene& scene, View<const stages::DirectedPair> directed,
                      View<const PairMemory> memory, View<const std::uint32_t> links,
                      View<const std::uint32_t> has_depth) {
@@ -188,21 +188,6 @@ private:
                                           .touching = view_of(touching_),
                                           .crossed_pairs = view_of(crossed_)},
                        chords_.found);
-    }
-
-    /// Appends the chords just found, and their sources.
-    void append_found(Buffer<RaySource>& sources) {
-        const auto chords = static_cast<std::uint32_t>(chords_.all.size()),
-                   count = static_cast<std::uint32_t>(chords_.found.size()),
-                   before = static_cast<std::uint32_t>(sources.size());
-        chords_.all.resize(chords + count);
-        sources.resize(before + count);
-        executor_.for_each(count, stages::KeepChord{.found = view_of(chords_.found),
-                                                    .places = {},
-                                                    .begin = chords,
-                                                    .chords = view_of(chords_.all),
-                                                    .sources = {sources.data() + before, count},
-                                                    .moved = {}});
     }
 
     /// Boxes around the triangles of deforming bodies.

@@ -5,6 +5,7 @@
 #include "core/device/view.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
+#include "core/step/edges/late_chords.hpp"
 #include "core/step/separation/separation_lists.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
@@ -20,7 +21,8 @@ public:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
-    explicit Separation(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
+    explicit Separation(StepTools<E, T>& tools)
+        : tools_(tools), executor_(tools.executor), late_chords_(tools) {}
 
     /// Adds the rays of such pairs to `batch` and `routes`; rays that start inside become
     /// candidates that are contacts. Earlier candidates stay candidates.
@@ -29,7 +31,12 @@ public:
                   View<const std::uint32_t> links, EdgeChords<E, T>& edges, RayBatch<E>& batch,
                   Buffer<Route>& routes) {
         mark(pairs, directed, edges, batch);
-        list_chords(scene, directed, memory, links, edges, batch);
+        if (!scene.plan->is_complete()) {
+            edges.find(scene, directed, memory, links, view_of(marks_.has_depth), batch, routes);
+            late_chords_.classify(scene, pairs, edges.chords(), edges.chords().size, batch);
+            mark(pairs, directed, edges, batch);
+        }
+        list_chords(scene, directed, edges, batch);
         add_stranded(scene, pairs, directed, edges, batch, routes);
         add_touching(scene, directed, edges, batch, routes);
     }
@@ -188,22 +195,15 @@ private:
     }
 
     /// Lists where chords come from: those with rays of their own, which are the last of the batch,
-    /// or those of pairs without a contact; and those that count only in pairs without a contact.
+    /// and those that count only in pairs without a contact.
     void list_chords(const Scene& scene, View<const stages::DirectedPair> directed,
-                     View<const PairMemory> memory, View<const std::uint32_t> links,
                      EdgeChords<E, T>& edges, const RayBatch<E>& batch) {
-        if (scene.plan->is_complete()) {
-            const std::uint32_t count = edges.chords().size;
-            const auto all = static_cast<std::uint32_t>(batch.sources.size());
-            stranded_.of_chords.resize(count);
-            executor_.for_each(
-                count, stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
-                                               view_of(stranded_.of_chords)});
-        } else {
-            edges.find_where_nothing_is(scene, directed, memory, links, view_of(marks_.has_depth),
-                                        stranded_.of_chords);
-            executor_.assign(marks_.flat, edges.chords().size, no_record);
-        }
+        const std::uint32_t count = edges.chords().size;
+        const auto all = static_cast<std::uint32_t>(batch.sources.size());
+        stranded_.of_chords.resize(count);
+        executor_.for_each(count,
+                           stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
+                                                   view_of(stranded_.of_chords)});
         edges.add_chords_at_ends(scene, directed, view_of(marks_.reached), view_of(marks_.has_depth),
                                  stranded_.of_chords);
     }
@@ -269,6 +269,7 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
+    LateChords<E, T> late_chords_;
     PairMarks<E> marks_;
     PartLists<E> parts_;
     StrandedLists<E> stranded_;
