@@ -12,8 +12,13 @@ namespace pierce {
 PIERCE_HD inline std::uint32_t bit_count(std::uint32_t mask) {
 #if defined(__CUDA_ARCH__)
     return static_cast<std::uint32_t>(__popc(mask));
-#else
+#elif defined(__POPCNT__) || !defined(__x86_64__)
     return static_cast<std::uint32_t>(std::popcount(mask));
+#else
+    // Without the instruction, std::popcount() calls a function. Sums of neighbouring bits do not.
+    mask -= mask >> 1 & 0x55555555u;
+    mask = (mask & 0x33333333u) + (mask >> 2 & 0x33333333u);
+    return ((mask + (mask >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
 #endif
 }
 
