@@ -134,6 +134,10 @@ inline constexpr double edge_look_again = 0.25;
 /// holds so many times longer.
 inline constexpr double edge_once_pays = 2;
 
+/// Slabs are not asked for more than what is known of an edge that is this far beyond the box
+/// around its target [cell].
+inline constexpr double edge_beyond_enough = 0.25;
+
 /// How deep both bodies must be where an edge inside the other body gives the pair its only
 /// contacts [touch tolerance].
 inline constexpr double least_inside = 2;
