@@ -199,6 +199,55 @@ TEST_P(CoverageTest, EveryChordWithinAnEdgeIsFoundAndEveryOtherOneWhereNothingEl
     EXPECT_GT(without_contact, 0);
 }
 
+/// What a contact is about: the bodies' parts, how it was found, and its points and normal.
+bool are_same(const Contact& x, const Contact& y) {
+    return x.source == y.source && x.vertex == y.vertex && x.edge_end == y.edge_end &&
+           x.chord == y.chord && x.found == y.found && x.triangle == y.triangle &&
+           x.point_a == y.point_a && x.point_b == y.point_b && x.normal == y.normal &&
+           x.distance == y.distance;
+}
+
+TEST_P(CoverageTest, OverlapsAreThoseOfCompleteCoverageWithoutEdgesBesideVertices) {
+    test::Random random(77);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int by_vertices = 0, by_edges = 0, fewer = 0, separated = 0;
+    for (int i = 0; i < 120 && !HasFailure(); ++i) {
+        SCOPED_TRACE("pair " + std::to_string(i));
+        const double spread = random.uniform(0.2, 1.1);
+        MeshData first = test::random_closed_mesh(random),
+                 second = test::random_closed_mesh(random);
+        const auto shrink = static_cast<float>(i % 3 == 0 ? random.uniform(0.05, 0.4) : 1);
+        for (Vec3f& p : first.positions) p = shrink * p;
+        const Pose a{random.in_box(spread), random.rotation()},
+            b{random.in_box(spread), random.rotation()};
+        Settings all = complete(i % 2 == 0), some = all;
+        some.coverage = Coverage::overlaps;
+        const Two two(GetParam(), all, first, a, second, b, i % 4 == 0),
+            other(GetParam(), some, first, a, second, b, i % 4 == 0);
+        const auto is_deep_vertex = [](const Contact& c) {
+            return !c.is_edge() && c.found != Found::separation && c.penetration_depth() > 0;
+        };
+        std::vector<Contact> expected(two.world.contacts().begin(), two.world.contacts().end());
+        if (std::ranges::any_of(expected, is_deep_vertex)) {
+            ++by_vertices;
+            fewer += std::erase_if(expected, [](const Contact& c) { return c.is_edge(); }) > 0;
+        } else {
+            by_edges += std::ranges::any_of(
+                expected, [](const Contact& c) { return c.is_edge() && c.found != Found::separation; });
+            separated += std::ranges::any_of(
+                expected, [](const Contact& c) { return c.found == Found::separation; });
+        }
+        const auto found = other.world.contacts();
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t k = 0; k < expected.size(); ++k)
+            EXPECT_TRUE(are_same(found[k], expected[k])) << "contact " << k;
+    }
+    EXPECT_GT(by_vertices, 20);
+    EXPECT_GT(fewer, 10);
+    EXPECT_GT(by_edges, 2);
+    EXPECT_GT(separated, 0);
+}
+
 TEST_P(CoverageTest, BarsThatCrossWithoutAVertexInside) {
     const MeshData a = scenes::box({-2, -0.1, -0.1}, {2, 0.1, 0.1}),
                    b = scenes::box({-0.1, -2, 0}, {0.1, 2, 0.2});

@@ -69,7 +69,8 @@ World restored(const std::string& saved, std::unique_ptr<Backend> backend = refe
 
 TEST(WorldArchiveTest, ARunGoesOnWithEqualHashesOnAnyBackend) {
     for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified})
-        for (const Coverage coverage : {Coverage::vertices, Coverage::complete}) {
+        for (const Coverage coverage :
+             {Coverage::vertices, Coverage::overlaps, Coverage::complete}) {
             const Settings settings{.coverage = coverage,
                                     .temporal = temporal,
                                     .may_rest = coverage == Coverage::vertices};

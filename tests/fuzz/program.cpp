@@ -98,7 +98,7 @@ json settings(const Settings& s) {
 }
 Settings settings_of(const json& j) {
     Settings s;
-    s.coverage = enum_of(j.at("coverage"), Coverage::complete);
+    s.coverage = enum_of(j.at("coverage"), Coverage::overlaps);
     s.reproject = j.at("reproject");
     s.temporal = enum_of(j.at("temporal"), Temporal::certified);
     s.predict = j.at("predict");

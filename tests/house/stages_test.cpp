@@ -37,7 +37,7 @@ TEST(StagesTest, ThePageHasTheTable) {
 }
 
 TEST(StagesTest, AStepRunsWhatItsPlanNames) {
-    for (const Coverage coverage : {Coverage::vertices, Coverage::complete})
+    for (const Coverage coverage : {Coverage::vertices, Coverage::overlaps, Coverage::complete})
         for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified})
             for (const bool reproject : {false, true})
                 for (const char* bodies : {"solids", "sheet", "both", "folded", "velocities"}) {

@@ -102,6 +102,7 @@ public:
         if (plan.misses_no_overlap()) {
             stats.edges = executor_.number(edges_.near_edges());
             stats.chords = edges_.chords().size;
+            if (plan.remembers()) stats.rays += separation_.late_rays();
             stats.inside_tests = separation_.inside_tests();
             stats.separated_pairs = separation_.deep_pairs();
         }

@@ -96,7 +96,7 @@ std::vector<Candidate> all_honest() {
 TEST(ValidationTest, HonestBackendsAgree) {
     for (bool soft : {false, true}) {
         const Recording recording = pile(soft, 20);
-        for (Coverage coverage : {Coverage::vertices, Coverage::complete}) {
+        for (Coverage coverage : {Coverage::vertices, Coverage::overlaps, Coverage::complete}) {
             std::uint32_t done = 0;
             const Validation result = validate(recording, all_honest(), {.coverage = coverage}, 3,
                                                [&](std::uint32_t frames) { done = frames; });

@@ -19,11 +19,12 @@ enum class Temporal : std::uint8_t {
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): misses overlaps that hold no vertex or are thinner
-               ///< than one ray, 2 to 5 % of the pairs in piles, and takes about 0.3 of the time
-               ///< (docs/accuracy.md)
-    complete,  ///< all its edges too, and bodies inside one another: no edge inside is missed
-    overlaps,  ///< of pairs without a contact of a vertex, the edges too, and bodies inside one
-               ///< another: no pair that overlaps is missed
+               ///< than one ray, 2 to 5 % of the pairs in piles (docs/accuracy.md)
+    complete,  ///< all its edges too, and bodies inside one another: no place where bodies overlap
+               ///< is missed; takes three to six times as long as vertices
+    overlaps,  ///< edges of pairs in which no vertex has a contact with a depth, and bodies inside
+               ///< one another: no pair that overlaps is missed; takes up to two and a half times
+               ///< as long as vertices
 };
 
 /// How a world detects contacts. Every field has a default that suits any scale.

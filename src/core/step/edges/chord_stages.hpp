@@ -142,10 +142,11 @@ struct MayCross {
 /// True for pairs that have no contact with a depth so far although a vertex is inside and an edge
 /// may cross a triangle.
 struct IsCrossed {
-    View<const std::uint32_t> crossed, reached, has_depth;
+    View<const std::uint32_t> crossed, has_depth;
+    View<const std::uint32_t> reached;  ///< empty if not all vertices were looked at
 
     PIERCE_HD bool operator()(std::uint32_t pair) const {
-        return crossed[pair] && reached[pair] && !has_depth[pair];
+        return crossed[pair] && !has_depth[pair] && (reached.size == 0 || reached[pair]);
     }
 };
 

@@ -53,11 +53,16 @@ public:
 
     /// For pairs in which a vertex is inside (`reached`) and that have no contact with a depth so
     /// far: appends the chords that hold an end of their edge, and their sources. In other pairs no
-    /// end is inside, or these ends are in contact already, or near something that is.
+    /// end is inside, or these ends are in contact already, or near something that is. Steps that do
+    /// not look at every vertex cannot tell where one is inside.
     void add_chords_at_ends(const Scene& scene, View<const stages::DirectedPair> directed,
                             View<const std::uint32_t> reached, View<const std::uint32_t> has_depth,
                             Buffer<RaySource>& sources) {
-        const stages::IsCrossed is_crossed{view_of(std::as_const(crossed_)), reached, has_depth};
+        const bool sees_all = scene.plan->settings.temporal != Temporal::paper;
+        const stages::IsCrossed is_crossed{
+            .crossed = view_of(std::as_const(crossed_)),
+            .has_depth = has_depth,
+            .reached = sees_all ? reached : View<const std::uint32_t>{}};
         const std::uint32_t pairs = tools_.list(ListId::crossed_pairs, directed.size / 2,
                                                 is_crossed, scratch_.places);
         if (pairs == 0) return;

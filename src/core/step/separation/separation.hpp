@@ -31,9 +31,11 @@ public:
                   View<const std::uint32_t> links, EdgeChords<E, T>& edges, RayBatch<E>& batch,
                   Buffer<Route>& routes) {
         mark(pairs, directed, edges, batch);
+        late_rays_ = 0;
         if (!scene.plan->is_complete()) {
             edges.find(scene, directed, memory, links, view_of(marks_.has_depth), batch, routes);
-            late_chords_.classify(scene, pairs, edges.chords(), edges.chords().size, batch);
+            late_rays_ = edges.chords().size;
+            late_chords_.classify(scene, pairs, edges.chords(), late_rays_, batch);
             mark(pairs, directed, edges, batch);
         }
         list_chords(scene, directed, edges, batch);
@@ -41,6 +43,9 @@ public:
         add_touching(scene, directed, edges, batch, routes);
     }
 
+    /// How many rays were traced after all others in the last step, of chords in pairs that had no
+    /// contact.
+    std::uint32_t late_rays() const { return late_rays_; }
     /// How many inside tests of parts were traced in the last step.
     std::uint32_t inside_tests() const { return inside_tests_; }
     /// How many pairs of the last step overlap without a contact along an inward ray.
@@ -273,7 +278,7 @@ private:
     PairMarks<E> marks_;
     PartLists<E> parts_;
     StrandedLists<E> stranded_;
-    std::uint32_t inside_tests_ = 0, deep_count_ = 0;
+    std::uint32_t late_rays_ = 0, inside_tests_ = 0, deep_count_ = 0;
 };
 
 }  // namespace pierce
