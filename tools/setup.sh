@@ -1,7 +1,7 @@
 # Shared by run-demo and run-tests: packages of Debian 12 and Ubuntu 24.04, and building with a preset.
 
 packages=(g++ cmake ninja-build pkg-config
-          libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev
+          libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev libfcl-dev
           libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo gnuplot-nox
           libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev)
 

@@ -94,7 +94,8 @@ private:
 
     /// True if the course of steps does not depend on what they find.
     bool can_repeat(const Plan& plan) const {
-        return options_.graph && !options_.rebuild && !plan.misses_no_overlap() && !plan.meets_itself;
+        return options_.graph && !options_.rebuild && !plan.misses_no_overlap() &&
+               !plan.meets_itself;
     }
 
     void restart() {

@@ -232,8 +232,9 @@ TEST_P(CoverageTest, OverlapsAreThoseOfCompleteCoverageWithoutEdgesBesideVertice
             ++by_vertices;
             fewer += std::erase_if(expected, [](const Contact& c) { return c.is_edge(); }) > 0;
         } else {
-            by_edges += std::ranges::any_of(
-                expected, [](const Contact& c) { return c.is_edge() && c.found != Found::separation; });
+            by_edges += std::ranges::any_of(expected, [](const Contact& c) {
+                return c.is_edge() && c.found != Found::separation;
+            });
             separated += std::ranges::any_of(
                 expected, [](const Contact& c) { return c.found == Found::separation; });
         }

@@ -61,8 +61,7 @@ std::string name_of(const Case& c, Coverage coverage, Temporal temporal) {
     static constexpr const char* memories[] = {"off", "paper", "certified"};
     static constexpr const char* coverages[] = {"vertices ", "complete ", "overlaps "};
     return std::string(c.scene) + (c.soft ? " soft " : " rigid ") +
-           coverages[static_cast<int>(coverage)] +
-           memories[static_cast<int>(temporal)];
+           coverages[static_cast<int>(coverage)] + memories[static_cast<int>(temporal)];
 }
 
 std::map<std::string, std::string> golden() {
@@ -81,8 +80,7 @@ TEST(GoldenTest, ContactsAreWhatTheyWere) {
     if (writes) file.open(PIERCE_GOLDEN);
     for (const Case& c : cases) {
         const Recording recording = record(c);
-        for (const Coverage coverage :
-             {Coverage::vertices, Coverage::overlaps, Coverage::complete})
+        for (const Coverage coverage : {Coverage::vertices, Coverage::overlaps, Coverage::complete})
             for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified}) {
                 const Settings settings{
                     .coverage = coverage, .temporal = temporal, .may_rest = false};

@@ -49,8 +49,7 @@ public:
 private:
     void choose_settings() {
         Settings& s = program_.settings;
-        s.coverage = choices_.pick(
-            {Coverage::vertices, Coverage::overlaps, Coverage::complete});
+        s.coverage = choices_.pick({Coverage::vertices, Coverage::overlaps, Coverage::complete});
         s.reproject = choices_.one_in(3);
         s.temporal = choices_.pick(
             {Temporal::certified, Temporal::certified, Temporal::off, Temporal::paper});

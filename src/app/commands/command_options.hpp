@@ -88,7 +88,7 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
 inline void add_detection(CLI::App& command, DetectionOptions& options) {
     command
         .add_option("--method", options.method,
-                    "rays, gjk-epa, gjk-hull, gimpact or bullet-clusters")
+                    "rays, gjk-epa, gjk-hull, gimpact, fcl or bullet-clusters")
         ->capture_default_str();
     add_rays(command, options.rays);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")

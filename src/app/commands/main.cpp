@@ -131,8 +131,8 @@ void add_compare(CLI::App& app, int& code) {
     command->add_option("folder", options->folder, "folder with scene.json")->required();
     command
         ->add_option("--methods", options->methods,
-                     "full, walk, walk-predict, certified, complete, reprojected, gjk-hull, "
-                     "gjk-epa, gimpact; all if not given")
+                     "full, walk, walk-predict, certified, overlaps, complete, reprojected, "
+                     "gjk-hull, gjk-epa, gimpact, fcl; all if not given")
         ->delimiter(',');
     command->add_option("--threads", options->threads, "threads for rays")
         ->capture_default_str()

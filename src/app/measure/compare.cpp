@@ -25,7 +25,8 @@ std::span<const ComparedMethod> compared_methods() {
         {"reprojected", Method::rays, {.coverage = Coverage::complete, .reproject = true}},
         {"gjk-hull", Method::gjk_hull, {}},
         {"gjk-epa", Method::gjk_epa, {}},
-        {"gimpact", Method::gimpact, {}}};
+        {"gimpact", Method::gimpact, {}},
+        {"fcl", Method::fcl, {}}};
     return methods;
 }
 

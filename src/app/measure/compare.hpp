@@ -20,8 +20,8 @@ struct ComparedMethod {
     Settings settings;
 };
 
-/// All there are: full, walk, walk-predict, certified, complete, reprojected, gjk-hull, gjk-epa,
-/// gimpact.
+/// All there are: full, walk, walk-predict, certified, overlaps, complete, reprojected, gjk-hull,
+/// gjk-epa, gimpact, fcl.
 std::span<const ComparedMethod> compared_methods();
 
 /// Throws InputError for an unknown name.

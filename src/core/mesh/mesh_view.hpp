@@ -203,9 +203,7 @@ struct MeshView : MeshArrays<ConstView>, MeshShape {
     /// nothing is known.
     PIERCE_HD ClearanceGridView clearance() const { return {clearance_at, clearance_steps}; }
     /// Where the rest shape's surface is and which way it faces, cell by cell of clearance().
-    PIERCE_HD SlabGridView slabs_by_cell() const {
-        return {clearance_at, slab_cells, slabs};
-    }
+    PIERCE_HD SlabGridView slabs_by_cell() const { return {clearance_at, slab_cells, slabs}; }
 };
 
 }  // namespace pierce

@@ -27,8 +27,8 @@ static_assert(sizeof(CellSlab) == 8);
 
 /// A cell of a clearance grid: its clearance, and where its slab is.
 struct SlabCell {
-    std::uint32_t steps : 8;   ///< as in ClearanceGridView
-    std::uint32_t slab : 24;   ///< 0 is the slab of a cell without a surface near
+    std::uint32_t steps : 8;  ///< as in ClearanceGridView
+    std::uint32_t slab : 24;  ///< 0 is the slab of a cell without a surface near
 };
 static_assert(sizeof(SlabCell) == 4);
 
@@ -57,7 +57,8 @@ struct SlabGridView : ClearanceGridLayout {
         float gap = INFINITY;
         if (!is_within(from) || !is_within(to)) {
             gap = static_cast<float>(constants::slab_reach - constants::slab_rounding);
-            if (!clip(from, to)) return {cell * static_cast<double>(gap), cell * static_cast<double>(gap)};
+            if (!clip(from, to))
+                return {cell * static_cast<double>(gap), cell * static_cast<double>(gap)};
         }
         const Vec3f begin = to_float(from), way = to_float(to - from);
         const float reach = length(way);
@@ -65,7 +66,7 @@ struct SlabGridView : ClearanceGridLayout {
         while (constants::slab_part * Four::count * fours < static_cast<double>(reach) &&
                fours < constants::slab_fours_most)
             fours *= 2;
-        const Parts parts{begin, way, reach, 1.0f / static_cast<float>(fours * Four::count), *this};
+        const Parts parts(begin, way, reach, 1.0f / static_cast<float>(fours * Four::count), *this);
         if (!(parts.most > 0)) return {};
         float once[2] = {gap, gap};
         for (std::uint32_t k = 0; k < fours; ++k) {
@@ -130,15 +131,15 @@ private:
                 normals.word[k] = words[0];
                 heights.word[k] = words[1];
             }
-            const FourVec3 n{Four(unit) * normals.field<0, 8>(), Four(unit) * normals.field<8, 8>(),
-                             Four(unit) * normals.field<16, 8>()};
+            const Four x = normals.field<0, 8>(), y = normals.field<8, 8>(),
+                       z = normals.field<16, 8>();
+            const FourVec3 n = FourVec3{x, y, z} * Four(unit);
             const Four sine = Four(unit) * normals.field<24, 8>(),
                        low = Four(height_unit) * heights.field<0, 16>(),
                        high = Four(height_unit) * heights.field<16, 16>();
             const Four middle = 0.5f;
             const FourVec3 q{p.x - cell.x - middle, p.y - cell.y - middle, p.z - cell.z - middle};
-            const Four height = dot(n, q),
-                       slope = dot(n, FourVec3{step.x, step.y, step.z}),
+            const Four height = dot(n, q), slope = dot(n, FourVec3{step.x, step.y, step.z}),
                        steep = abs_of(slope);
             const Four apart = max_of(height - high, low - height) - Four(0.5f) * steep -
                                Four(rounding);
@@ -154,8 +155,7 @@ private:
         }
 
         PIERCE_HD Four cell_of(Four p, int axis) const {
-            return whole_part_of(
-                min_of(max_of(p, 0), static_cast<float>(grid.size[axis]) - 1.0f));
+            return whole_part_of(min_of(max_of(p, 0), static_cast<float>(grid.size[axis]) - 1.0f));
         }
     };
 

@@ -9,7 +9,8 @@
 namespace pierce {
 namespace {
 
-/// How far from the middle of a cell a slab holds the surface [cell]. Places are rounded, here, too.
+/// How far from the middle of a cell a slab holds the surface [cell]. Places are rounded, here,
+/// too.
 constexpr double reach = 0.5 + constants::slab_reach + constants::slab_rounding;
 
 /// A place in the list of slabs fits into these bits of a SlabCell: there are fewer cells.
@@ -21,9 +22,9 @@ static_assert((constants::grid_resolution + 2) * (constants::grid_resolution + 2
 /// A triangle in cells of the grid.
 struct GridTriangle {
     std::array<Vec3d, 3> corner;
-    Vec3d normal;  ///< unit; zero if the triangle has none
+    Vec3d normal;                             ///< unit; zero if the triangle has none
     std::array<std::int32_t, 3> first, last;  ///< cells that it is near, by its box
-    bool is_small = false;  ///< not worth clipping
+    bool is_small = false;                    ///< not worth clipping
 };
 
 /// A convex polygon: a triangle clipped by up to six planes.

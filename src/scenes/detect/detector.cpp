@@ -8,6 +8,7 @@
 #include "pierce/contact_hash.hpp"
 #include "pierce/error.hpp"
 #include "scenes/detect/bullet_result.hpp"
+#include "scenes/detect/fcl_detector.hpp"
 #include "scenes/detect/soft_sheet.hpp"
 
 namespace pierce::scenes {
@@ -283,6 +284,8 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method,
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_hull);
         case Method::gimpact:
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gimpact);
+        case Method::fcl:
+            return make_fcl_detector(scene);
         case Method::bullet_clusters:
             return std::make_unique<ClusterDetector>(scene);
     }

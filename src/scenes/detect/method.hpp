@@ -23,14 +23,16 @@ enum class Method : std::uint8_t {
     gjk_epa,
     gjk_hull,
     gimpact,
+    fcl,
     bullet_clusters,  ///< for sheets: Bullet's own method for soft bodies that meet themselves
 };
 
-inline constexpr std::array<std::pair<const char*, Method>, 5> method_names = {
+inline constexpr std::array<std::pair<const char*, Method>, 6> method_names = {
     {{"rays", Method::rays},
      {"gjk-epa", Method::gjk_epa},
      {"gjk-hull", Method::gjk_hull},
      {"gimpact", Method::gimpact},
+     {"fcl", Method::fcl},
      {"bullet-clusters", Method::bullet_clusters}}};
 
 /// Throws InputError for an unknown name.

@@ -236,6 +236,7 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         throw InputError(
             "soft bodies are simulated with rays only, sheets also with bullet-clusters");
     if (by_clusters && !any_sheet) throw InputError("bullet-clusters is for sheets");
+    if (method == Method::fcl) throw InputError("fcl detects contacts; it does not simulate");
 
     btCollisionConfiguration* configuration = &s.rigid_configuration;
     if (method == Method::rays) {

@@ -87,7 +87,8 @@ TEST_F(CompareCommandTest, ComparesAllMethodsThatCanServe) {
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr("2 of them with the truth, 2 threads\n"));
     for (const char* name :
-         {"full", "walk", "walk-predict", "certified", "complete", "reprojected", "gimpact"})
+         {"full", "walk", "walk-predict", "certified", "overlaps", "complete", "reprojected",
+          "gimpact"})
         EXPECT_THAT(outcome.text, HasSubstr("\n  " + std::string(name) + " ")) << name;
     for (const char* name : {"gjk-hull", "gjk-epa"})
         EXPECT_THAT(outcome.text,
@@ -104,8 +105,8 @@ TEST_F(CompareCommandTest, RefusesWhatItCannotCompare) {
     const std::string motion = "compare " + path("motion");
     expect_refused(motion + " --methods full,sat",
                    "unknown method 'sat'; there are: full, walk, walk-predict, certified, "
-                   "complete, reprojected, gjk-hull, "
-                   "gjk-epa, gimpact");
+                   "overlaps, complete, reprojected, gjk-hull, "
+                   "gjk-epa, gimpact, fcl");
     expect_refused(motion + " --threads 0", "--threads");
     expect_refused(motion + " --every 0", "--every");
     expect_refused(motion + " --json /nowhere/x.json", "/nowhere/x.json");

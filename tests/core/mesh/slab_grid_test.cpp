@@ -28,7 +28,8 @@ struct Corners {
 /// The sign of the crossing of the line through a segment, where it lies within the segment; 0 if
 /// they do not cross.
 double crossing_sign(Vec3d from, Vec3d to, const Corners& t) {
-    const Crossing crossing = cross_triangle(ShearedRay(from, normalized(to - from)), t.a, t.b, t.c);
+    const Crossing crossing = cross_triangle(ShearedRay(from, normalized(to - from)), t.a, t.b,
+                                             t.c);
     if (crossing.kind != Crossing::transversal) return 0;
     return crossing.t >= 0 && crossing.t <= length(to - from) ? crossing.sign : 0;
 }
@@ -76,8 +77,8 @@ TEST(SlabGridTest, WhatSlabsSayIsTrueOfAllTriangles) {
         for (int i = 0; i < 250 && !HasFailure(); ++i) {
             const double size = extent * std::exp(random.uniform(-6, 1));
             // Near a corner of a triangle, as most are away from the surface otherwise.
-            const Triangle& near = view.triangles[random.integer(
-                0, static_cast<int>(view.triangles.size) - 1)];
+            const Triangle&
+                near = view.triangles[random.integer(0, static_cast<int>(view.triangles.size) - 1)];
             const Vec3d middle = to_double(view.positions[near.vertex[0]]) +
                                  random.in_box(0.5 * size + 0.03 * extent),
                         way = size * random.unit_vector(), a = middle - 0.5 * way,

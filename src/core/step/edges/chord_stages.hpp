@@ -13,7 +13,7 @@
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// edges, third part: which parts of the edges are inside the other body (their chords), and a ray
+/// edges, fourth part: which parts of the edges are inside the other body (their chords), and a ray
 /// from the middle of each.
 namespace pierce::stages {
 
@@ -113,53 +113,6 @@ private:
     NearTriangles near_;
 };
 
-/// True for edges that may cross more than one triangle: no proof to the contrary holds. Of the
-/// other edges, marks the pairs of those that may cross one. Pairs in which nothing has moved are
-/// not asked.
-struct MayCross {
-    View<const BodyView> bodies;
-    View<const DirectedPair> directed;
-    View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
-    View<NearEdge> near;
-    View<std::uint32_t> crossed_pairs;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const {
-        NearEdge& edge = near[i];
-        const DirectedPair& d = directed[edge.directed];
-        if (d.still) return false;
-        if (!(edge.expiry > d.odometer)) {
-            if (!(edge.room > 0) || of_pairs.size == 0) return true;
-            const double left = static_cast<double>(edge.room) -
-                                way_from(of_pairs[edge.directed].anchor, bodies, d, edge.edge);
-            if (!(left > 0)) return true;
-            edge.expiry = d.odometer + static_cast<float>(left);
-        }
-        if (edge.crosses != no_triangle) atomic_mark(crossed_pairs[edge.directed / 2]);
-        return false;
-    }
-};
-
-/// True for pairs that have no contact with a depth so far although a vertex is inside and an edge
-/// may cross a triangle.
-struct IsCrossed {
-    View<const std::uint32_t> crossed, has_depth;
-    View<const std::uint32_t> reached;  ///< empty if not all vertices were looked at
-
-    PIERCE_HD bool operator()(std::uint32_t pair) const {
-        return crossed[pair] && !has_depth[pair] && (reached.size == 0 || reached[pair]);
-    }
-};
-
-/// True for edges of such pairs, if they may cross a triangle.
-struct MayCrossOne {
-    View<const NearEdge> near;
-    IsCrossed is_crossed;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const {
-        return near[i].crosses != no_triangle && is_crossed(near[i].directed / 2);
-    }
-};
-
 /// Which chords of an edge are wanted.
 enum class Chords : std::uint8_t {
     within,   ///< those that begin and end within the edge
@@ -243,6 +196,8 @@ private:
         };
         // Chords at ends are asked for after chords within edges, in the same step: by then it is
         // known if an edge may cross only one triangle, and which.
+        // An executor may call find() twice: what the first call has noted, the second one reads.
+        if (wanted == Chords::at_ends && item.crosses == no_triangle) return;
         const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
         if (!is_known) {
             const SegmentProof proof = proof_of(target, placed);

@@ -6,6 +6,7 @@
 #include "core/device/view.hpp"
 #include "core/step/common/bounds.hpp"
 #include "core/step/common/step_tools.hpp"
+#include "core/step/edges/asked_edges.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/edge_cull.hpp"
 #include "core/step/edges/edge_lists.hpp"
@@ -51,18 +52,12 @@ public:
                                                             .routes = view_of(routes)});
     }
 
-    /// For pairs in which a vertex is inside (`reached`) and that have no contact with a depth so
-    /// far: appends the chords that hold an end of their edge, and their sources. In other pairs no
-    /// end is inside, or these ends are in contact already, or near something that is. Steps that do
-    /// not look at every vertex cannot tell where one is inside.
+    /// For pairs that have no contact with a depth so far: appends the chords that hold an end of
+    /// their edge, and their sources. In other pairs these ends are in contact already, or near
+    /// something that is.
     void add_chords_at_ends(const Scene& scene, View<const stages::DirectedPair> directed,
-                            View<const std::uint32_t> reached, View<const std::uint32_t> has_depth,
-                            Buffer<RaySource>& sources) {
-        const bool sees_all = scene.plan->settings.temporal != Temporal::paper;
-        const stages::IsCrossed is_crossed{
-            .crossed = view_of(std::as_const(crossed_)),
-            .has_depth = has_depth,
-            .reached = sees_all ? reached : View<const std::uint32_t>{}};
+                            View<const std::uint32_t> has_depth, Buffer<RaySource>& sources) {
+        const stages::IsCrossed is_crossed{view_of(std::as_const(crossed_)), has_depth};
         const std::uint32_t pairs = tools_.list(ListId::crossed_pairs, directed.size / 2,
                                                 is_crossed, scratch_.places);
         if (pairs == 0) return;
@@ -229,11 +224,12 @@ private:
     void cull(const Scene& scene, View<const stages::DirectedPair> directed,
               View<const std::uint32_t> has_depth) {
         const bool remembers = scene.plan->remembers();
-        executor_.emit(
-            ListId::edge_blocks, Count{directed.size},
-            stages::ListEdgeBlocks{scene.bodies, directed, view_of(std::as_const(now_.of_pairs)),
-                                   has_depth},
-            near_.blocks);
+        executor_.emit(ListId::edge_blocks, Count{directed.size},
+                       stages::ListEdgeBlocks{.bodies = scene.bodies,
+                                              .directed = directed,
+                                              .of_pairs = view_of(std::as_const(now_.of_pairs)),
+                                              .has_depth = has_depth},
+                       near_.blocks);
         executor_.emit(ListId::edge_groups, count_of(near_.blocks),
                        stages::CullEdgeBlock{.bodies = scene.bodies,
                                              .directed = directed,

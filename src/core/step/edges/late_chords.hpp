@@ -50,17 +50,16 @@ public:
         const View<Meeting> meetings{batch.meetings.data() + begin, count};
         tools_.update(scene.bodies, count, rays);
         tools_.tracer.closest_hits(executor_, scene.bodies, count, rays, hits);
-        executor_.emit(
-            ListId::candidates, count,
-            stages::GenerateOwnRays{.inside_target = {.bodies = scene.bodies,
-                                                      .rays = rays,
-                                                      .hits = hits,
-                                                      .routes = {},
-                                                      .meetings = meetings},
-                                    .pairs = pairs,
-                                    .chords = chords,
-                                    .sources = {batch.sources.data() + begin, count}},
-            candidates_, own_rays_, starts_inside_);
+        executor_.emit(ListId::candidates, count,
+                       stages::GenerateOwnRays{.inside_target = {.bodies = scene.bodies,
+                                                                 .rays = rays,
+                                                                 .hits = hits,
+                                                                 .routes = {},
+                                                                 .meetings = meetings},
+                                               .pairs = pairs,
+                                               .chords = chords,
+                                               .sources = {batch.sources.data() + begin, count}},
+                       candidates_, own_rays_, starts_inside_);
         const auto found = static_cast<std::uint32_t>(candidates_.size()),
                    before = static_cast<std::uint32_t>(batch.candidates.size());
         if (found == 0) return;

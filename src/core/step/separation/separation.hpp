@@ -53,9 +53,8 @@ public:
 
 private:
     /// Which pairs have something inside so far, a contact, a contact with a depth.
-    void mark(View<const Pair> pairs,
-              View<const stages::DirectedPair> directed, const EdgeChords<E, T>& edges,
-              RayBatch<E>& batch) {
+    void mark(View<const Pair> pairs, View<const stages::DirectedPair> directed,
+              const EdgeChords<E, T>& edges, RayBatch<E>& batch) {
         executor_.assign(marks_.reached, pairs.size, 0u);
         executor_.assign(marks_.touching, pairs.size, 0u);
         executor_.assign(marks_.has_depth, pairs.size, 0u);
@@ -209,8 +208,7 @@ private:
         executor_.for_each(count,
                            stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
                                                    view_of(stranded_.of_chords)});
-        edges.add_chords_at_ends(scene, directed, view_of(marks_.reached), view_of(marks_.has_depth),
-                                 stranded_.of_chords);
+        edges.add_chords_at_ends(scene, directed, view_of(marks_.has_depth), stranded_.of_chords);
     }
 
     /// Lists the chords that are inside by more than rounding, of pairs without a contact.

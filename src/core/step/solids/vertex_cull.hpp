@@ -327,7 +327,8 @@ struct CullVertices {
             const std::uint32_t all = first_bits(patch_length(source.mesh, p));
             record.mask = Share::of_all(balls.near) & all;
             if (temporal == Temporal::certified) {
-                record.expiry = d.odometer + Share::least_of_all(balls.least_gap(all & ~record.mask));
+                record.expiry = d.odometer +
+                                Share::least_of_all(balls.least_gap(all & ~record.mask));
                 if (record.mask == 0 && Share::first() == 0)
                     block_records[block_offsets[patches[i].directed] + p / constants::block_size]
                         .expiry[p % constants::block_size] = record.expiry;
@@ -373,7 +374,6 @@ private:
         return {patch.directed / 2, vertices[patch_begin(patch.index) + k],
                 static_cast<std::uint8_t>(patch.directed % 2)};
     }
-
 };
 
 static_assert(constants::patch_size == AllOfSixteen::count &&

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/body/body_view.hpp"
+#include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
+#include "core/step/common/records.hpp"
+#include "core/step/edges/near_edges.hpp"
+#include "core/step/solids/directed_pair.hpp"
+
+/// edges, third part: which near edges are asked for chords.
+namespace pierce::stages {
+
+/// True for edges that may cross more than one triangle: no proof to the contrary holds. Of the
+/// other edges, marks the pairs of those that may cross one. Pairs in which nothing has moved are
+/// not asked.
+struct MayCross {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
+    View<NearEdge> near;
+    View<std::uint32_t> crossed_pairs;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        NearEdge& edge = near[i];
+        const DirectedPair& d = directed[edge.directed];
+        if (d.still) return false;
+        if (!(edge.expiry > d.odometer)) {
+            if (!(edge.room > 0) || of_pairs.size == 0) return true;
+            const double left = static_cast<double>(edge.room) -
+                                way_from(of_pairs[edge.directed].anchor, bodies, d, edge.edge);
+            if (!(left > 0)) return true;
+            edge.expiry = d.odometer + static_cast<float>(left);
+        }
+        if (edge.crosses != no_triangle) atomic_mark(crossed_pairs[edge.directed / 2]);
+        return false;
+    }
+};
+
+/// True for pairs that have no contact with a depth so far although an edge may cross a triangle.
+struct IsCrossed {
+    View<const std::uint32_t> crossed, has_depth;
+
+    PIERCE_HD bool operator()(std::uint32_t pair) const {
+        return crossed[pair] && !has_depth[pair];
+    }
+};
+
+/// True for edges of such pairs, if they may cross a triangle.
+struct MayCrossOne {
+    View<const NearEdge> near;
+    IsCrossed is_crossed;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return near[i].crosses != no_triangle && is_crossed(near[i].directed / 2);
+    }
+};
+
+}  // namespace pierce::stages
