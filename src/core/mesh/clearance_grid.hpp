@@ -57,11 +57,13 @@ struct ClearanceGrid {
     std::vector<std::uint8_t> steps;
 };
 
-/// Builds the grid of a closed surface: cells a triangle may touch are marked, the outside is
-/// flooded from the border, and every outside cell gets the gap to the nearest cell that is not
-/// outside (separable exact distance transform, after Felzenszwalb and Huttenlocher 2012, with
-/// cells as cubes so that the bound holds for all their points).
+/// Builds the grid of a closed surface, with `resolution` cells along its longest side: cells a
+/// triangle may touch are marked, the outside is flooded from the border, and every outside cell
+/// gets the gap to the nearest cell that is not outside (separable exact distance transform, after
+/// Felzenszwalb and Huttenlocher 2012, with cells as cubes so that the bound holds for all their
+/// points).
 ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
-                                   std::span<const Triangle> triangles);
+                                   std::span<const Triangle> triangles,
+                                   std::uint32_t resolution = constants::grid_resolution);
 
 }  // namespace pierce

@@ -193,6 +193,7 @@ struct MeshShape {
     Vec3d centroid;                    ///< mean of the rest positions
     double mean_edge_length = 0;       ///< [length]
     ClearanceGridLayout clearance_at;  ///< of clearance()
+    ClearanceGridLayout slabs_at;      ///< of slabs_by_cell()
     bool closed = false;
     bool simple = false;  ///< one closed surface that does not meet itself and is not inside out
 };
@@ -202,8 +203,8 @@ struct MeshView : MeshArrays<ConstView>, MeshShape {
     /// A lower bound of the distance of points to the rest shape; of a mesh that is not closed
     /// nothing is known.
     PIERCE_HD ClearanceGridView clearance() const { return {clearance_at, clearance_steps}; }
-    /// Where the rest shape's surface is and which way it faces, cell by cell of clearance().
-    PIERCE_HD SlabGridView slabs_by_cell() const { return {clearance_at, slab_cells, slabs}; }
+    /// Where the rest shape's surface is and which way it faces, cell by cell of a coarser grid.
+    PIERCE_HD SlabGridView slabs_by_cell() const { return {slabs_at, slab_cells, slabs}; }
 };
 
 }  // namespace pierce

@@ -12,7 +12,7 @@
 
 namespace pierce {
 
-/// Two parallel planes around the part of a surface that is near a cell of a clearance grid, and a
+/// Two parallel planes around the part of a surface that is near a cell of a regular grid, and a
 /// cone around its normals. Near is what the cell reaches when it grows by constants::slab_reach on
 /// every side. Heights are relative to the cell's middle, along the normal.
 struct CellSlab {
@@ -25,7 +25,7 @@ struct CellSlab {
 };
 static_assert(sizeof(CellSlab) == 8);
 
-/// A cell of a clearance grid: its clearance, and where its slab is.
+/// A cell of such a grid: its clearance, and where its slab is.
 struct SlabCell {
     std::uint32_t steps : 8;  ///< as in ClearanceGridView
     std::uint32_t slab : 24;  ///< 0 is the slab of a cell without a surface near
@@ -43,7 +43,8 @@ struct SegmentProof {
     PIERCE_HD bool prefers_once() const { return once > constants::edge_once_pays * gap; }
 };
 
-/// The slabs of a closed surface, looked up in the cells of its clearance grid.
+/// The slabs of a closed surface, looked up in the cells of a clearance grid that is coarser than
+/// the one for vertices.
 struct SlabGridView : ClearanceGridLayout {
     View<const SlabCell> cells;  ///< x fastest; empty: nothing is known
     View<const CellSlab> slabs;

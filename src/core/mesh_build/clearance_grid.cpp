@@ -20,12 +20,12 @@ struct Cells {
     }
 };
 
-Cells make_cells(const Box& solid) {
+Cells make_cells(const Box& solid, std::uint32_t resolution) {
     Cells cells;
     const Vec3d size = solid.upper - solid.lower;
     const double longest = std::max({size.x, size.y, size.z});
     // Two of the cells form the border, so that the outside is connected all around.
-    cells.layout.cell = longest / (constants::grid_resolution - 2);
+    cells.layout.cell = longest / (resolution - 2);
     const double h = cells.layout.cell;
     cells.layout.per_length = 1.0 / h;
     cells.layout.step = h / constants::clearance_steps_per_cell;
@@ -156,13 +156,14 @@ std::vector<Gap> squared_gaps(const Cells& cells) {
 }  // namespace
 
 ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
-                                   std::span<const Triangle> triangles) {
+                                   std::span<const Triangle> triangles,
+                                   std::uint32_t resolution) {
     Box solid;
     for (const Triangle& t : triangles)
         for (std::uint32_t v : t.vertex) solid.extend(to_double(positions[v]));
     if (!(solid.extent() > 0)) return {};
 
-    Cells cells = make_cells(solid);
+    Cells cells = make_cells(solid, resolution);
     for (const Triangle& t : triangles)
         mark_triangle(cells, to_double(positions[t.vertex[0]]), to_double(positions[t.vertex[1]]),
                       to_double(positions[t.vertex[2]]));

@@ -126,7 +126,10 @@ void Mesh::Parts::measure_solid() {
                   });
     arrays.star_clearance = star_clearance(view);
     ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
-    SlabGrid slabs = build_slab_grid(clearance, arrays.positions, arrays.triangles);
+    const ClearanceGrid coarse = build_clearance_grid(arrays.positions, arrays.triangles,
+                                                      constants::slab_resolution);
+    SlabGrid slabs = build_slab_grid(coarse, arrays.positions, arrays.triangles);
+    view.slabs_at = coarse.layout;
     arrays.slab_cells = std::move(slabs.cells);
     arrays.slabs = std::move(slabs.slabs);
     arrays.clearance_steps = std::move(clearance.steps);

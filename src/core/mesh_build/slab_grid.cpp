@@ -15,8 +15,8 @@ constexpr double reach = 0.5 + constants::slab_reach + constants::slab_rounding;
 
 /// A place in the list of slabs fits into these bits of a SlabCell: there are fewer cells.
 constexpr std::uint32_t slab_bits = (1u << 24) - 1;
-static_assert((constants::grid_resolution + 2) * (constants::grid_resolution + 2) *
-                  (constants::grid_resolution + 2) <
+static_assert((constants::slab_resolution + 2) * (constants::slab_resolution + 2) *
+                  (constants::slab_resolution + 2) <
               slab_bits);
 
 /// A triangle in cells of the grid.

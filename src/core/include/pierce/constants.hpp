@@ -136,7 +136,7 @@ inline constexpr double edge_once_pays = 2;
 
 /// Slabs are not asked for more than what is known of an edge that is this far beyond the box
 /// around its target [cell].
-inline constexpr double edge_beyond_enough = 0.25;
+inline constexpr double edge_beyond_enough = 0.125;
 
 /// How deep both bodies must be where an edge inside the other body gives the pair its only
 /// contacts [touch tolerance].
@@ -168,7 +168,10 @@ inline constexpr std::uint32_t grid_resolution = 64;
 /// Clearance is stored in one byte, in steps of this part of a cell [1 / cell].
 inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 
-/// How far from a cell of a clearance grid its slab still holds the surface [cell].
+/// Cells along the longest side of a grid of slabs.
+inline constexpr std::uint32_t slab_resolution = 34;
+
+/// How far from a cell of a grid its slab still holds the surface [cell].
 inline constexpr double slab_reach = 1;
 
 /// A segment is looked at in parts no longer than this [cell], if so many times four are enough.
