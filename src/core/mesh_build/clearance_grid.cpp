@@ -156,8 +156,7 @@ std::vector<Gap> squared_gaps(const Cells& cells) {
 }  // namespace
 
 ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
-                                   std::span<const Triangle> triangles,
-                                   std::uint32_t resolution) {
+                                   std::span<const Triangle> triangles, std::uint32_t resolution) {
     Box solid;
     for (const Triangle& t : triangles)
         for (std::uint32_t v : t.vertex) solid.extend(to_double(positions[v]));

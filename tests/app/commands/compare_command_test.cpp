@@ -86,9 +86,8 @@ TEST_F(CompareCommandTest, ComparesAllMethodsThatCanServe) {
     const Outcome outcome = compare("--every 6 --threads 2");
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr("2 of them with the truth, 2 threads\n"));
-    for (const char* name :
-         {"full", "walk", "walk-predict", "certified", "overlaps", "complete", "reprojected",
-          "gimpact"})
+    for (const char* name : {"full", "walk", "walk-predict", "certified", "overlaps", "complete",
+                             "reprojected", "gimpact"})
         EXPECT_THAT(outcome.text, HasSubstr("\n  " + std::string(name) + " ")) << name;
     for (const char* name : {"gjk-hull", "gjk-epa"})
         EXPECT_THAT(outcome.text,

@@ -95,8 +95,7 @@ PIERCE_HD inline SegmentProof proof_of(const BodyView& target, const PlacedEdge&
         beyond = max_of(max_of(box.lower[r] - max_of(edge.a[r], edge.b[r]),
                                min_of(edge.a[r], edge.b[r]) - box.upper[r]),
                         beyond);
-    if (beyond > constants::edge_beyond_enough * target.mesh.slabs_at.cell)
-        return {beyond, beyond};
+    if (beyond > constants::edge_beyond_enough * target.mesh.slabs_at.cell) return {beyond, beyond};
     const SegmentProof proof = target.mesh.slabs_by_cell().along(edge.a, edge.b);
     return {max_of(proof.gap, beyond), max_of(proof.once, beyond)};
 }
