@@ -123,8 +123,8 @@ private:
                 once[1] = min_of(clear, once[1]);
                 return;
             }
-            FourWords normals, heights;
-            Four steps;
+            FourWords normals{}, heights{};
+            Four steps = 0;
             for (std::uint32_t k = 0; k < Four::count; ++k) {
                 steps.set(k, static_cast<float>(found[k].steps));
                 std::uint32_t words[2];
