@@ -22,9 +22,9 @@ static_assert((constants::slab_resolution + 2) * (constants::slab_resolution + 2
 /// A triangle in cells of the grid.
 struct GridTriangle {
     std::array<Vec3d, 3> corner;
-    Vec3d normal;                             ///< unit; zero if the triangle has none
-    std::array<std::int32_t, 3> first, last;  ///< cells that it is near, by its box
-    bool is_small = false;                    ///< not worth clipping
+    Vec3d normal;                                 ///< unit; zero if the triangle has none
+    std::array<std::int32_t, 3> first{}, last{};  ///< cells that it is near, by its box
+    bool is_small = false;                        ///< not worth clipping
 };
 
 /// A convex polygon: a triangle clipped by up to six planes.
