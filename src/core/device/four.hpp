@@ -103,6 +103,7 @@ struct Four {
     }
 #endif
 
+    /// The smallest of the four.
     PIERCE_HD friend float least_of(Four a) {
         const float one = a[2] < a[0] ? a[2] : a[0], other = a[3] < a[1] ? a[3] : a[1];
         return one < other ? one : other;

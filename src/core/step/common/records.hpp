@@ -94,7 +94,7 @@ struct VertexRecord {
 
 static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
 
-/// Stands for any triangles, no matter which and how many.
+/// Stands for any triangles: it is not known which. How many, the edge's proof says.
 inline constexpr std::uint32_t some_triangle = no_triangle - 1;
 
 /// The triangles near an edge: 44 bytes. All others are so far away that they stay away until the
@@ -115,7 +115,8 @@ struct NearEdge {
     float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this
     float room = 0;    ///< [length] and as long as both its ends are closer than this to where the
                        ///< pair's anchor has them
-    std::uint32_t crosses = some_triangle;  ///< the triangle that it may cross until then
+    std::uint32_t crosses = some_triangle;  ///< the triangle that it may cross until then; or
+                                            ///< some_triangle, if it is not known which
     NearTriangles triangles;
 };
 static_assert(sizeof(NearEdge) == 64);

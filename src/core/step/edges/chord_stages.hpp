@@ -196,7 +196,7 @@ private:
         };
         // Chords at ends are asked for after chords within edges, in the same step: by then it is
         // known if an edge may cross only one triangle, and which.
-        // An executor may call find() twice: what the first call has noted, the second one reads.
+        // An executor may call find() twice: the second call reads what the first one has noted.
         if (wanted == Chords::at_ends && item.crosses == no_triangle) return;
         const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
         if (!is_known) {
