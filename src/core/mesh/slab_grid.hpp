@@ -57,6 +57,7 @@ struct SlabGridView : ClearanceGridLayout {
         // Outside of the grid the surface is at least a cell away.
         float gap = INFINITY;
         if (!is_within(from) || !is_within(to)) {
+            if (!is_close(from) || !is_close(to)) return {};
             gap = static_cast<float>(constants::slab_reach - constants::slab_rounding);
             if (!clip(from, to))
                 return {cell * static_cast<double>(gap), cell * static_cast<double>(gap)};
@@ -162,6 +163,12 @@ private:
 
     PIERCE_HD bool is_within(Vec3d p) const {
         return p.x > 0 && p.x < size[0] && p.y > 0 && p.y < size[1] && p.z > 0 && p.z < size[2];
+    }
+
+    /// True if clipping a segment that ends here rounds less than float32 does [cell].
+    PIERCE_HD static bool is_close(Vec3d p) {
+        return std::fabs(p.x) < constants::slab_far && std::fabs(p.y) < constants::slab_far &&
+               std::fabs(p.z) < constants::slab_far;
     }
 
     /// Leaves the part of a segment that is in the grid [cell]; false if there is none.

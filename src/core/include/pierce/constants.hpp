@@ -182,6 +182,10 @@ inline constexpr std::uint32_t slab_fours_most = 8;
 /// eight roundings of float32 by half an ulp each lead to one.
 inline constexpr double slab_rounding = 0x1p-14;
 
+/// Of a segment that ends further away than this, slabs tell nothing [cell]: clipping it to the
+/// grid would round by more than 2^-20 of a cell.
+inline constexpr double slab_far = 0x1p30;
+
 /// A slab's planes are stored in steps of this part of a cell [1 / cell], its normal in steps of
 /// this part of its length.
 inline constexpr double slab_units = 0x1p12;
