@@ -6,6 +6,7 @@
 #include <random>
 
 #include "app/measure/compare.hpp"
+#include "app/measure/method_looks.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/progress.hpp"
 #include "scenes/measure/leaks.hpp"
@@ -98,6 +99,30 @@ std::string kernel_name(const scenes::LeakCount& count) {
 
 }  // namespace
 
+Scatter speed_against_error(const Table& figures, const std::string& title) {
+    Scatter plot{.title = title,
+                 .x = "time a frame [ms]",
+                 .panels = {"overlapping pairs missed [%]", "depth missed [%]"},
+                 .corner = "↙ fast, and nothing missed",
+                 .kinds = {"Pierce", "other libraries"},
+                 .points = {},
+                 .table = figures};
+    for (std::size_t r = 0; r < figures.rows.size(); ++r) {
+        const std::string& name = figures.labels[r];
+        const MethodLook& look = look_of_method(name);
+        const bool is_default = name == default_method;
+        const double pairs = std::max(figures.number(r, "pairs"), 1.0);
+        plot.points.push_back({.name = is_default ? name + " (default)" : name,
+                               .x = figures.number(r, "ms"),
+                               .y = {100 * figures.number(r, "missed_pairs") / pairs,
+                                     100 * figures.number(r, "missed_depth_share")},
+                               .colour = look.colour,
+                               .kind = look.ours ? 0u : 1u,
+                               .stands_out = is_default});
+    }
+    return plot;
+}
+
 void leaks_figure(const AccuracyReportOptions& options, Page& page) {
     const std::size_t kernel_rays = options.rays / 50;
     page.line("## Leaks over the offset from the origin\n");
@@ -170,7 +195,10 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
                   .y = "missed [%] (bottom: none)",
                   .table = {{"ratio", "vertices", "complete", "gjk-hull", "gimpact"}, {}},
                   .log_x = true,
-                  .log_y = true};
+                  .log_y = true,
+                  .lines = {}};
+    const std::initializer_list<const char*> methods{"full", "complete", "gjk-hull", "gimpact"};
+    for (const char* name : methods) curves.lines.push_back({look_of_method(name).colour});
     for (int step = -steps; step <= steps; ++step) {
         const MeshData first = scenes::sphere(1, finest - std::max(step, 0)),
                        second = scenes::sphere(1, finest + std::min(step, 0));
@@ -179,8 +207,7 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
             first, second, 2 - 2 * cut, 2, options.poses,
             options.seed + static_cast<std::uint32_t>(steps + step));
         const std::vector<Comparison> results = compare_methods(
-            recording, true, {"full", "complete", "gjk-hull", "gimpact"},
-            fmt::format("resolutions 2^{}", step));
+            recording, true, methods, fmt::format("resolutions 2^{}", step));
         const double ratio = mean_edge(first) / mean_edge(second);
         curves.table.rows.push_back({ratio});
         std::string falses;
@@ -219,13 +246,16 @@ void depth_figure(const AccuracyReportOptions& options, Page& page) {
                   .table = {{"overlap_percent", "inward rays median", "inward rays p95",
                              "re-projected median", "re-projected p95", "EPA on hulls"},
                             {}}};
+    const std::initializer_list<const char*> methods{"full", "reprojected", "gjk-hull"};
+    for (const char* name : methods)
+        for (const bool p95 : {false, true})
+            curves.lines.push_back({look_of_method(name).colour, p95});
     for (double overlap : {2.5, 5.0, 10.0, 15.0, 20.0, 25.0}) {
         const double distance = 2 - 2 * overlap / 100;
         const Recording recording = random_pairs(ball, ball, distance, distance, poses,
                                                  options.seed);
         const std::vector<Comparison> results = compare_methods(
-            recording, false, {"full", "reprojected", "gjk-hull"},
-            fmt::format("overlap {:g} %", overlap));
+            recording, false, methods, fmt::format("overlap {:g} %", overlap));
         const Spread ray = spread_of(results[0].accuracy.depth_ratios),
                      moved = spread_of(results[1].accuracy.depth_ratios);
         const double epa = results[2].accuracy.pair_depth_ratio();
