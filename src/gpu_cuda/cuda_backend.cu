@@ -93,9 +93,7 @@ private:
     static constexpr std::uint32_t rehearsals = 2;
 
     /// True if steps may be bounded.
-    bool can_repeat() const {
-        return options_.graph && !options_.rebuild;
-    }
+    bool can_repeat() const { return options_.graph && !options_.rebuild; }
 
     void restart() {
         repeated_ = 0;

@@ -40,12 +40,11 @@ public:
     // Measured: with more than 512 bodies a sweep's launches take less time than a look at all
     // pairs. With one item for all partners of a body in the sweep, that item would be the longest
     // of the whole step.
-    static constexpr ExecutorTraits traits{
-        .host_reads = false,
-        .overlaps_updates = true,
-        .joins_stages = true,
-        .bodies_at_once = 512,
-        .sweep_walks = 8};
+    static constexpr ExecutorTraits traits{.host_reads = false,
+                                           .overlaps_updates = true,
+                                           .joins_stages = true,
+                                           .bodies_at_once = 512,
+                                           .sweep_walks = 8};
 
     CudaExecutor() {
         using cuda::check;
@@ -293,7 +292,9 @@ public:
         return *sum.data();
     }
 
-    bool are_few_sixteens(const Count& groups) const { return groups.bound() <= cuda::few_sixteens; }
+    bool are_few_sixteens(const Count& groups) const {
+        return groups.bound() <= cuda::few_sixteens;
+    }
     Count in_sixteens(const Count& groups) const { return constants::group_size * groups; }
 
     Count in_lanes(const Count& things) const { return Lanes::count * things; }
@@ -418,7 +419,7 @@ private:
     template <class F, class... T>
     void launch_emit(ListId id, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
         const std::uint32_t threads = n.bound() < cuda::many_emitting ? cuda::few_threads
-                                                                    : cuda::block_threads;
+                                                                      : cuda::block_threads;
         const std::uint32_t blocks = (n.bound() - 1) / threads + 1;
         Buffer<std::uint64_t>& sums = sums_of_blocks_[static_cast<std::size_t>(id)];
         if (sums.size() < blocks) {

@@ -234,8 +234,7 @@ private:
             executor_.for_each(scene.bodies.size,
                                stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
-        if (scene.plan->misses_no_overlap())
-            executor_.beside([&] { edges_.measure_boxes(scene); });
+        if (scene.plan->misses_no_overlap()) executor_.beside([&] { edges_.measure_boxes(scene); });
         now_.bodies.clear();
         if (!scene.plan->remembers()) return;
         now_.bodies.resize(scene.bodies.size);
@@ -448,9 +447,7 @@ private:
     }
 
     // edges: Which parts of edges are inside the other body, and a ray for each.
-    void edges(const Scene& scene) {
-        edges_.find(step_of_pairs(scene), 0, batch_, routes_.routes);
-    }
+    void edges(const Scene& scene) { edges_.find(step_of_pairs(scene), 0, batch_, routes_.routes); }
 
     // trace: The triangle each ray crosses first.
     void trace(const Scene& scene) {

@@ -46,10 +46,10 @@ public:
     void measure_boxes(const Scene& scene) {
         for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
             const std::uint32_t begin = scene.level_begin[level];
-            executor_.for_each(scene.level_begin[level + 1] - begin,
+            const std::uint32_t count = scene.level_begin[level + 1] - begin;
+            executor_.for_each(executor_.in_sixteens(count),
                                stages::MeasureNode{.bodies = scene.bodies,
-                                                   .items = {scene.node_items.data + begin,
-                                                             scene.level_begin[level + 1] - begin},
+                                                   .items = {scene.node_items.data + begin, count},
                                                    .nodes = scene.box_nodes});
         }
     }

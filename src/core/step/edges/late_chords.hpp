@@ -32,8 +32,7 @@ struct MarkCandidate {
         const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
         const bool is_deep = meetings[ray].t > 0;
         marks.set(pair, PairMarks::reached |
-                            (keep[i] ? PairMarks::in_contact |
-                                           (is_deep ? PairMarks::has_depth : 0u)
+                            (keep[i] ? PairMarks::in_contact | (is_deep ? PairMarks::has_depth : 0u)
                                      : 0u));
         if (keep[i] && !is_deep && sources[ray].start == RayStart::chord)
             flat[sources[ray].item] = i;
@@ -81,36 +80,35 @@ public:
         const auto count = count_of(late_.rays);
         tools_.update(bodies, late_.rays);
         tools_.trace(bodies, late_.rays, late_.hits);
-        executor_.emit(ListId::late_candidates, count,
-                       stages::GenerateOwnRays{.inside_target = {.bodies = bodies,
-                                                                 .rays = view_of(late_.rays),
-                                                                 .hits = view_of(late_.hits),
-                                                                 .routes = {},
-                                                                 .meetings = view_of(
-                                                                     late_.meetings)},
-                                               .pairs = step.pairs,
-                                               .chords = edges.chords(),
-                                               .sources = view_of(late_.sources)},
-                       late_.candidates, own_rays_, starts_inside_);
+        executor_.emit(
+            ListId::late_candidates, count,
+            stages::GenerateOwnRays{.inside_target = {.bodies = bodies,
+                                                      .rays = view_of(late_.rays),
+                                                      .hits = view_of(late_.hits),
+                                                      .routes = {},
+                                                      .meetings = view_of(late_.meetings)},
+                                    .pairs = step.pairs,
+                                    .chords = edges.chords(),
+                                    .sources = view_of(late_.sources)},
+            late_.candidates, own_rays_, starts_inside_);
         const auto found = count_of(late_.candidates);
         if (executor_.is_empty(found)) return;
         tools_.update(bodies, own_rays_);
         tools_.trace(bodies, own_rays_, own_hits_);
         late_.keep.resize(found);
         executor_.for_each(
-            found,
-            stages::JoinLate{
-                .own_exit = {.bodies = bodies,
-                             .rays = view_of(late_.rays),
-                             .meetings = view_of(late_.meetings),
-                             .candidates = view_of(late_.candidates),
-                             .own_rays = view_of(own_rays_),
-                             .own_hits = view_of(own_hits_),
-                             .starts_inside = view_of(starts_inside_),
-                             .keep = view_of(late_.keep)},
-                .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_),
-                .marks = step.marks,
-                .flat = edges.flat()});
+            found, stages::JoinLate{
+                       .own_exit = {.bodies = bodies,
+                                    .rays = view_of(late_.rays),
+                                    .meetings = view_of(late_.meetings),
+                                    .candidates = view_of(late_.candidates),
+                                    .own_rays = view_of(own_rays_),
+                                    .own_hits = view_of(own_hits_),
+                                    .starts_inside = view_of(starts_inside_),
+                                    .keep = view_of(late_.keep)},
+                       .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_),
+                       .marks = step.marks,
+                       .flat = edges.flat()});
     }
 
 private:

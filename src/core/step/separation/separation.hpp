@@ -61,13 +61,13 @@ public:
 private:
     /// Adds rays along the way apart, from vertices and chords that are inside but whose pair has
     /// no contact, and from parts of bodies that are inside.
-    void separate_stranded(const StepOfPairs<E>& step, EdgeChords<E, T>& edges,
-                           RayBatch<E>& batch, Buffer<Route>& routes) {
+    void separate_stranded(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+                           Buffer<Route>& routes) {
         const View<const BodyView> bodies = step.scene.bodies;
-        executor_.emit(ListId::parts, 2 * step.count,
-                       stages::AskParts{
-                           .bodies = bodies, .directed = step.directed, .marks = step.marks},
-                       parts_.rays, parts_.sources);
+        executor_.emit(
+            ListId::parts, 2 * step.count,
+            stages::AskParts{.bodies = bodies, .directed = step.directed, .marks = step.marks},
+            parts_.rays, parts_.sources);
         executor_.emit(ListId::stranded_chords, edges.chord_count(),
                        stages::FindStrandedChords{.bodies = bodies,
                                                   .directed = step.directed,
@@ -93,18 +93,18 @@ private:
     }
 
     /// Adds rays from edges that lie in the other body's surface, or only touch it.
-    void separate_touching(const StepOfPairs<E>& step, EdgeChords<E, T>& edges,
-                           RayBatch<E>& batch, Buffer<Route>& routes) {
+    void separate_touching(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+                           Buffer<Route>& routes) {
         const Count chords = edges.chord_count(), touching = edges.list_touching(step);
         touches_ = 0u;
         executor_.when(touching, [&] {
             touches_ = edges.add_touching_chords(step, touching);
             if (executor_.is_empty(touches_)) return;
             out_.resize(touches_);
-            executor_.for_each(touches_,
-                               stages::GenerateTouchingRays{.out = rays_apart(step, edges, 0u),
-                                                            .from = edges.sources(),
-                                                            .first = chords});
+            executor_.for_each(
+                touches_,
+                stages::GenerateTouchingRays{
+                    .out = rays_apart(step, edges, 0u), .from = edges.sources(), .first = chords});
             keep_inside(ListId::touching_rays, step, edges, batch, routes);
         });
     }
@@ -113,19 +113,19 @@ private:
     void test_inside(const StepOfPairs<E>& step) {
         const View<const BodyView> bodies = step.scene.bodies;
         trace(bodies, parts_);
-        executor_.emit(ListId::contained_parts, count_of(parts_.rays),
-                       stages::FindContained{.leaves = {bodies, view_of(parts_.rays),
-                                                        view_of(parts_.hits)},
-                                             .sources = view_of(parts_.sources),
-                                             .marks = step.marks},
-                       parts_.inside);
+        executor_.emit(
+            ListId::contained_parts, count_of(parts_.rays),
+            stages::FindContained{.leaves = {bodies, view_of(parts_.rays), view_of(parts_.hits)},
+                                  .sources = view_of(parts_.sources),
+                                  .marks = step.marks},
+            parts_.inside);
         trace(bodies, chords_);
-        executor_.emit(ListId::deep_chords, count_of(chords_.rays),
-                       stages::FindDeepChords{.leaves = {bodies, view_of(chords_.rays),
-                                                         view_of(chords_.hits)},
-                                              .sources = view_of(chords_.sources),
-                                              .marks = step.marks},
-                       chords_.inside);
+        executor_.emit(
+            ListId::deep_chords, count_of(chords_.rays),
+            stages::FindDeepChords{.leaves = {bodies, view_of(chords_.rays), view_of(chords_.hits)},
+                                   .sources = view_of(chords_.sources),
+                                   .marks = step.marks},
+            chords_.inside);
     }
     void trace(View<const BodyView> bodies, InsideTests<E>& tests) {
         tools_.update(bodies, tests.rays);
@@ -150,16 +150,13 @@ private:
                     contained = count_of(parts_.inside);
         constexpr std::uint32_t per_part = stages::GenerateContainedRays::per_part;
         out_.resize(vertices + chords + per_part * contained);
-        executor_.for_each(vertices,
-                           stages::GenerateStrandedRays{rays_apart(step, edges, 0u),
-                                                        view_of(apart_.vertices)});
-        executor_.for_each(chords,
-                           stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
-                                                        view_of(chords_.inside)});
+        executor_.for_each(vertices, stages::GenerateStrandedRays{rays_apart(step, edges, 0u),
+                                                                  view_of(apart_.vertices)});
+        executor_.for_each(chords, stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
+                                                                view_of(chords_.inside)});
         executor_.for_each(contained,
-                           stages::GenerateContainedRays{
-                               rays_apart(step, edges, vertices + chords),
-                               view_of(parts_.inside)});
+                           stages::GenerateContainedRays{rays_apart(step, edges, vertices + chords),
+                                                         view_of(parts_.inside)});
     }
 
     stages::SeparationRays rays_apart(const StepOfPairs<E>& step, EdgeChords<E, T>& edges,
@@ -188,12 +185,11 @@ private:
                        out_.candidates);
         const Count inside = count_of(out_.candidates);
         executor_.for_each(
-            inside, stages::JoinSeparated{.inside = view_of(out_.candidates),
-                                          .batch = room_in(batch, routes,
-                                                           step.scene.plan->remembers(), inside,
-                                                           out_),
-                                          .marks = step.marks,
-                                          .flat = edges.flat()});
+            inside, stages::JoinSeparated{
+                        .inside = view_of(out_.candidates),
+                        .batch = room_in(batch, routes, step.scene.plan->remembers(), inside, out_),
+                        .marks = step.marks,
+                        .flat = edges.flat()});
     }
 
     StepTools<E, T>& tools_;

@@ -35,8 +35,8 @@ PIERCE_HD inline bool may_hold(View<const BodyView> bodies, const DirectedPair& 
     return !(free > 2 * target.touch);
 }
 
-/// Per directed pair with nothing inside so far: lists a ray from one vertex of each of its source's
-/// parts. Vertices that are certainly outside get none.
+/// Per directed pair with nothing inside so far: lists a ray from one vertex of each of its
+/// source's parts. Vertices that are certainly outside get none.
 struct AskParts {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -150,8 +150,7 @@ struct FindDeepChords {
         return true;
     }
     PIERCE_HD static std::uint32_t count(bool found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place,
-                         RaySource* deep) const {
+    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place, RaySource* deep) const {
         if (found) deep[place] = sources[i];
     }
 };

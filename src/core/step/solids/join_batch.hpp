@@ -48,8 +48,7 @@ struct JoinBatch {
 /// candidates.
 template <Executor E>
 stages::JoinBatch room_in(RayBatch<E>& batch, typename E::template Buffer<Route>& routes,
-                          bool remembers, const typename E::Count& count,
-                          const RayBatch<E>& from) {
+                          bool remembers, const typename E::Count& count, const RayBatch<E>& from) {
     const typename E::Count rays = count_of(batch.rays), candidates = count_of(batch.candidates);
     batch.resize(rays + count);
     if (remembers) routes.resize(rays + count);
