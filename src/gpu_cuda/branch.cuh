@@ -3,14 +3,20 @@
 #include <cuda_runtime.h>
 
 #include "gpu_cuda/cuda_check.hpp"
-#include "gpu_cuda/stage_kernels.cuh"
 
 /// Parts of a captured step that a graph leaves out where they have nothing to do.
 namespace pierce::cuda {
 
-inline __global__ void decide(const cudaGraphConditionalHandle branch, const Items items) {
-    cudaGraphSetConditional(branch, items.count() > 0);
-}
+/// Per item: the graph takes a branch if the test holds.
+template <class Test>
+struct TakeBranch {
+    cudaGraphConditionalHandle branch;
+    Test test;
+
+    __device__ void operator()(std::uint32_t i) const {
+        if (test(i)) cudaGraphSetConditional(branch, 1);
+    }
+};
 
 /// True if what is issued to the stream becomes part of a graph.
 inline bool is_captured(cudaStream_t stream) {
@@ -38,15 +44,18 @@ struct Capture {
     }
 };
 
-/// Adds a branch to the graph that `stream` is captured into. The graph takes the branch if there
-/// are items when it gets there. Returns the branch's own graph, which is empty so far.
-inline cudaGraph_t add_branch(cudaStream_t stream, const Items& items) {
+/// What decides whether a graph takes a branch: it does not, unless a stage says so.
+inline cudaGraphConditionalHandle branch_handle(cudaStream_t stream) {
     cudaGraphConditionalHandle handle;
     check(cudaGraphConditionalHandleCreate(&handle, Capture(stream).graph, 0,
                                            cudaGraphCondAssignDefault),
           "a branch");
-    decide<<<1, 1, 0, stream>>>(handle, items);
-    check(cudaGetLastError(), "a launch");
+    return handle;
+}
+
+/// Adds a branch to the graph that `stream` is captured into. Returns the branch's own graph, which
+/// is empty so far.
+inline cudaGraph_t add_branch(cudaStream_t stream, cudaGraphConditionalHandle handle) {
     cudaGraphNodeParams branch = {};
     branch.type = cudaGraphNodeTypeConditional;
     branch.conditional.handle = handle;

@@ -144,13 +144,16 @@ public:
 
     bool is_empty(const Count& n) const { return n.bound() == 0; }
 
-    /// Runs work that does nothing if there are no items. A captured step leaves the work out then.
-    template <class Work>
-    void when(const Count& n, const Work& work) {
+    /// Runs work that does nothing if the test holds for no item. A captured step leaves the work
+    /// out then.
+    template <class Test, class Work>
+    void when_any(const Count& n, const Test& test, const Work& work) {
         if (is_empty(n)) return;
         if (!bounded_ || !cuda::is_captured(stream_)) return work();
         join();
-        const cudaGraph_t branch = cuda::add_branch(stream_, items(n));
+        const cudaGraphConditionalHandle handle = cuda::branch_handle(stream_);
+        for_each(n, cuda::TakeBranch<Test>{handle, test});
+        const cudaGraph_t branch = cuda::add_branch(stream_, handle);
         cuda::check(cudaStreamBeginCaptureToGraph(branch_stream_, branch, nullptr, nullptr, 0,
                                                   cudaStreamCaptureModeThreadLocal),
                     "capture of a branch");
@@ -190,7 +193,7 @@ public:
         if (n.bound() <= cuda::few_items)
             for_each(n, cuda::InTurn<F...>(stages...));
         else
-            (for_each(n, stages), ...);
+            (launch(n, stages), ...);
     }
 
     Count exclusive_scan(ListId id, Count n, View<const std::uint32_t> in,
@@ -367,6 +370,11 @@ private:
         ++next_;
         if (!bounded_) grow_bound(id, spare_items);
         return 0;
+    }
+
+    template <class F>
+    void launch(const Count& n, const F& stage) {
+        if constexpr (!is_no_stage<F>) for_each(n, stage);
     }
 
     /// The place of the next total. `most`: the largest value that it can have.

@@ -74,9 +74,9 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.in_lanes(n) } -> std::same_as<typename E::Count>;
     // True if there certainly are no items: where the host does not know it, there may be some.
     { executor.is_empty(n) } -> std::same_as<bool>;
-    // Runs work that does nothing if there are no items, and may leave it out then. Lists that the
-    // work makes are empty if it is left out.
-    executor.when(n, detail::AnyWork{});
+    // Runs work that does nothing if the test holds for no item, and may leave it out then. Lists
+    // that the work makes are empty if it is left out.
+    executor.when_any(n, detail::AnyTest{}, detail::AnyWork{});
     // Runs work again and again until no items are left.
     executor.repeat(ListId{}, detail::AnyNumber<typename E::Count>{}, detail::AnyWork{});
     executor.settle();

@@ -65,10 +65,10 @@ public:
 
     bool is_empty(std::uint32_t count) const { return count == 0; }
 
-    /// Runs work that does nothing if there are no items.
-    template <class Work>
-    void when(std::uint32_t count, const Work& work) {
-        if (count > 0) work();
+    /// Runs work that does nothing if a test holds for no item. To ask all items costs as much.
+    template <class Test, class Work>
+    void when_any(std::uint32_t, const Test&, const Work& work) {
+        work();
     }
 
     /// Runs work again and again until `left()` is zero.

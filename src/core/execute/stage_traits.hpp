@@ -7,6 +7,17 @@
 /// What a stage may declare for executors, and how executors use it.
 namespace pierce {
 
+/// Stands for a stage where there is none.
+struct NoStage {
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t) const {}
+};
+template <class Stage>
+inline constexpr bool is_no_stage = false;
+template <>
+inline constexpr bool is_no_stage<NoStage> = true;
+
 /// True for a stage that declares that its items take a few nanoseconds each: `static constexpr
 /// bool is_cheap = true`. Executors then hand out many items at once.
 template <class Stage>

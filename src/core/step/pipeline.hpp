@@ -352,7 +352,7 @@ private:
                        cull_.blocks);
         const bool records = scene.plan->remembers();
         if (records) now_.blocks.resize(count_of(cull_.blocks));
-        share_out(count_of(cull_.blocks), [&](auto share, Count blocks) {
+        tools_.share_out(count_of(cull_.blocks), [&](auto share, Count blocks) {
             executor_.emit(ListId::near_patches, blocks,
                            stages::CullBlock<decltype(share)>{.bodies = bodies,
                                                               .directed = view_of(cull_.directed),
@@ -364,7 +364,7 @@ private:
                            cull_.patches);
         });
         if (records) now_.patches.resize(count_of(cull_.patches));
-        share_out(count_of(cull_.patches), [&](auto share, Count patches) {
+        tools_.share_out(count_of(cull_.patches), [&](auto share, Count patches) {
             const stages::CullVertices<decltype(share)> vertices{
                 .bodies = bodies,
                 .directed = view_of(cull_.directed),
@@ -381,16 +381,6 @@ private:
             else
                 executor_.emit(ListId::near_vertices, patches, vertices, batch_.sources);
         });
-    }
-
-    /// Runs a stage over groups of sixteen. If there are few groups, each item handles one of the
-    /// sixteen.
-    template <class Stage>
-    void share_out(const Count& groups, const Stage& stage) {
-        if (executor_.are_few_sixteens(groups))
-            stage(OneOfSixteen{}, executor_.in_sixteens(groups));
-        else
-            stage(AllOfSixteen{}, groups);
     }
 
     // ray_gen: A ray per vertex left, or what replaces the ray.
@@ -447,7 +437,11 @@ private:
     }
 
     // edges: Which parts of edges are inside the other body, and a ray for each.
-    void edges(const Scene& scene) { edges_.find(step_of_pairs(scene), 0, batch_, routes_.routes); }
+    void edges(const Scene& scene) {
+        const stages::GenerateChordRays rays = edges_.find(step_of_pairs(scene), 0, batch_,
+                                                           routes_.routes);
+        executor_.for_each(edges_.chord_count(), rays);
+    }
 
     // trace: The triangle each ray crosses first.
     void trace(const Scene& scene) {
@@ -531,30 +525,30 @@ private:
         reprojected_.aimed.meetings.resize(count);
         reprojected_.accepted.resize(count);
         reprojected_.known.resize(count);
-        executor_.for_each(count, stages::LimitToDepth{.bodies = scene.bodies,
-                                                       .rays = view_of(batch_.rays),
-                                                       .sources = view_of(batch_.sources),
-                                                       .hits = view_of(batch_.hits),
-                                                       .meetings = view_of(batch_.meetings),
-                                                       .candidates = view_of(batch_.candidates),
-                                                       .keep = view_of(batch_.keep),
-                                                       .limited = view_of(reprojected_.aimed.rays),
-                                                       .known = view_of(reprojected_.known),
-                                                       .pairs = view_of(pairs_.pairs),
-                                                       .all = scene.plan->settings.reproject});
-        tools_.update(scene.bodies, reprojected_.aimed.rays);
-        const View<const std::uint32_t> closest = tools_.closest(scene.bodies,
-                                                                 reprojected_.aimed.rays);
-        executor_.for_each(count,
-                           stages::MoveToClosest{.bodies = scene.bodies,
-                                                 .known = view_of(reprojected_.known),
-                                                 .closest = closest,
-                                                 .candidates = view_of(batch_.candidates),
-                                                 .found = view_of(batch_.meetings),
-                                                 .rays = view_of(reprojected_.aimed.rays),
-                                                 .hits = view_of(reprojected_.aimed.hits),
-                                                 .meetings = view_of(reprojected_.aimed.meetings),
-                                                 .accepted = view_of(reprojected_.accepted)});
+        tools_.closest_between(scene.bodies, reprojected_.aimed.rays,
+                               stages::LimitToDepth{.bodies = scene.bodies,
+                                                    .rays = view_of(batch_.rays),
+                                                    .sources = view_of(batch_.sources),
+                                                    .hits = view_of(batch_.hits),
+                                                    .meetings = view_of(batch_.meetings),
+                                                    .candidates = view_of(batch_.candidates),
+                                                    .keep = view_of(batch_.keep),
+                                                    .limited = view_of(reprojected_.aimed.rays),
+                                                    .known = view_of(reprojected_.known),
+                                                    .pairs = view_of(pairs_.pairs),
+                                                    .all = scene.plan->settings.reproject},
+                               [&](View<const std::uint32_t> closest) {
+                                   return stages::MoveToClosest{
+                                       .bodies = scene.bodies,
+                                       .known = view_of(reprojected_.known),
+                                       .closest = closest,
+                                       .candidates = view_of(batch_.candidates),
+                                       .found = view_of(batch_.meetings),
+                                       .rays = view_of(reprojected_.aimed.rays),
+                                       .hits = view_of(reprojected_.aimed.hits),
+                                       .meetings = view_of(reprojected_.aimed.meetings),
+                                       .accepted = view_of(reprojected_.accepted)};
+                               });
     }
 
     // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless

@@ -4,6 +4,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/device/warp.hpp"
 #include "core/step/common/gather.hpp"
 #include "core/trace/tracer.hpp"
 #include "pierce/body.hpp"
@@ -52,6 +53,16 @@ public:
                       view_of(values));
     }
 
+    /// Runs a stage over groups of sixteen. If there are few groups, each item handles one of the
+    /// sixteen.
+    template <class Stage>
+    void share_out(const Count& groups, const Stage& stage) {
+        if (executor.are_few_sixteens(groups))
+            stage(OneOfSixteen{}, executor.in_sixteens(groups));
+        else
+            stage(AllOfSixteen{}, groups);
+    }
+
     /// update on a device, as soon as it is known where bodies are: trees of all bodies, beside the
     /// stages before update(). Refitting all trees ends before it is known which of them are
     /// wanted.
@@ -82,12 +93,48 @@ public:
         tracer.closest_hits(executor, bodies, count_of(rays), view_of(rays), view_of(hits));
     }
 
+    /// The same between two stages per ray, which may be NoStage: `before` makes the ray, `after`
+    /// reads its hit.
+    template <class Before, class After>
+    void trace_between(View<const BodyView> bodies, const Buffer<Ray>& rays, Buffer<Hit>& hits,
+                       const Before& before, const After& after) {
+        const Count count = count_of(rays);
+        hits.resize(count);
+        if constexpr (E::traits.joins_stages) {
+            executor.join();
+            tracer.closest_hits(executor, bodies, count, view_of(rays), view_of(hits), before,
+                                after);
+        } else {
+            if constexpr (!is_no_stage<Before>) executor.for_each(count, before);
+            update(bodies, rays);
+            tracer.closest_hits(executor, bodies, count, view_of(rays), view_of(hits));
+            if constexpr (!is_no_stage<After>) executor.for_each(count, after);
+        }
+    }
+
     /// The triangle closest to each ray's origin, t_max away at most; holds until the next call.
     View<const std::uint32_t> closest(View<const BodyView> bodies, const Buffer<Ray>& rays) {
         closest_.resize(count_of(rays));
         tracer.closest_triangles(executor, bodies, count_of(rays), view_of(rays),
                                  view_of(closest_));
         return view_of(std::as_const(closest_));
+    }
+
+    /// The same between two stages per ray; `after` is made with the list of these triangles.
+    template <class Before, class MakeAfter>
+    void closest_between(View<const BodyView> bodies, const Buffer<Ray>& rays, const Before& before,
+                         const MakeAfter& after) {
+        const Count count = count_of(rays);
+        closest_.resize(count);
+        if constexpr (E::traits.joins_stages) {
+            executor.join();
+            tracer.closest_triangles(executor, bodies, count, view_of(rays), view_of(closest_),
+                                     before, after(view_of(std::as_const(closest_))));
+        } else {
+            executor.for_each(count, before);
+            update(bodies, rays);
+            executor.for_each(count, after(closest(bodies, rays)));
+        }
     }
 
     E& executor;

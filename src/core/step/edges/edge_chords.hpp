@@ -54,26 +54,25 @@ public:
         }
     }
 
-    /// Finds the edges' chords, the parts of them inside the other body of their pair, and appends
-    /// their rays to `batch` and, if steps remember, to `routes`. Pairs with any of the marks
-    /// `unless` are left out.
-    void find(const StepOfPairs<E>& step, std::uint32_t unless, RayBatch<E>& batch,
-              Buffer<Route>& routes) {
+    /// Finds the chords within edges, the parts of edges inside the other body of their pair. Makes
+    /// room for their rays in `batch` and, if steps remember, in `routes`, and returns the stage
+    /// per chord that writes them. Pairs with any of the marks `unless` are left out.
+    stages::GenerateChordRays find(const StepOfPairs<E>& step, std::uint32_t unless,
+                                   RayBatch<E>& batch, Buffer<Route>& routes) {
         look_within(step, unless);
         const Count begin = count_of(batch.rays), count = count_of(chords_.found);
-        const bool remembers = step.scene.plan->remembers();
         chords_.resize(count);
         batch.resize(begin + count);
-        if (remembers) routes.resize(begin + count);
-        executor_.for_each(count, stages::GenerateChordRays{.bodies = step.scene.bodies,
-                                                            .directed = step.directed,
-                                                            .found = view_of(chords_.found),
-                                                            .begin = begin,
-                                                            .chords = chords_.views(step.marks),
-                                                            .rays = view_of(batch.rays),
-                                                            .sources = view_of(batch.sources),
-                                                            .hits = view_of(batch.hits),
-                                                            .routes = view_of(routes)});
+        if (step.scene.plan->remembers()) routes.resize(begin + count);
+        return {.bodies = step.scene.bodies,
+                .directed = step.directed,
+                .found = view_of(chords_.found),
+                .begin = begin,
+                .chords = chords_.views(step.marks),
+                .rays = view_of(batch.rays),
+                .sources = view_of(batch.sources),
+                .hits = view_of(batch.hits),
+                .routes = view_of(routes)};
     }
 
     /// For pairs that have no contact with a depth so far: appends the chords that hold an end of
@@ -241,12 +240,14 @@ private:
                                              .blocks = view_of(near_.blocks),
                                              .gaps = view_of(near_.gaps)},
                        near_.groups);
-        executor_.emit(ListId::found_edges, count_of(near_.groups),
-                       stages::FindNearEdges{.bodies = bodies,
-                                             .directed = step.directed,
-                                             .groups = view_of(near_.groups),
-                                             .gaps = view_of(near_.gaps)},
-                       remembers ? near_.found : now_.edges);
+        tools_.share_out(count_of(near_.groups), [&](auto share, const Count& groups) {
+            executor_.emit(ListId::found_edges, groups,
+                           stages::FindNearEdges<decltype(share)>{.bodies = bodies,
+                                                                  .directed = step.directed,
+                                                                  .groups = view_of(near_.groups),
+                                                                  .gaps = view_of(near_.gaps)},
+                           remembers ? near_.found : now_.edges);
+        });
         if (remembers)
             executor_.for_each(2 * step.count,
                                stages::ExpireNearEdges{.bodies = bodies,

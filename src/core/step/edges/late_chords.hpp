@@ -76,10 +76,10 @@ public:
               Buffer<Route>& routes) {
         const View<const BodyView> bodies = step.scene.bodies;
         late_.clear();
-        edges.find(step, stages::PairMarks::has_depth, late_, late_routes_);
+        const stages::GenerateChordRays generate = edges.find(step, stages::PairMarks::has_depth,
+                                                              late_, late_routes_);
         const auto count = count_of(late_.rays);
-        tools_.update(bodies, late_.rays);
-        tools_.trace(bodies, late_.rays, late_.hits);
+        tools_.trace_between(bodies, late_.rays, late_.hits, generate, NoStage{});
         executor_.emit(
             ListId::late_candidates, count,
             stages::GenerateOwnRays{.inside_target = {.bodies = bodies,
@@ -93,22 +93,22 @@ public:
             late_.candidates, own_rays_, starts_inside_);
         const auto found = count_of(late_.candidates);
         if (executor_.is_empty(found)) return;
-        tools_.update(bodies, own_rays_);
-        tools_.trace(bodies, own_rays_, own_hits_);
         late_.keep.resize(found);
-        executor_.for_each(
-            found, stages::JoinLate{
-                       .own_exit = {.bodies = bodies,
-                                    .rays = view_of(late_.rays),
-                                    .meetings = view_of(late_.meetings),
-                                    .candidates = view_of(late_.candidates),
-                                    .own_rays = view_of(own_rays_),
-                                    .own_hits = view_of(own_hits_),
-                                    .starts_inside = view_of(starts_inside_),
-                                    .keep = view_of(late_.keep)},
-                       .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_),
-                       .marks = step.marks,
-                       .flat = edges.flat()});
+        own_hits_.resize(found);
+        tools_.trace_between(
+            bodies, own_rays_, own_hits_, NoStage{},
+            stages::JoinLate{
+                .own_exit = {.bodies = bodies,
+                             .rays = view_of(late_.rays),
+                             .meetings = view_of(late_.meetings),
+                             .candidates = view_of(late_.candidates),
+                             .own_rays = view_of(own_rays_),
+                             .own_hits = view_of(own_hits_),
+                             .starts_inside = view_of(starts_inside_),
+                             .keep = view_of(late_.keep)},
+                .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_),
+                .marks = step.marks,
+                .flat = edges.flat()});
     }
 
 private:

@@ -100,7 +100,8 @@ PIERCE_HD inline SegmentProof proof_of(const BodyView& target, const PlacedEdge&
     return {max_of(proof.gap, beyond), max_of(proof.once, beyond)};
 }
 
-/// Per group of edges: lists the edges that may be near the target's surface.
+/// Per group of edges, or per edge: lists the edges that may be near the target's surface.
+template <class Share>
 struct FindNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -115,18 +116,18 @@ struct FindNearEdges {
     struct Found {
         std::uint32_t mask = 0;
         std::uint32_t may_cross = 0;  ///< a bit for each that may cross until then
-        float room[Offsets::count];
+        float room[Share::count];
     };
 
     PIERCE_HD Found find(std::uint32_t i) const {
-        const CullItem item = groups[i];
+        const CullItem item = group_of(i);
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
         const EdgeGroup& group = source.mesh.edge_groups[item.index];
         const PatchBlock& block = source.mesh.edge_blocks[item.index / constants::block_size];
         const EdgePlace place(bodies, directed, item.directed, gaps.size > 0);
-        const BallsNearby<> balls(
+        const BallsNearby<Share> balls(
             target, place.to_fit, patch_center(source.mesh.edge_blocks, item.index), group.middles,
             group.half, static_cast<double>(block.radius[item.index % constants::block_size]),
             place.margin);
@@ -134,7 +135,7 @@ struct FindNearEdges {
                      more = gaps.size > 0 ? edge_skin(bodies, d) : 0.0;
         Found found;
         const std::uint32_t all = first_bits(edge_group_length(source.mesh, item.index));
-        found.mask = balls.near & all;
+        found.mask = Share::mine(balls.near & all);
         float least = gaps.size > 0 ? balls.least_gap(all & ~balls.near) : 0.0f;
         for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
@@ -146,7 +147,8 @@ struct FindNearEdges {
             }
             const bool may_cross = proof.prefers_once();
             found.may_cross |= static_cast<std::uint32_t>(may_cross) << k;
-            found.room[k] = static_cast<float>((may_cross ? proof.once : proof.gap) - margin);
+            found.room[k - Share::first()] = static_cast<float>(
+                (may_cross ? proof.once : proof.gap) - margin);
         }
         if (found.mask != 0 && !clearance_tells(source, target)) {
             const std::uint32_t before = found.mask;
@@ -159,20 +161,22 @@ struct FindNearEdges {
     PIERCE_HD static std::uint32_t count(const Found& found) { return bit_count(found.mask); }
     PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
                          NearEdge* near) const {
-        const CullItem item = groups[i];
+        const CullItem item = group_of(i);
         const float odometer = directed[item.directed].odometer;
         for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
             near[place++] = {.directed = item.directed,
                              .edge = item.index * constants::group_size + k,
-                             .expiry = odometer + found.room[k],
-                             .room = found.room[k],
+                             .expiry = odometer + found.room[k - Share::first()],
+                             .room = found.room[k - Share::first()],
                              .crosses = found.may_cross >> k & 1u ? some_triangle : no_triangle,
                              .triangles = {}};
         }
     }
 
 private:
+    PIERCE_HD const CullItem& group_of(std::uint32_t i) const { return groups[Share::group_of(i)]; }
+
     PIERCE_HD PlacedEdge placed(const CullItem& item, std::uint32_t k) const {
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
@@ -182,7 +186,7 @@ private:
     /// Of some edges of a group, those whose box, larger by `margin`, meets a box around sixteen
     /// triangles of the target.
     PIERCE_HD std::uint32_t by_boxes(std::uint32_t i, std::uint32_t mask, double margin) const {
-        const CullItem item = groups[i];
+        const CullItem item = group_of(i);
         const BodyView& target = bodies[directed[item.directed].target];
         QuickBox box[Offsets::count], around;
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {

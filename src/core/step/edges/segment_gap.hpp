@@ -6,6 +6,7 @@
 
 #include "core/device/four.hpp"
 #include "core/geometry/float_rules.hpp"
+#include "core/geometry/quick_vec3.hpp"
 #include "core/mesh/surface.hpp"
 #include "pierce/constants.hpp"
 
@@ -24,7 +25,7 @@ public:
     PIERCE_HD SegmentGaps(Vec3d a, Vec3d b, const Surface& surface,
                           const std::uint32_t (&triangle)[count]) {
         const Vec3f middle = to_float(0.5 * (a + b)), half = to_float(0.5 * (b - a));
-        lost_ = round_up(length(0.5 * (a + b) - to_double(middle)));
+        lost_ = round_up(length(rest_of(0.5 * (a + b), middle)));
         FourVec3 corner[3];  // relative to the middle
         for (std::uint32_t k = 0; k < count; ++k)
             for (int c = 0; c < 3; ++c) {

@@ -42,9 +42,16 @@ public:
             late_chords_.find(step, edges, batch, routes);
             late_rays_ = edges.chord_count();
         }
-        edges.add_chords_at_ends(step);
-        separate_stranded(step, edges, batch, routes);
-        separate_touching(step, edges, batch, routes);
+        inside_tests_ = rays_apart_ = touches_ = deep_pairs_ = 0u;
+        executor_.when_any(
+            step.count,
+            stages::NeedsMore{
+                .bodies = step.scene.bodies, .directed = step.directed, .marks = step.marks},
+            [&] {
+                edges.add_chords_at_ends(step);
+                separate_stranded(step, edges, batch, routes);
+                separate_touching(step, edges, batch, routes);
+            });
     }
 
     /// How many rays were traced after all others in the last step: of chords in pairs that had no
@@ -82,31 +89,28 @@ private:
                                                     .marks = step.marks},
                        apart_.vertices);
         inside_tests_ = count_of(parts_.rays);
-        rays_apart_ = deep_pairs_ = 0u;
-        executor_.when(inside_tests_ + count_of(chords_.rays) + count_of(apart_.vertices), [&] {
-            test_inside(step);
-            choose_directions(step);
-            cast_apart(step, edges);
-            rays_apart_ = count_of(out_.rays);
-            keep_inside(ListId::separated_rays, step, edges, batch, routes);
-        });
+        if (executor_.is_empty(inside_tests_ + count_of(chords_.rays) + count_of(apart_.vertices)))
+            return;
+        test_inside(step);
+        choose_directions(step);
+        cast_apart(step, edges);
+        rays_apart_ = count_of(out_.rays);
+        keep_inside(ListId::separated_rays, step, edges, batch, routes);
     }
 
     /// Adds rays from edges that lie in the other body's surface, or only touch it.
     void separate_touching(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
                            Buffer<Route>& routes) {
         const Count chords = edges.chord_count(), touching = edges.list_touching(step);
-        touches_ = 0u;
-        executor_.when(touching, [&] {
-            touches_ = edges.add_touching_chords(step, touching);
-            if (executor_.is_empty(touches_)) return;
-            out_.resize(touches_);
-            executor_.for_each(
-                touches_,
-                stages::GenerateTouchingRays{
-                    .out = rays_apart(step, edges, 0u), .from = edges.sources(), .first = chords});
-            keep_inside(ListId::touching_rays, step, edges, batch, routes);
-        });
+        if (executor_.is_empty(touching)) return;
+        touches_ = edges.add_touching_chords(step, touching);
+        if (executor_.is_empty(touches_)) return;
+        out_.resize(touches_);
+        executor_.for_each(
+            touches_,
+            stages::GenerateTouchingRays{
+                .out = rays_apart(step, edges, 0u), .from = edges.sources(), .first = chords});
+        keep_inside(ListId::touching_rays, step, edges, batch, routes);
     }
 
     /// Which of the listed parts and chords are inside.

@@ -67,6 +67,24 @@ struct AskParts {
     }
 };
 
+/// True for pairs that the rest of separation may have something to do for: nothing of one is known
+/// to be inside the other, or what is inside gives no contact, or no depth.
+struct NeedsMore {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    PairMarks marks;
+
+    PIERCE_HD bool operator()(std::uint32_t pair) const {
+        if (directed[2 * pair].is_self()) return false;
+        if (!marks.any(pair, PairMarks::has_depth) && marks.any(pair, PairMarks::edge_crosses))
+            return true;
+        if (marks.any(pair, PairMarks::in_contact)) return false;
+        if (marks.any(pair, PairMarks::edge_touches | PairMarks::reached)) return true;
+        const AskParts parts{.bodies = bodies, .directed = directed, .marks = marks};
+        return parts.find(2 * pair) + parts.find(2 * pair + 1) > 0;
+    }
+};
+
 /// Per ray of a part: lists the parts that are inside, and marks their pairs.
 struct FindContained {
     LeavesTarget leaves;

@@ -4,6 +4,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/execute/stage_traits.hpp"
 #include "core/trace/bvh/candidates.hpp"
 #include "core/trace/bvh/closest_candidates.hpp"
 #include "core/trace/bvh/forest_builder.hpp"
@@ -108,10 +109,12 @@ public:
         stale_ = false;
     }
 
+    /// `before` and `after` are stages per ray, or NoStage, that run in the same launches.
+    template <class Before = NoStage, class After = NoStage>
     void closest_hits(E& executor, View<const BodyView> bodies, Count count, View<const Ray> rays,
-                      View<Hit> hits) {
+                      View<Hit> hits, const Before& before = {}, const After& after = {}) {
         candidates_.resize(count);
-        executor.in_turn(count,
+        executor.in_turn(count, before,
                          bvh::FindCandidates{.bodies = bodies,
                                              .forest = forest(),
                                              .rays = rays,
@@ -125,13 +128,16 @@ public:
                                         .forest = forest(),
                                         .rays = rays,
                                         .candidates = view_of(std::as_const(candidates_)),
-                                        .hits = hits});
+                                        .hits = hits},
+                         after);
     }
 
+    template <class Before = NoStage, class After = NoStage>
     void closest_triangles(E& executor, View<const BodyView> bodies, Count count,
-                           View<const Ray> rays, View<std::uint32_t> triangles) {
+                           View<const Ray> rays, View<std::uint32_t> triangles,
+                           const Before& before = {}, const After& after = {}) {
         candidates_.resize(count);
-        executor.in_turn(count,
+        executor.in_turn(count, before,
                          bvh::FindClosestCandidates{.bodies = bodies,
                                                     .forest = forest(),
                                                     .rays = rays,
@@ -144,7 +150,8 @@ public:
                                             .forest = forest(),
                                             .rays = rays,
                                             .candidates = view_of(std::as_const(candidates_)),
-                                            .triangles = triangles});
+                                            .triangles = triangles},
+                         after);
     }
 
     /// True if the next update builds trees.

@@ -22,7 +22,7 @@ namespace pierce::bvh {
 class PointSieve {
 public:
     PIERCE_HD PointSieve(Vec3d point, double limit, const Box& around)
-        : high_(to_float(point)), low_(to_float(point - to_double(high_))) {
+        : high_(to_float(point)), low_(to_float(rest_of(point, high_))) {
         double largest = around.max_coordinate();
         for (int k = 0; k < 3; ++k) largest = max_of(std::fabs(point[k]), largest);
         pad_ = round_up(constants::point_pad * largest);
@@ -31,14 +31,11 @@ public:
 
     /// The squared distance of a box, and whether it may hold a triangle that is close enough.
     PIERCE_HD float squared_to(const BoxF& box) const {
-        float sum = 0;
-        for (int k = 0; k < 3; ++k) {
-            const float below = (box.lower[k] - high_[k]) - low_[k],
-                        above = low_[k] - (box.upper[k] - high_[k]);
-            const float gap = quick_max(quick_max(below, above), 0.0f);
-            sum = quick_fma(gap, gap, sum);
-        }
-        return sum;
+        const Vec3f from = relative(box.lower), to = relative(box.upper);
+        const Vec3f gap = {quick_max(quick_max(from.x, -to.x), 0.0f),
+                           quick_max(quick_max(from.y, -to.y), 0.0f),
+                           quick_max(quick_max(from.z, -to.z), 0.0f)};
+        return quick_dot(gap, gap);
     }
     PIERCE_HD bool may_hold(float squared) const { return !(squared > reach_squared_); }
 

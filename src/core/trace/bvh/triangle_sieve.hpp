@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/device/quick_math.hpp"
+#include "core/geometry/quick_vec3.hpp"
 #include "core/geometry/triangle.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/constants.hpp"
@@ -22,7 +23,7 @@ public:
         shear_x_ = static_cast<float>(exact.shear_x);
         shear_y_ = static_cast<float>(exact.shear_y);
         high_ = to_float(ray.origin);
-        low_ = to_float(ray.origin - to_double(high_));
+        low_ = to_float(rest_of(ray.origin, high_));
     }
 
     /// For a leaf with these corners: bit k says that triangle k may be crossed.
