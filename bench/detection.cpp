@@ -39,7 +39,7 @@ void detect(benchmark::State& state, Method method, bool deforming, int threads,
     const Recording& recording = pile(deforming);
     SceneSetup scene = scene_of(recording);
     scene.meshes = make_scene("tori").meshes;  // with convex pieces
-    Settings settings;
+    Settings settings = vertex_rays;
     settings.temporal = temporal;
     const auto detector = make_detector(scene, method, {"embree", threads, settings});
     std::uint32_t frame = 0;

@@ -300,6 +300,9 @@ public:
     }
     Count in_sixteens(const Count& groups) const { return constants::group_size * groups; }
 
+    bool are_few_in_lanes(const Count& things) const {
+        return things.bound() <= cuda::few_in_lanes;
+    }
     Count in_lanes(const Count& things) const { return Lanes::count * things; }
 
     std::uint32_t number(const Count& count) const {

@@ -30,6 +30,9 @@ inline constexpr std::uint32_t few_items = 1u << 15;
 /// Up to this many groups of sixteen, a thread for each of the sixteen pays: they all run at once.
 inline constexpr std::uint32_t few_sixteens = 1u << 13;
 
+/// Up to this many things, a warp for each pays, even if one thread of it does all the work.
+inline constexpr std::uint32_t few_in_lanes = 1u << 12;
+
 /// For lists up to this long, one block does scans and selections: more launches would cost more
 /// than the work.
 inline constexpr std::uint32_t short_list = 1u << 14;

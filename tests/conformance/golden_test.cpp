@@ -82,8 +82,10 @@ TEST(GoldenTest, ContactsAreWhatTheyWere) {
         const Recording recording = record(c);
         for (const Coverage coverage : {Coverage::vertices, Coverage::overlaps, Coverage::complete})
             for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified}) {
-                const Settings settings{
-                    .coverage = coverage, .temporal = temporal, .may_rest = false};
+                const Settings settings{.coverage = coverage,
+                                        .reproject = coverage == Coverage::overlaps,
+                                        .temporal = temporal,
+                                        .may_rest = false};
                 const std::string name = name_of(c, coverage, temporal);
                 const std::string found = result(recording, {"embree", 1, settings});
                 if (writes) {

@@ -100,7 +100,7 @@ TEST(HardCasesTest, ASmallBodyOnAHugeOneHasASmallTouchTolerance) {
     constexpr double depth = 0x1p-10;
     for (const test::NamedBackend& backend : test::backends())
         for (const Coverage coverage : {Coverage::vertices, Coverage::complete}) {
-            World world(backend.make(), {.coverage = coverage});
+            World world(backend.make(), {.coverage = coverage, .reproject = false});
             const MeshId slab = world.add_mesh("slab",
                                                scenes::box({-1e6, -1e6, -8}, {1e6, 1e6, 0}));
             const MeshId box = world.add_mesh("box", scenes::box({-1, -1, 0}, {1, 1, 2}));
@@ -259,7 +259,7 @@ TEST_P(HardBodiesTest, AreInContactAsTheyMust) {
         for (Coverage coverage : {Coverage::vertices, Coverage::complete}) {
             SCOPED_TRACE(bodies.situation +
                          (coverage == Coverage::complete ? " complete" : " vertices"));
-            const Settings settings{.coverage = coverage};
+            const Settings settings{.coverage = coverage, .reproject = false};
             const HardContacts& answer = coverage == Coverage::complete ? bodies.complete
                                                                         : bodies.vertices;
             Scene unchanged(GetParam().backend, bodies, {}, settings);
@@ -281,12 +281,11 @@ TEST_P(HardBodiesTest, AreInContactAsTheyMust) {
         }
 }
 
-TEST_P(HardBodiesTest, AreAsDeepAsTheyMustOnceReprojected) {
+TEST_P(HardBodiesTest, AreAsDeepByDefaultAsTheDefinitionSays) {
     for (const HardBodies& bodies : GetParam().hard.bodies) {
-        if (bodies.reprojected < 0) continue;
-        const Observed observed = Scene(GetParam().backend, bodies, {}, {.reproject = true})
-                                      .observe({});
-        EXPECT_NEAR(observed.deepest, bodies.reprojected, normal_rounding * observed.extent);
+        if (bodies.by_default < 0) continue;
+        const Observed observed = Scene(GetParam().backend, bodies, {}, Settings{}).observe({});
+        EXPECT_NEAR(observed.deepest, bodies.by_default, normal_rounding * observed.extent);
     }
 }
 

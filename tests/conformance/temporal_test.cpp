@@ -18,7 +18,7 @@ namespace pierce {
 namespace {
 
 Settings with(Temporal temporal, bool predict = false) {
-    Settings settings;
+    Settings settings = vertex_rays;
     settings.temporal = temporal;
     settings.predict = predict;
     settings.may_rest = false;

@@ -31,14 +31,14 @@ inline void add_coverage(CLI::App& command, Settings& settings) {
         .add_option_function<std::string>(
             "--coverage",
             [&settings](const std::string& name) { settings.coverage = coverages.at(name); },
-            "what is looked for inside other bodies: vertices (the default), or overlaps, with "
+            "what is looked for inside other bodies: vertices, or overlaps (the default), with "
             "edges and whole bodies where no vertex is inside, or complete, with all edges")
         ->check(CLI::IsMember({"vertices", "overlaps", "complete"}));
     command
         .add_option_function<std::string>(
             "--reproject",
             [&settings](const std::string& name) { settings.reproject = switches.at(name); },
-            "move contacts to the closest point of the other surface: on or off (the default)")
+            "move contacts to the closest point of the other surface: on (the default) or off")
         ->check(CLI::IsMember({"on", "off"}));
 }
 

@@ -14,14 +14,25 @@ namespace pierce::app {
 using scenes::Accuracy;
 using scenes::Method;
 
+namespace {
+
+Settings vertices(Temporal temporal, bool predict = true) {
+    Settings settings = vertex_rays;
+    settings.temporal = temporal;
+    settings.predict = predict;
+    return settings;
+}
+
+}  // namespace
+
 std::span<const ComparedMethod> compared_methods() {
     static const std::vector<ComparedMethod> methods{
-        {"full", Method::rays, {.temporal = Temporal::off}},
-        {"walk", Method::rays, {.temporal = Temporal::paper, .predict = false}},
-        {"walk-predict", Method::rays, {.temporal = Temporal::paper}},
-        {"certified", Method::rays, {.temporal = Temporal::certified}},
+        {"full", Method::rays, vertices(Temporal::off)},
+        {"walk", Method::rays, vertices(Temporal::paper, false)},
+        {"walk-predict", Method::rays, vertices(Temporal::paper)},
+        {"certified", Method::rays, vertices(Temporal::certified)},
         {"overlaps", Method::rays, {.coverage = Coverage::overlaps, .reproject = true}},
-        {"complete", Method::rays, {.coverage = Coverage::complete}},
+        {"complete", Method::rays, {.coverage = Coverage::complete, .reproject = false}},
         {"reprojected", Method::rays, {.coverage = Coverage::complete, .reproject = true}},
         {"gjk-hull", Method::gjk_hull, {}},
         {"gjk-epa", Method::gjk_epa, {}},

@@ -90,6 +90,28 @@ struct Lanes : Alone {
 using Lanes = Alone;
 #endif
 
+/// Emits what `Finder` finds, each item by the first of its lanes: items that take very different
+/// ways would wait for each other if they were lanes of one warp.
+template <class Finder>
+struct FindApart {
+    Finder finder;
+
+    explicit PIERCE_HD FindApart(const Finder& its_finder) : finder(its_finder) {}
+    PIERCE_HD auto find(std::uint32_t item) const {
+        using Seen = decltype(finder.find(item));
+        return Lanes::is_first() ? finder.find(Lanes::thing_of(item)) : Seen{};
+    }
+    template <class Found>
+    PIERCE_HD static std::uint32_t count(const Found& found) {
+        return Finder::count(found);
+    }
+    template <class Found, class... T>
+    PIERCE_HD void write(std::uint32_t item, const Found& found, std::uint32_t place,
+                         T*... lists) const {
+        if (Finder::count(found) > 0) finder.write(Lanes::thing_of(item), found, place, lists...);
+    }
+};
+
 /// Memory in which the lanes that work on one thing meet. `T` must need no constructor. A stage may
 /// have one room of a type, and must say so: `static constexpr bool has_rooms = true`.
 template <class T>

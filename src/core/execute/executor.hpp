@@ -72,6 +72,8 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
     { executor.in_lanes(n) } -> std::same_as<typename E::Count>;
+    // True for so few things that there are enough threads for lanes of each.
+    { executor.are_few_in_lanes(n) } -> std::same_as<bool>;
     // True if there certainly are no items: where the host does not know it, there may be some.
     { executor.is_empty(n) } -> std::same_as<bool>;
     // Runs work that does nothing if the test holds for no item, and may leave it out then. Lists

@@ -60,6 +60,9 @@ public:
     /// The number of items of a stage whose lanes work on so many things (Lanes).
     std::uint32_t in_lanes(std::uint32_t things) const { return things; }
 
+    /// False, as there is one lane.
+    bool are_few_in_lanes(std::uint32_t) const { return false; }
+
     /// False, as an item on the host handles a whole group.
     bool are_few_sixteens(std::uint32_t) const { return false; }
 

@@ -24,6 +24,7 @@ enum class ListId : std::uint8_t {
     edge_blocks,
     edge_groups,
     found_edges,
+    edges_in_boxes,
     near_edges,
     asked_edges,
     crossed_pairs,

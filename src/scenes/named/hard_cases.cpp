@@ -46,7 +46,7 @@ void add_rays(std::vector<HardCase>& cases) {
                      "resting_t0",
                      {{cube(), {0.3, 0.6, 1}, up, Meets::touching, 0}},
                      {{"", spike({0.3f, 0.6f, 1}, {0.3f, 0.6f, 2}, 0.25f), cube(), 0,
-                       by_vertices(1, 0, 0), by_vertices(1, 0, 0)}},
+                       by_vertices(1, 0, 0), by_vertices(1, 0, 0), 0}},
                      {},
                      "touching, depth 0",
                      ""});
@@ -54,17 +54,18 @@ void add_rays(std::vector<HardCase>& cases) {
                      "corner_kiss",
                      {{placed(cube(), 1, {1, 1, 1}), {1, 1, 1}, in, Meets::touching, 0}},
                      {{"", cube(), placed(cube(), 1, {1, 1, 1}), 0, by_vertices(1, 1, 0),
-                       by_vertices(1, 1, 0)}},
+                       by_vertices(1, 1, 0), 0}},
                      {},
                      "touching, depth 0, once from either body",
                      ""});
-    cases.push_back({5,
-                     "identical_pose",
-                     {{cube(), {1, 1, 1}, in, Meets::exit, sqrt3}},
-                     {{"", cube(), cube(), 1, by_vertices(8, 8, sqrt3), by_vertices(8, 8, sqrt3)}},
-                     {},
-                     "every corner inside, along a diagonal of sqrt 3; the bodies would part by 1",
-                     ""});
+    cases.push_back(
+        {5,
+         "identical_pose",
+         {{cube(), {1, 1, 1}, in, Meets::exit, sqrt3}},
+         {{"", cube(), cube(), 1, by_vertices(8, 8, sqrt3), by_vertices(8, 8, sqrt3), sqrt3}},
+         {},
+         "every corner inside, along a diagonal of sqrt 3; the bodies would part by 1",
+         ""});
     cases.push_back({6,
                      "coplanar_slide",
                      {{cube(), {0.5, 0, 0.5}, right, Meets::touching, 0}},
@@ -142,7 +143,8 @@ void add_pairs(std::vector<HardCase>& cases) {
            box({-2, -2, -2}, {2, 2, 2}),
            2,
            {},
-           by_separation(2, up)}},
+           by_separation(2, up),
+           2}},
          {},
          "vertices: nothing, every ray leaves the plate first; complete: depth 2, upward",
          ""});
@@ -155,7 +157,8 @@ void add_pairs(std::vector<HardCase>& cases) {
                        box({-0.1, -2, 0}, {0.1, 2, 0.2}),
                        lift,
                        {},
-                       by_edges(3, 3, lift * sqrt2, down)}},
+                       by_edges(3, 3, lift * sqrt2, down),
+                       lift}},
                      {},
                      "vertices: nothing, none is inside; complete: depth 0.1 sqrt 2 at four ridges "
                      "and 0.1 at two "
@@ -181,7 +184,8 @@ void add_pairs(std::vector<HardCase>& cases) {
                        prism({0, -2, 0}, {-1, -2, -1}, {1, -2, -1}, {0, 4, 0}),
                        static_cast<double>(ridge),
                        {},
-                       by_edges(1, 1, static_cast<double>(ridge), up)}},
+                       by_edges(1, 1, static_cast<double>(ridge), up),
+                       static_cast<double>(ridge) / sqrt2}},
                      {},
                      "vertices: nothing, none is inside; complete: depth 0.05 at both ridges",
                      ""});
@@ -194,7 +198,8 @@ void add_pairs(std::vector<HardCase>& cases) {
                        cube(),
                        sting,
                        by_vertices(1, 0, sting, up),
-                       {1, 0, 0, 1, false, sting, up}}},
+                       {1, 0, 0, 1, false, sting, up},
+                       sting}},
                      {},
                      "the apex, 0.1 deep, upward",
                      ""});
@@ -205,12 +210,26 @@ void add_defects(std::vector<HardCase>& cases) {
     const Vec3d up{0, 0, 1}, down{0, 0, -1}, right{1, 0, 0}, center{0.5, 0.5, 0.5},
         at_defect{0.25, -0.25, 0.5};
     const MeshData layer = box({-4, -4, -0.125}, {4, 4, 0.125});
+    // Both tips' edges reach 5/48 into the layer along their rays, 1/48 of the root of 5 straight.
+    const double bowtie_depth = std::sqrt(5.0) / 48;
     cases.push_back(
         {18,
          "bowtie_vertex",
          {},
-         {{"reflected in the tip", bowtie(false), layer, 1.125, {}, {0, 0, 0, 2, false, -1, {}}},
-          {"reflected in a plane", bowtie(true), layer, 1.125, {}, {0, 0, 0, 2, false, -1, {}}}},
+         {{"reflected in the tip",
+           bowtie(false),
+           layer,
+           1.125,
+           {},
+           {0, 0, 0, 2, false, -1, {}},
+           bowtie_depth},
+          {"reflected in a plane",
+           bowtie(true),
+           layer,
+           1.125,
+           {},
+           {0, 0, 0, 2, false, -1, {}},
+           bowtie_depth}},
          {{bowtie(false), MeshDefect::bowtie_vertex, 1},
           {bowtie(false), MeshDefect::no_inward_direction, 1},
           {bowtie(true), MeshDefect::bowtie_vertex, 1}},
@@ -226,7 +245,8 @@ void add_defects(std::vector<HardCase>& cases) {
                        box({-9, -9, -0.25}, {9, 9, 1}),
                        0.25,
                        {1, 0, 0, 0, false, -1, {}},
-                       {1, 0, 0, 2, false, -1, {}}}},
+                       {1, 0, 0, 2, false, -1, {}},
+                       0.25}},
                      {{pyramid_over_c(), MeshDefect::no_inward_direction, 0}},
                      "the apex is in contact: the direction against its normal is not behind all "
                      "triangles, but leads inside",
@@ -235,25 +255,27 @@ void add_defects(std::vector<HardCase>& cases) {
                      "direction against its normal leaves the solid"});
     const double third = static_cast<double>(1.0f / 3.0f), height = static_cast<double>(0.98f);
     const Vec3f place{1.0f / 3.0f, 0.25f, 0.98f};
-    cases.push_back({20,
-                     "cloth_wrong_side",
-                     {{cube(), {third, 0.25, height}, down, Meets::exit, height},
-                      {cube(), {third, 0.25, height}, up, Meets::exit, 1 - height}},
-                     {{"facing down", sheet(place, 0.125f, false), cube(), 1 - height,
-                       by_vertices(5, 0, 1 - height, up), by_vertices(5, 0, 1 - height, up)},
-                      {"facing up",
-                       sheet(place, 0.125f, true),
-                       cube(),
-                       1 - height,
-                       {},
-                       by_separation(1 - height, up)}},
-                     {},
-                     "depth 0.02, upward, if the sheet faces down; if it faces up, complete finds "
-                     "this and vertices nothing",
-                     "facing up, the sheet's inward rays go down: 0.98 is beyond an open body's "
-                     "range, so vertices report nothing, "
-                     "neither 0.98 nor 0.02; as a sheet (World::set_collision) it is pushed out by "
-                     "0.02 whichever way it faces"});
+    cases.push_back(
+        {20,
+         "cloth_wrong_side",
+         {{cube(), {third, 0.25, height}, down, Meets::exit, height},
+          {cube(), {third, 0.25, height}, up, Meets::exit, 1 - height}},
+         {{"facing down", sheet(place, 0.125f, false), cube(), 1 - height,
+           by_vertices(5, 0, 1 - height, up), by_vertices(5, 0, 1 - height, up), 1 - height},
+          {"facing up",
+           sheet(place, 0.125f, true),
+           cube(),
+           1 - height,
+           {},
+           by_separation(1 - height, up),
+           1 - height}},
+         {},
+         "depth 0.02, upward, if the sheet faces down; if it faces up, complete finds "
+         "this and vertices nothing",
+         "facing up, the sheet's inward rays go down: 0.98 is beyond an open body's "
+         "range, so vertices report nothing, "
+         "neither 0.98 nor 0.02; as a sheet (World::set_collision) it is pushed out by "
+         "0.02 whichever way it faces"});
     cases.push_back(
         {21,
          "flipped_triangle",
@@ -264,7 +286,8 @@ void add_defects(std::vector<HardCase>& cases) {
            cube_with_flipped_triangle(),
            0.5625,
            {},
-           {}}},
+           {},
+           0}},
          {{cube_with_flipped_triangle(), MeshDefect::flipped_edge, 3}},
          "an entry through the flipped triangle, exits through others; no contact",
          "the exact answer is that the center is inside (winding number 5/6); to Pierce such a "
@@ -279,7 +302,8 @@ void add_defects(std::vector<HardCase>& cases) {
                        cube_with_missing_triangle(),
                        0.5625,
                        {},
-                       {}}},
+                       {},
+                       0}},
                      {{cube_with_missing_triangle(), MeshDefect::border_edge, 3}},
                      "nothing through the hole, exits elsewhere; no contact",
                      "the exact answer is that the center is inside (winding number 11/12); to "

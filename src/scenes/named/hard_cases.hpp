@@ -47,8 +47,8 @@ struct HardBodies {
     double parting = 0;  ///< exact: the shortest move that parts them [length]; zero: they touch;
                          ///< negative: they are apart
     HardContacts vertices, complete;
-    double reprojected = -1;  ///< the deepest contact of a vertex after re-projection [length];
-                              ///< negative: not part of the answer
+    double by_default = -1;  ///< the deepest contact with the default settings [length]; 0 if there
+                             ///< is none, or none with a depth; negative: not part of the answer
 };
 
 /// What the check of a mesh must find.

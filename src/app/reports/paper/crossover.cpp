@@ -28,7 +28,7 @@ struct Times {
 };
 
 Times time_steps(const scenes::Recording& recording, const std::string& backend, int threads) {
-    scenes::RaySettings settings{.backend = backend, .threads = threads, .world = {}};
+    scenes::RaySettings settings{.backend = backend, .threads = threads, .world = vertex_rays};
     settings.world.temporal = Temporal::off;
     const auto detector = scenes::make_detector(scenes::scene_of(recording), scenes::Method::rays,
                                                 settings);

@@ -20,7 +20,7 @@ PartOfMotion Mode::whole() const {
 }
 
 Mode mode(std::string name, Temporal temporal, bool predict) {
-    Mode m{.name = std::move(name), .settings = {}};
+    Mode m{.name = std::move(name), .settings = vertex_rays};
     m.settings.temporal = temporal;
     m.settings.predict = predict;
     return m;

@@ -43,7 +43,7 @@ void pictures_of_piles(const Pile& tori, const Pile& bunnies, Page& page) {
 void figure_15(const PaperReportOptions& options, Page& page) {
     page.line("\n## Figure 15: cloth falls on a capsule\n");
     const scenes::SceneSetup scene = scenes::make_scene("cloth-capsule", {.seed = options.seed});
-    scenes::Simulation simulation(scene, scenes::Method::rays);
+    scenes::Simulation simulation(scene, scenes::Method::rays, {.world = vertex_rays});
     const std::vector<BodyId> ground = ground_of(scene);
     const auto steps = Timing{options.cloth_seconds, scene.dt}.steps();
     Progress progress("figure 15", steps);

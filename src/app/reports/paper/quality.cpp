@@ -100,7 +100,7 @@ Quality measure_quality(const scenes::SceneSetup& scene, bool soft, const Closed
     // Rays see in the motion they brought about what they saw while they did, but for soft bodies,
     // which Bullet moves on before it looks for contacts.
     FrameLog own;
-    if (soft) own = watch(scene, loop.recording, Method::rays, {}, 1);
+    if (soft) own = watch(scene, loop.recording, Method::rays, vertex_rays, 1);
     const FrameLog& log = soft ? own : loop.log;
     const std::vector<TrueFrame> known = truth_of(loop.recording, truth_every);
     Quality quality{

@@ -68,7 +68,7 @@ Table time_builders(const scenes::Recording& recording, const std::string& backe
     Progress progress("table 1, " + backend, 2 * std::size(builders));
     for (const NamedBuilder& b : builders)
         for (const bool rebuild : {true, false}) {
-            scenes::RaySettings settings{.backend = backend, .threads = 1, .world = {}};
+            scenes::RaySettings settings{.backend = backend, .threads = 1, .world = vertex_rays};
             settings.world.temporal = Temporal::off;
             settings.builder = b.builder;
             settings.rebuild = rebuild;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/body/scene.hpp"
+#include "core/device/lanes.hpp"
 #include "core/device/view.hpp"
 #include "core/execute/stage_traits.hpp"
 #include "core/step/common/bounds.hpp"
@@ -159,7 +160,12 @@ private:
     template <class Wanted>
     void find_chords(ListId id, const Wanted& wanted, stages::FindChords chords) {
         if constexpr (E::traits.joins_stages) {
-            executor_.emit(id, count_of(now_.edges), FindWanted(wanted, chords), chords_.found);
+            const FindWanted find(wanted, chords);
+            const Count edges = count_of(now_.edges);
+            if (executor_.are_few_in_lanes(edges))
+                executor_.emit(id, executor_.in_lanes(edges), FindApart(find), chords_.found);
+            else
+                executor_.emit(id, edges, find, chords_.found);
         } else {
             const Count asked = tools_.list(ListId::asked_edges, count_of(now_.edges), wanted,
                                             scratch_.places);
@@ -240,14 +246,25 @@ private:
                                              .blocks = view_of(near_.blocks),
                                              .gaps = view_of(near_.gaps)},
                        near_.groups);
+        constexpr bool in_two = E::traits.joins_stages;
+        Buffer<NearEdge>& found = remembers ? near_.found : now_.edges;
         tools_.share_out(count_of(near_.groups), [&](auto share, const Count& groups) {
             executor_.emit(ListId::found_edges, groups,
                            stages::FindNearEdges<decltype(share)>{.bodies = bodies,
                                                                   .directed = step.directed,
                                                                   .groups = view_of(near_.groups),
-                                                                  .gaps = view_of(near_.gaps)},
-                           remembers ? near_.found : now_.edges);
+                                                                  .gaps = view_of(near_.gaps),
+                                                                  .asks_boxes = !in_two},
+                           in_two ? near_.in_spheres : found);
         });
+        // Where an item is a thread, edges of a group would wait for each other.
+        if constexpr (in_two)
+            executor_.emit(ListId::edges_in_boxes, count_of(near_.in_spheres),
+                           stages::KeepNearBoxes{.bodies = bodies,
+                                                 .directed = step.directed,
+                                                 .edges = view_of(near_.in_spheres),
+                                                 .gaps = view_of(near_.gaps)},
+                           found);
         if (remembers)
             executor_.for_each(2 * step.count,
                                stages::ExpireNearEdges{.bodies = bodies,

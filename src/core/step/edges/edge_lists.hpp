@@ -31,6 +31,7 @@ struct NearEdgeLists {
     using Buffer = typename E::template Buffer<Item>;
 
     Buffer<stages::CullItem> blocks, groups;
+    Buffer<NearEdge> in_spheres;  ///< near by their spheres, before boxes are asked
     Buffer<NearEdge> found;
     Buffer<std::uint32_t> gaps;  ///< per directed pair (note_gap); empty if steps do not remember
 };

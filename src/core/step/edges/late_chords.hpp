@@ -76,6 +76,7 @@ public:
               Buffer<Route>& routes) {
         const View<const BodyView> bodies = step.scene.bodies;
         late_.clear();
+        late_routes_.clear();
         const stages::GenerateChordRays generate = edges.find(step, stages::PairMarks::has_depth,
                                                               late_, late_routes_);
         const auto count = count_of(late_.rays);

@@ -108,6 +108,7 @@ struct FindNearEdges {
     View<const CullItem> groups;
     View<std::uint32_t> gaps;  ///< per directed pair, of the edges left out; empty if steps do not
                                ///< remember
+    bool asks_boxes = true;    ///< false: KeepNearBoxes asks them
 
     static constexpr bool in_order = true;
 
@@ -150,7 +151,7 @@ struct FindNearEdges {
             found.room[k - Share::first()] = static_cast<float>(
                 (may_cross ? proof.once : proof.gap) - margin);
         }
-        if (found.mask != 0 && !clearance_tells(source, target)) {
+        if (asks_boxes && found.mask != 0 && !clearance_tells(source, target)) {
             const std::uint32_t before = found.mask;
             found.mask = by_boxes(i, found.mask, margin + more);
             if (found.mask != before) least = 0;
@@ -205,6 +206,37 @@ private:
                            return near == mask;
                        });
         return near;
+    }
+};
+
+/// Per edge that is near by its sphere: lists those whose box meets a box around a triangle of the
+/// target, if clearance does not say enough.
+struct KeepNearBoxes {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const NearEdge> edges;
+    View<std::uint32_t> gaps;  ///< as those of FindNearEdges
+
+    static constexpr bool in_order = true;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        const NearEdge& edge = edges[i];
+        const DirectedPair& d = directed[edge.directed];
+        const BodyView& source = bodies[d.source];
+        const BodyView& target = bodies[d.target];
+        if (clearance_tells(source, target)) return true;
+        const double margin = edge_margin(directed, edge.directed) +
+                              (gaps.size > 0 ? edge_skin(bodies, d) : 0.0);
+        const PlacedEdge placed(source, d, source.mesh.edges[edge.edge]);
+        const bool near = for_each_group(target.box_nodes, BoxLevels(target.mesh.triangles.size),
+                                         box_around(placed.a, placed.b, margin),
+                                         [](std::uint32_t, std::uint32_t) { return true; });
+        if (!near && gaps.size > 0) note_gap(gaps[edge.directed], 0);
+        return near;
+    }
+    PIERCE_HD static std::uint32_t count(bool near) { return near; }
+    PIERCE_HD void write(std::uint32_t i, bool near, std::uint32_t place, NearEdge* kept) const {
+        if (near) kept[place] = edges[i];
     }
 };
 
