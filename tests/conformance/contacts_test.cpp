@@ -80,7 +80,7 @@ TEST_P(ContactsTest, RandomRigidPairsMatchTheDefinition) {
     std::size_t contacts = 0;
     for (int i = 0; i < 60 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
-        World world(GetParam().make());
+        World world(GetParam().make(), vertex_rays);
         const MeshData data[2] = {test::random_closed_mesh(random),
                                   test::random_closed_mesh(random)};
         const Pose pose[2] = {{random.in_box(0.6), random.rotation()},
@@ -104,7 +104,7 @@ TEST_P(ContactsTest, RandomDeformingPairsMatchTheDefinition) {
     std::size_t contacts = 0;
     for (int i = 0; i < 60 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
-        World world(GetParam().make());
+        World world(GetParam().make(), vertex_rays);
         std::array<Solid, 2> solid;
         std::array<std::vector<SolidVec>, 2> inward;
         BodyId body[2];
@@ -159,7 +159,7 @@ TEST_P(ContactsTest, ARayThatStartsOutsideItsOwnBodyIsNoContact) {
         ASSERT_TRUE(Mesh("pyramid", pyramid).traits().closed());
         ASSERT_GT(Mesh("pyramid", pyramid).traits().volume, 0);
         for (bool deforming : {false, true}) {
-            World world(GetParam().make());
+            World world(GetParam().make(), vertex_rays);
             const MeshId a = world.add_mesh("pyramid", pyramid), b = world.add_mesh("slab", slab);
             const BodyId first = deforming ? world.add_deforming_body(a) : world.add_rigid_body(a);
             const BodyId second = world.add_fixed_body(b);
@@ -183,7 +183,7 @@ TEST_P(ContactsTest, ASmallBodyAtACornerOfAHugeOne) {
             // few hundredths off.
             const Vec3d inward = normalized(Vec3d{1.0, 1.0 + 0.1 * i, 1.0});
             const Pose pose{-0.095 * inward, {}};
-            World world(GetParam().make());
+            World world(GetParam().make(), vertex_rays);
             const MeshId mesh = world.add_mesh("huge", huge);
             const BodyId a = deforming ? world.add_deforming_body(mesh)
                                        : world.add_rigid_body(mesh);
@@ -199,7 +199,7 @@ TEST_P(ContactsTest, ASmallBodyAtACornerOfAHugeOne) {
 
 TEST_P(ContactsTest, AFlattenedBodyIsSeenAsThinAsItIs) {
     MeshData ball = scenes::sphere(1, 3);
-    World world(GetParam().make());
+    World world(GetParam().make(), vertex_rays);
     const MeshId rest = world.add_mesh("ball", ball);
     const MeshData block = scenes::box({-2, -2, -1.03}, {2, 2, 1.1});
     const BodyId fixed = world.add_fixed_body(world.add_mesh("block", block));
@@ -221,7 +221,7 @@ TEST_P(ContactsTest, AFlattenedBodyIsSeenAsThinAsItIs) {
 TEST_P(ContactsTest, WhatTheyAddUpToIsSaid) {
     test::Random random(31);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
-    World world(GetParam().make());
+    World world(GetParam().make(), vertex_rays);
     const MeshId mesh = world.add_mesh("torus", scenes::torus(0.6, 0.3, 20, 12));
     std::vector<BodyId> bodies;
     for (int b = 0; b < 12; ++b)

@@ -119,7 +119,7 @@ TEST_P(ExplainTest, SaysWhyAPairIsNone) {
 }
 
 TEST_P(ExplainTest, OpenBodiesRaysAreShort) {
-    World world(GetParam().make());
+    World world(GetParam().make(), vertex_rays);
     const BodyId block = world.add_fixed_body(
         world.add_mesh("block", scenes::box({-9, -9, -9}, {9, 9, 0})));
     const MeshId sheet = world.add_mesh("sheet",

@@ -77,7 +77,7 @@ public:
         stage(StageId::update, [&] { tools_.update(scene.bodies, full_rays(plan)); });
         stage(StageId::trace, [&] { trace(scene); });
         stage(StageId::classify, [&] { test_inside(scene); });
-        if (plan.traces_own_exits) own_exits(scene.bodies, stage);
+        if (plan.traces_own_exits) own_exits(plan, scene.bodies, stage);
         stage(StageId::classify, [&] { test_own_exits(scene); });
         stage(StageId::self_overlap,
               [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
@@ -489,14 +489,23 @@ private:
     }
 
     /// Second rays, of candidates whose own exit is not known.
-    void own_exits(View<const BodyView> bodies, StageTimer<E>& stage) {
+    void own_exits(const Plan& plan, View<const BodyView> bodies, StageTimer<E>& stage) {
         stage(StageId::update, [&] { tools_.update(bodies, exits_.rays); });
-        stage(StageId::trace, [&] { tools_.trace(bodies, exits_.rays, exits_.hits); });
+        stage(StageId::trace, [&] {
+            batch_.keep.resize(count_of(batch_.candidates));
+            exits_.hits.resize(count_of(exits_.rays));
+            if (tests_first(plan))
+                tools_.trace_between(bodies, exits_.rays, exits_.hits, NoStage{},
+                                     own_exit_test(bodies));
+            else
+                tools_.trace(bodies, exits_.rays, exits_.hits);
+        });
     }
 
     // classify, second part: R2 and R3: which candidates are contacts. If no stage needs the answer
     // earlier, candidates are tested as contacts are listed.
     void test_own_exits(const Scene& scene) {
+        if (scene.plan->traces_own_exits && tests_first(*scene.plan)) return;  // own_exits() did
         batch_.keep.resize(count_of(batch_.candidates));
         if (tests_first(*scene.plan))
             executor_.for_each(count_of(batch_.candidates), own_exit_test(scene.bodies));

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -43,9 +44,8 @@ TEST(WorldTest, FindsTheFourCornersOfABoxOnATable) {
         EXPECT_EQ(c.a, scene.below);
         EXPECT_EQ(c.b, scene.above);
         EXPECT_EQ(c.source, Side::b);
-        // Corner normals are diagonal, so the ray is longer than the overlap by the square root of
-        // three.
-        EXPECT_NEAR(c.penetration_depth(), 0.02 * std::sqrt(3.0), 1e-6);
+        EXPECT_NEAR(c.penetration_depth(), 0.02, 1e-6);
+        EXPECT_NEAR(c.normal.z, 1, 1e-6);
         EXPECT_NEAR(c.face_normal.z, 1, 1e-12);
         EXPECT_NEAR(length(c.normal), 1, 1e-12);
         EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-12);
@@ -71,7 +71,10 @@ TEST(WorldTest, ContactsAgeWhileTheyLast) {
 TEST(WorldTest, TouchingIsAContactOfDepthZero) {
     TwoBoxes scene(0);
     scene.world.detect();
-    ASSERT_EQ(scene.world.contacts().size(), 4u);
+    // The corners, and what may be inside by rounding of the edges that lie in the other's face.
+    EXPECT_EQ(std::ranges::count_if(scene.world.contacts(),
+                                    [](const Contact& c) { return !c.is_edge(); }),
+              4);
     for (const Contact& c : scene.world.contacts()) EXPECT_EQ(c.distance, 0);
     scene.world.set_pose(scene.above, at(0.2, 0.3, 0.001));
     scene.world.detect();

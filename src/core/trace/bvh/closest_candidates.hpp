@@ -28,7 +28,7 @@ struct FindClosestCandidates {
     }
 
 private:
-    static constexpr std::uint32_t leaf_room = 4;
+    static constexpr std::uint32_t leaf_room = 8;
 
     PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray,
                                  std::uint32_t* triangles) const {
