@@ -285,6 +285,10 @@ inline constexpr int meeting_advances = 1 << 14;
 /// edge length]. These are three rings of triangles, which bend but do not meet.
 inline constexpr double self_distance = 3.0;
 
+/// Up to so many features of one key are sorted by insertion: for fewer than this a heap takes as
+/// long.
+inline constexpr std::uint32_t few_ties = 16;
+
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;
 
