@@ -274,7 +274,7 @@ struct HangTogether {
 };
 
 /// Per triangle with others near: those that do not hang together with it where nothing folds, and
-/// that no normal of the two keeps apart.
+/// that no normal of the two and no line between their middles keeps apart.
 struct CullTriangles {
     View<const SheetPair> pairs;
     View<const NearTriangles> near;
@@ -308,14 +308,15 @@ struct CullTriangles {
             });
     }
 
-    /// For a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if
-    /// they do not meet.
+    /// For a triangle and another one near: 0 if a direction keeps them apart, else 1, and 2 more
+    /// if they do not meet.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const NearTriangles n = read_whole(near[i]);
         const float margin = pairs[n.pair].quick_margin;
         const DriftingPair both(drifting.read(n.first), drifting.read(n.others + bit));
         Company company = both.along_normal_of_a(margin);
         if (!company.is_settled()) company.learn(both.along_normal_of_b(margin));
+        if (!company.is_settled()) company.learn(both.along_middles(margin));
         return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
     }
 };

@@ -167,39 +167,89 @@ TEST(SheetFeaturesTest, ADirectionThatSeparatesDoesSoAllTheTime) {
     EXPECT_GT(distant, 1000);
 }
 
+/// Two triangles that move, as culling sees them and as they are.
+struct MovingPair {
+    DriftingTriangle first, second;
+    QuickPoint a[3], b[3];
+    float margin = 0;
+
+    explicit MovingPair(Random& random) {
+        Points points(random);
+        PlacedTriangle at_a, at_b;
+        const Vec3f far = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
+        for (int k = 0; k < 3; ++k) {
+            at_a.end[k] = far + points.next();
+            at_b.end[k] = far + points.next();
+        }
+        Vec3d way = at_a.end_normal();
+        if (random.integer(0, 1) == 0) {
+            way = {};
+            for (int k = 0; k < 3; ++k) way += to_double(at_b.end[k]) - to_double(at_a.end[k]);
+        }
+        const Vec3f away = static_cast<float>(random.uniform(0, 2)) * points.scale() *
+                           to_float(normalized(way));
+        for (int k = 0; k < 3; ++k) {
+            at_a.start[k] = at_a.end[k] + 0.1f * points.next();
+            at_b.start[k] = at_b.end[k] = at_b.end[k] + away;
+            a[k] = {at_a.start[k], at_a.end[k]};
+            b[k] = {at_b.start[k], at_b.end[k]};
+        }
+        first = DriftingTriangle(at_a);
+        second = DriftingTriangle(at_b);
+        margin = points.scale() * 0.1f;
+    }
+};
+
 TEST(SheetFeaturesTest, ANormalThatSeparatesDoesSoAllTheTime) {
     Random random(4);
     int separate = 0, distant = 0;
     for (int i = 0; i < 100000; ++i) {
-        Points points(random);
-        PlacedTriangle a, b;
-        const Vec3f far = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
-        for (int k = 0; k < 3; ++k) {
-            a.end[k] = far + points.next();
-            b.end[k] = far + points.next();
-        }
-        const Vec3f n = to_float(normalized(a.end_normal()));
-        const Vec3f away = static_cast<float>(random.uniform(0, 2)) * points.scale() * n;
-        for (int k = 0; k < 3; ++k) {
-            a.start[k] = a.end[k] + 0.1f * points.next();
-            b.start[k] = b.end[k] = b.end[k] + away;
-        }
-        const DriftingTriangle drifting_a(a), drifting_b(b);
-        const float margin = points.scale() * 0.1f;
-        const Company company = DriftingPair(drifting_a, drifting_b).along_normal_of_a(margin);
+        const MovingPair pair(random);
+        const Company company = DriftingPair(pair.first, pair.second)
+                                    .along_normal_of_a(pair.margin);
         separate += company.separate;
         distant += company.distant;
-        QuickPoint of_a[3], of_b[3];
-        for (int k = 0; k < 3; ++k) {
-            of_a[k] = {a.start[k], a.end[k]};
-            of_b[k] = {b.start[k], b.end[k]};
-        }
-        const Apart apart(random, to_double(drifting_a.end_normal()), of_a, of_b,
-                          static_cast<double>(margin));
+        const Apart apart(random, to_double(pair.first.end_normal()), pair.a, pair.b,
+                          static_cast<double>(pair.margin));
         ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
     }
     EXPECT_GT(separate, 1000);
     EXPECT_GT(distant, 1000);
+}
+
+TEST(SheetFeaturesTest, MiddlesThatSeparateDoSoAllTheTime) {
+    Random random(8);
+    int separate = 0, distant = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const MovingPair pair(random);
+        const DriftingPair both(pair.first, pair.second);
+        const Company company = both.along_middles(pair.margin);
+        separate += company.separate;
+        distant += company.distant;
+        const Apart apart(random, to_double(both.between_middles()), pair.a, pair.b,
+                          static_cast<double>(pair.margin));
+        ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
+    }
+    EXPECT_GT(separate, 1000);
+    EXPECT_GT(distant, 1000);
+}
+
+TEST(SheetFeaturesTest, TrianglesBesideEachOtherInAPlaneAreApart) {
+    Random random(9);
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3d x = random.unit_vector(), y = normalized(cross(x, random.unit_vector()));
+        PlacedTriangle a, b;
+        const double corner[3][2] = {{0, 0}, {1, 0}, {0, 1}}, around = random.uniform(0, 6.3);
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d at = corner[k][0] * x + corner[k][1] * y;
+            a.start[k] = a.end[k] = to_float(at);
+            b.start[k] = b.end[k] = to_float(at +
+                                             2 * (std::cos(around) * x + std::sin(around) * y));
+        }
+        ASSERT_TRUE(
+            DriftingPair(DriftingTriangle(a), DriftingTriangle(b)).along_middles(0.1f).is_settled())
+            << "seed " << random.seed() << ", case " << i;
+    }
 }
 
 }  // namespace
