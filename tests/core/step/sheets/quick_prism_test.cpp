@@ -86,6 +86,84 @@ TEST(SheetFeaturesTest, EdgesThatCrossOverEachOtherAreNeverLeftOut) {
     EXPECT_GT(left_out, 60000);
 }
 
+TEST(SheetFeaturesTest, WhatIsPastIsFurtherAway) {
+    Random random(5);
+    int past = 0, far = 0;
+    for (int i = 0; i < 200000; ++i) {
+        Points points(random);
+        const Vec3f origin = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
+        const Vec3f n = points.next() * static_cast<float>(std::exp2(-random.integer(0, 20)));
+        const double length_of_n = length(to_double(n));
+        const float margin = points.scale() * static_cast<float>(random.uniform(0, 1));
+        // Half of the time ahead by hardly more or less than the margin.
+        const Vec3d away = random.integer(0, 1) == 0
+                               ? random.uniform(0, 2) * points.scale() * normalized(to_double(n))
+                               : (1 + random.uniform(-1, 1) * std::exp2(-random.uniform(10, 29))) *
+                                     static_cast<double>(margin) * normalized(to_double(n));
+        const Vec3f at = to_float(to_double(origin) + away);
+        const bool alone = random.integer(0, 1) == 0;
+        const Vec3f a[2] = {at, alone ? at : at + points.next()};
+        const Vec3f b[3] = {origin, alone ? origin : origin + points.next(), origin};
+        const bool is = is_past(n, a, b, margin, largest({a[0], a[1], b[0], b[1]}));
+        bool ahead = true;
+        for (Vec3f x : a)
+            for (Vec3f y : b)
+                ahead &= dot(to_double(n), to_double(x) - to_double(y)) >
+                         static_cast<double>(margin) * length_of_n;
+        ASSERT_TRUE(!is || ahead) << "seed " << random.seed() << ", case " << i;
+        past += is;
+        far += ahead;
+    }
+    EXPECT_GT(past, 20000);
+    EXPECT_GT(far, past);
+}
+
+TEST(SheetFeaturesTest, ShortEdgesBesideALongOneAreLeftOut) {
+    Random random(6);
+    int crossing = 0, left_out = 0, apart = 0;
+    for (int i = 0; i < 100000; ++i) {
+        // A long edge in a plane, and a short one in it or hardly above it, at times parallel.
+        const Vec3d x = normalized(random.unit_vector()),
+                    y = normalized(cross(x, random.unit_vector())), z = cross(x, y);
+        const double size = std::exp2(random.uniform(0, 8)), margin = random.uniform(0.01, 0.5);
+        const double turn = random.integer(0, 1) == 0 ? random.uniform(-1e-6, 1e-6)
+                                                      : random.uniform(-3.2, 3.2);
+        const Vec3d middle = random.uniform(-size, size) * x + random.uniform(-2, 2) * y +
+                             random.uniform(0, 1) * margin * z;
+        const Vec3d half = 0.5 * std::cos(turn) * x + 0.5 * std::sin(turn) * y;
+        Vec3f p = to_float(-size * x), q = to_float(size * x), r = to_float(middle - half),
+              s = to_float(middle + half);
+        if (random.integer(0, 1) == 0) std::swap(p, r), std::swap(q, s);
+        const bool may = may_cross_over(p, q, r, s, static_cast<float>(margin),
+                                        largest({p, q, r, s}));
+        const Vec3d a = to_double(p), b = to_double(q), c = to_double(r), d = to_double(s);
+        const SegmentPlaces at = closest_points_of_segments(a, b, c, d);
+        const double gap = length(a + at.first * (b - a) - c - at.second * (d - c));
+        constexpr double inside = 1e-9;
+        const bool near = at.first > inside && at.first < 1 - inside && at.second > inside &&
+                          at.second < 1 - inside &&
+                          gap < static_cast<double>(static_cast<float>(margin));
+        ASSERT_TRUE(may || !near) << "seed " << random.seed() << ", case " << i;
+        crossing += near;
+        left_out += !may;
+        apart += gap > 1.5 * margin;
+    }
+    EXPECT_GT(crossing, 5000);
+    EXPECT_GT(left_out, apart * 9 / 10) << "of " << apart;
+}
+
+TEST(SheetFeaturesTest, VerticesFarBesideASmallTriangleAreLeftOut) {
+    Random random(7);
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3d x = random.unit_vector(), y = normalized(cross(x, random.unit_vector()));
+        const double around = random.uniform(0, 6.3), far = std::exp2(random.uniform(3, 8));
+        const Vec3f a = to_float(0.0 * x), b = to_float(x), c = to_float(y),
+                    p = to_float(far * (std::cos(around) * x + std::sin(around) * y));
+        ASSERT_FALSE(QuickPrism(a, b, c, 0.1f, largest({a, b, c, p})).may_hold(p))
+            << "seed " << random.seed() << ", case " << i;
+    }
+}
+
 TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
     Random random(2);
     int over = 0, left_out = 0;
