@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/geometry/closest_points_of_segments.hpp"
+#include "core/step/sheets/four_drifting_pairs.hpp"
 #include "support/random.hpp"
 
 namespace pierce::stages {
@@ -311,6 +312,42 @@ TEST(SheetFeaturesTest, MiddlesThatSeparateDoSoAllTheTime) {
     EXPECT_GT(separate, 1000);
     EXPECT_GT(distant, 1000);
 }
+
+#if defined(PIERCE_FOUR_LANES)
+TEST(SheetFeaturesTest, FourPairsAtOnceAreToldWhatEachIsTold) {
+    Random random(10);
+    std::uint32_t separate = 0, distant = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const MovingPair pairs[4] = {MovingPair(random), MovingPair(random), MovingPair(random),
+                                     MovingPair(random)};
+        const DriftingTriangle* others[4];
+        for (int k = 0; k < 4; ++k)
+            others[k] = random.integer(0, 3) == 0 ? &pairs[k].second : &pairs[0].second;
+        const DriftingTriangle& first = pairs[0].first;
+        const float margin = pairs[0].margin;
+        const FourDriftingPairs four(first, others);
+        const FourCompanies companies[3] = {four.along_normal_of_a(margin),
+                                            four.along_normal_of_b(margin),
+                                            four.along_middles(margin)};
+        for (int k = 0; k < 4; ++k) {
+            const DriftingPair both(first, *others[k]);
+            const Company expected[3] = {both.along_normal_of_a(margin),
+                                         both.along_normal_of_b(margin),
+                                         both.along_middles(margin)};
+            for (int way = 0; way < 3; ++way) {
+                ASSERT_EQ(companies[way].separate >> k & 1, expected[way].separate)
+                    << "seed " << random.seed() << ", case " << i << ", direction " << way;
+                ASSERT_EQ(companies[way].distant >> k & 1, expected[way].distant)
+                    << "seed " << random.seed() << ", case " << i << ", direction " << way;
+                separate += expected[way].separate;
+                distant += expected[way].distant;
+            }
+        }
+    }
+    EXPECT_GT(separate, 10000u);
+    EXPECT_GT(distant, 10000u);
+}
+#endif
 
 TEST(SheetFeaturesTest, TrianglesBesideEachOtherInAPlaneAreApart) {
     Random random(9);
