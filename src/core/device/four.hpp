@@ -6,6 +6,7 @@
 
 #include "core/device/loops.hpp"
 #include "pierce/host_device.hpp"
+#include "pierce/vec3.hpp"
 
 #if defined(__GNUC__) && !defined(__CUDACC__)
 #define PIERCE_FOUR_LANES  // of one vector register
@@ -51,6 +52,14 @@ struct Four {
     }
     friend Four where(Four a, Four less_than, Four then, Four otherwise) {
         return a.lane < less_than.lane ? then.lane : otherwise.lane;
+    }
+    /// A bit for each lane in which a is greater.
+    friend std::uint32_t greater(Four a, Four b) {
+        const Bits bits = (a.lane > b.lane) & Bits{1, 2, 4, 8};
+        std::uint64_t half[2];
+        std::memcpy(half, &bits, sizeof half);
+        const std::uint64_t both = half[0] | half[1];
+        return static_cast<std::uint32_t>(both | both >> 32);
     }
 #else
     float lane[count];
@@ -139,6 +148,32 @@ struct FourWords {
 struct FourVec3 {
     Four x, y, z;
 
+    /// A point or direction, four times.
+    PIERCE_HD static FourVec3 all(Vec3f v) { return {v.x, v.y, v.z}; }
+
+#if defined(PIERCE_FOUR_LANES)
+    /// Four points, each in the first twelve of sixteen bytes, and the numbers after them.
+    static FourVec3 gathered(const void* const (&at)[Four::count], Four& after) {
+        using Lanes = Four::Lanes;
+        const Lanes a = Four::at(at[0]).lane, b = Four::at(at[1]).lane, c = Four::at(at[2]).lane,
+                    d = Four::at(at[3]).lane;
+        const Lanes xy_of_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+                    xy_of_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5),
+                    zw_of_ab = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+                    zw_of_cd = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+        after = __builtin_shufflevector(zw_of_ab, zw_of_cd, 2, 3, 6, 7);
+        return {__builtin_shufflevector(xy_of_ab, xy_of_cd, 0, 1, 4, 5),
+                __builtin_shufflevector(xy_of_ab, xy_of_cd, 2, 3, 6, 7),
+                __builtin_shufflevector(zw_of_ab, zw_of_cd, 0, 1, 4, 5)};
+    }
+    /// As for one vector: the sums are in the same order.
+    friend Four quick_dot(FourVec3 a, FourVec3 b) { return a.x * b.x + (a.y * b.y + a.z * b.z); }
+    friend Four sum_of_sizes(FourVec3 v) { return abs_of(v.x) + abs_of(v.y) + abs_of(v.z); }
+#endif
+
+    PIERCE_HD friend FourVec3 operator+(FourVec3 a, FourVec3 b) {
+        return {a.x + b.x, a.y + b.y, a.z + b.z};
+    }
     PIERCE_HD friend FourVec3 operator-(FourVec3 a, FourVec3 b) {
         return {a.x - b.x, a.y - b.y, a.z - b.z};
     }

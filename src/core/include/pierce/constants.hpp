@@ -246,6 +246,10 @@ inline constexpr float quick_normal_rounding = 0x1p-20f;
 /// of the roundings is written out where it is used (quick_prism.hpp), with half as much to spare.
 inline constexpr float quick_product_rounding = 0x1p-12f;
 
+/// Where a squared normal is below this many times its bound of quick_product_rounding, places
+/// along its sides may be off by an eighth, and one more direction is tried [1].
+inline constexpr float quick_hidden = 8;
+
 /// What float32 may lose of a gap between a segment and a triangle: along the triangle's normal
 /// [side squared], along the product of a side with the segment [side times segment], across a side
 /// [side to the third], by the length of the direction [1], and by the coordinates [largest
@@ -284,6 +288,10 @@ inline constexpr int meeting_advances = 1 << 14;
 /// A solid is not in contact with itself at places that are closer together than this at rest [mean
 /// edge length]. These are three rings of triangles, which bend but do not meet.
 inline constexpr double self_distance = 3.0;
+
+/// Up to so many features of one key are sorted by insertion: for fewer than this a heap takes as
+/// long.
+inline constexpr std::uint32_t few_ties = 16;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "core/device/atomics.hpp"
+#include "core/device/heap_sort.hpp"
 #include "core/device/view.hpp"
 #include "core/execute/stage_traits.hpp"
 #include "core/geometry/float_rules.hpp"
@@ -10,6 +11,7 @@
 #include "core/step/common/count.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/sheets/sheet_meetings.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
 
@@ -18,7 +20,8 @@
 namespace pierce::stages {
 
 /// Per two features in their order: the first of those with the same key brings them into the order
-/// of their other features. Such ties are few.
+/// of their other features. Such ties are few, but where many features may meet one that is much
+/// larger, there are thousands.
 struct OrderTies {
     View<const FeaturePair> features;
     View<const std::uint64_t> keys;
@@ -26,13 +29,27 @@ struct OrderTies {
 
     PIERCE_HD void operator()(std::uint32_t first) const {
         if (first > 0 && keys[first - 1] == keys[first]) return;
-        for (std::uint32_t i = first + 1; i < keys.size && keys[i] == keys[first]; ++i) {
-            const std::uint32_t feature = order[i], other = features[feature].other;
-            std::uint32_t place = i;
-            for (; place > first && features[order[place - 1]].other > other; --place)
-                order[place] = order[place - 1];
-            order[place] = feature;
-        }
+        std::uint32_t end = first + 1;
+        for (; end < keys.size && keys[end] == keys[first]; ++end)
+            if (end - first < constants::few_ties) insert(first, end);
+        if (end - first > constants::few_ties)
+            heap_sort(order.data + first, end - first,
+                      [&](std::uint32_t a, std::uint32_t b) { return before(a, b); });
+    }
+
+private:
+    /// Features of one key have different other features; the places only make sure of one order.
+    PIERCE_HD bool before(std::uint32_t a, std::uint32_t b) const {
+        const std::uint32_t x = features[a].other, y = features[b].other;
+        return x != y ? x < y : a < b;
+    }
+
+    /// Brings the feature at a place among those from `first` on, which are in order.
+    PIERCE_HD void insert(std::uint32_t first, std::uint32_t place) const {
+        const std::uint32_t feature = order[place];
+        for (; place > first && before(feature, order[place - 1]); --place)
+            order[place] = order[place - 1];
+        order[place] = feature;
     }
 };
 

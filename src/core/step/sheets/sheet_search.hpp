@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/sheets/flat_stars.hpp"
+#include "core/step/sheets/four_drifting_pairs.hpp"
 #include "core/step/sheets/quick_triangle.hpp"
 #include "pierce/min_max.hpp"
 
@@ -274,7 +275,7 @@ struct HangTogether {
 };
 
 /// Per triangle with others near: those that do not hang together with it where nothing folds, and
-/// that no normal of the two keeps apart.
+/// that no normal of the two and no line between their middles keeps apart.
 struct CullTriangles {
     View<const SheetPair> pairs;
     View<const NearTriangles> near;
@@ -292,7 +293,11 @@ struct CullTriangles {
         const bool in_itself = pairs[n.pair].is_self();
         const std::uint32_t together = ask_bits(in_itself ? n.mask : 0, i,
                                                 HangTogether{near, flat_corners});
+#if defined(PIERCE_FOUR_LANES)
+        return ask_fours(n, n.mask & ~together);
+#else
         return ask_bits(n.mask & ~together, i, *this);
+#endif
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) {
         return bit_count(found & ((1u << separate_shift) - 1));
@@ -308,16 +313,54 @@ struct CullTriangles {
             });
     }
 
-    /// For a triangle and another one near: 0 if a normal keeps them apart, else 1, and 2 more if
-    /// they do not meet.
+    /// For a triangle and another one near: 0 if a direction keeps them apart, else 1, and 2 more
+    /// if they do not meet.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
         const NearTriangles n = read_whole(near[i]);
         const float margin = pairs[n.pair].quick_margin;
         const DriftingPair both(drifting.read(n.first), drifting.read(n.others + bit));
         Company company = both.along_normal_of_a(margin);
         if (!company.is_settled()) company.learn(both.along_normal_of_b(margin));
+        if (!company.is_settled()) company.learn(both.along_middles(margin));
         return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
     }
+
+#if defined(PIERCE_FOUR_LANES)
+private:
+    /// What ask_bits() would say, four triangles at a time.
+    std::uint32_t ask_fours(const NearTriangles& n, std::uint32_t mask) const {
+        const float margin = pairs[n.pair].quick_margin;
+        const DriftingTriangle& first = drifting.items[n.first];
+        std::uint32_t answers = 0;
+        while (mask != 0) {
+            std::uint32_t bit[Four::count], some = 0;
+            const DriftingTriangle* others[Four::count];
+            for (std::uint32_t k = 0; k < Four::count; ++k) {
+                // The last four may be fewer: the last one then stands in all lanes left.
+                if (mask != 0) {
+                    bit[k] = lowest_bit(mask);
+                    mask &= mask - 1;
+                    ++some;
+                } else {
+                    bit[k] = bit[k - 1];
+                }
+                others[k] = &drifting.items[n.others + bit[k]];
+            }
+            const FourDriftingPairs both(first, others);
+            FourCompanies companies = both.along_normal_of_a(margin);
+            if (companies.settled() != FourCompanies::all)
+                companies.learn(both.along_middles(margin));
+            if (companies.settled() != FourCompanies::all)
+                companies.learn(both.along_normal_of_b(margin));
+            for (std::uint32_t left = ~companies.settled() & ((1u << some) - 1); left != 0;
+                 left &= left - 1) {
+                const std::uint32_t k = lowest_bit(left);
+                answers |= (1u | (companies.separate >> k & 1) << separate_shift) << bit[k];
+            }
+        }
+        return answers;
+    }
+#endif
 };
 
 }  // namespace pierce::stages

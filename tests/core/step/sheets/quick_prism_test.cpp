@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/geometry/closest_points_of_segments.hpp"
+#include "core/step/sheets/four_drifting_pairs.hpp"
 #include "support/random.hpp"
 
 namespace pierce::stages {
@@ -84,6 +85,84 @@ TEST(SheetFeaturesTest, EdgesThatCrossOverEachOtherAreNeverLeftOut) {
     }
     EXPECT_GT(crossing, 10000);
     EXPECT_GT(left_out, 60000);
+}
+
+TEST(SheetFeaturesTest, WhatIsPastIsFurtherAway) {
+    Random random(5);
+    int past = 0, far = 0;
+    for (int i = 0; i < 200000; ++i) {
+        Points points(random);
+        const Vec3f origin = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
+        const Vec3f n = points.next() * static_cast<float>(std::exp2(-random.integer(0, 20)));
+        const double length_of_n = length(to_double(n));
+        const float margin = points.scale() * static_cast<float>(random.uniform(0, 1));
+        // Half of the time ahead by hardly more or less than the margin.
+        const Vec3d away = random.integer(0, 1) == 0
+                               ? random.uniform(0, 2) * points.scale() * normalized(to_double(n))
+                               : (1 + random.uniform(-1, 1) * std::exp2(-random.uniform(10, 29))) *
+                                     static_cast<double>(margin) * normalized(to_double(n));
+        const Vec3f at = to_float(to_double(origin) + away);
+        const bool alone = random.integer(0, 1) == 0;
+        const Vec3f a[2] = {at, alone ? at : at + points.next()};
+        const Vec3f b[3] = {origin, alone ? origin : origin + points.next(), origin};
+        const bool is = is_past(n, a, b, margin, largest({a[0], a[1], b[0], b[1]}));
+        bool ahead = true;
+        for (Vec3f x : a)
+            for (Vec3f y : b)
+                ahead &= dot(to_double(n), to_double(x) - to_double(y)) >
+                         static_cast<double>(margin) * length_of_n;
+        ASSERT_TRUE(!is || ahead) << "seed " << random.seed() << ", case " << i;
+        past += is;
+        far += ahead;
+    }
+    EXPECT_GT(past, 20000);
+    EXPECT_GT(far, past);
+}
+
+TEST(SheetFeaturesTest, ShortEdgesBesideALongOneAreLeftOut) {
+    Random random(6);
+    int crossing = 0, left_out = 0, apart = 0;
+    for (int i = 0; i < 100000; ++i) {
+        // A long edge in a plane, and a short one in it or hardly above it, at times parallel.
+        const Vec3d x = normalized(random.unit_vector()),
+                    y = normalized(cross(x, random.unit_vector())), z = cross(x, y);
+        const double size = std::exp2(random.uniform(0, 8)), margin = random.uniform(0.01, 0.5);
+        const double turn = random.integer(0, 1) == 0 ? random.uniform(-1e-6, 1e-6)
+                                                      : random.uniform(-3.2, 3.2);
+        const Vec3d middle = random.uniform(-size, size) * x + random.uniform(-2, 2) * y +
+                             random.uniform(0, 1) * margin * z;
+        const Vec3d half = 0.5 * std::cos(turn) * x + 0.5 * std::sin(turn) * y;
+        Vec3f p = to_float(-size * x), q = to_float(size * x), r = to_float(middle - half),
+              s = to_float(middle + half);
+        if (random.integer(0, 1) == 0) std::swap(p, r), std::swap(q, s);
+        const bool may = may_cross_over(p, q, r, s, static_cast<float>(margin),
+                                        largest({p, q, r, s}));
+        const Vec3d a = to_double(p), b = to_double(q), c = to_double(r), d = to_double(s);
+        const SegmentPlaces at = closest_points_of_segments(a, b, c, d);
+        const double gap = length(a + at.first * (b - a) - c - at.second * (d - c));
+        constexpr double inside = 1e-9;
+        const bool near = at.first > inside && at.first < 1 - inside && at.second > inside &&
+                          at.second < 1 - inside &&
+                          gap < static_cast<double>(static_cast<float>(margin));
+        ASSERT_TRUE(may || !near) << "seed " << random.seed() << ", case " << i;
+        crossing += near;
+        left_out += !may;
+        apart += gap > 1.5 * margin;
+    }
+    EXPECT_GT(crossing, 5000);
+    EXPECT_GT(left_out, apart * 9 / 10) << "of " << apart;
+}
+
+TEST(SheetFeaturesTest, VerticesFarBesideASmallTriangleAreLeftOut) {
+    Random random(7);
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3d x = random.unit_vector(), y = normalized(cross(x, random.unit_vector()));
+        const double around = random.uniform(0, 6.3), far = std::exp2(random.uniform(3, 8));
+        const Vec3f a = to_float(0.0 * x), b = to_float(x), c = to_float(y),
+                    p = to_float(far * (std::cos(around) * x + std::sin(around) * y));
+        ASSERT_FALSE(QuickPrism(a, b, c, 0.1f, largest({a, b, c, p})).may_hold(p))
+            << "seed " << random.seed() << ", case " << i;
+    }
 }
 
 TEST(SheetFeaturesTest, VerticesOverATriangleAreNeverLeftOut) {
@@ -167,39 +246,125 @@ TEST(SheetFeaturesTest, ADirectionThatSeparatesDoesSoAllTheTime) {
     EXPECT_GT(distant, 1000);
 }
 
+/// Two triangles that move, as culling sees them and as they are.
+struct MovingPair {
+    DriftingTriangle first, second;
+    QuickPoint a[3], b[3];
+    float margin = 0;
+
+    explicit MovingPair(Random& random) {
+        Points points(random);
+        PlacedTriangle at_a, at_b;
+        const Vec3f far = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
+        for (int k = 0; k < 3; ++k) {
+            at_a.end[k] = far + points.next();
+            at_b.end[k] = far + points.next();
+        }
+        Vec3d way = at_a.end_normal();
+        if (random.integer(0, 1) == 0) {
+            way = {};
+            for (int k = 0; k < 3; ++k) way += to_double(at_b.end[k]) - to_double(at_a.end[k]);
+        }
+        const Vec3f away = static_cast<float>(random.uniform(0, 2)) * points.scale() *
+                           to_float(normalized(way));
+        for (int k = 0; k < 3; ++k) {
+            at_a.start[k] = at_a.end[k] + 0.1f * points.next();
+            at_b.start[k] = at_b.end[k] = at_b.end[k] + away;
+            a[k] = {at_a.start[k], at_a.end[k]};
+            b[k] = {at_b.start[k], at_b.end[k]};
+        }
+        first = DriftingTriangle(at_a);
+        second = DriftingTriangle(at_b);
+        margin = points.scale() * 0.1f;
+    }
+};
+
 TEST(SheetFeaturesTest, ANormalThatSeparatesDoesSoAllTheTime) {
     Random random(4);
     int separate = 0, distant = 0;
     for (int i = 0; i < 100000; ++i) {
-        Points points(random);
-        PlacedTriangle a, b;
-        const Vec3f far = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next();
-        for (int k = 0; k < 3; ++k) {
-            a.end[k] = far + points.next();
-            b.end[k] = far + points.next();
-        }
-        const Vec3f n = to_float(normalized(a.end_normal()));
-        const Vec3f away = static_cast<float>(random.uniform(0, 2)) * points.scale() * n;
-        for (int k = 0; k < 3; ++k) {
-            a.start[k] = a.end[k] + 0.1f * points.next();
-            b.start[k] = b.end[k] = b.end[k] + away;
-        }
-        const DriftingTriangle drifting_a(a), drifting_b(b);
-        const float margin = points.scale() * 0.1f;
-        const Company company = DriftingPair(drifting_a, drifting_b).along_normal_of_a(margin);
+        const MovingPair pair(random);
+        const Company company = DriftingPair(pair.first, pair.second)
+                                    .along_normal_of_a(pair.margin);
         separate += company.separate;
         distant += company.distant;
-        QuickPoint of_a[3], of_b[3];
-        for (int k = 0; k < 3; ++k) {
-            of_a[k] = {a.start[k], a.end[k]};
-            of_b[k] = {b.start[k], b.end[k]};
-        }
-        const Apart apart(random, to_double(drifting_a.end_normal()), of_a, of_b,
-                          static_cast<double>(margin));
+        const Apart apart(random, to_double(pair.first.end_normal()), pair.a, pair.b,
+                          static_cast<double>(pair.margin));
         ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
     }
     EXPECT_GT(separate, 1000);
     EXPECT_GT(distant, 1000);
+}
+
+TEST(SheetFeaturesTest, MiddlesThatSeparateDoSoAllTheTime) {
+    Random random(8);
+    int separate = 0, distant = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const MovingPair pair(random);
+        const DriftingPair both(pair.first, pair.second);
+        const Company company = both.along_middles(pair.margin);
+        separate += company.separate;
+        distant += company.distant;
+        const Apart apart(random, to_double(both.between_middles()), pair.a, pair.b,
+                          static_cast<double>(pair.margin));
+        ASSERT_TRUE(apart.agrees(company)) << "seed " << random.seed() << ", case " << i;
+    }
+    EXPECT_GT(separate, 1000);
+    EXPECT_GT(distant, 1000);
+}
+
+#if defined(PIERCE_FOUR_LANES)
+TEST(SheetFeaturesTest, FourPairsAtOnceAreToldWhatEachIsTold) {
+    Random random(10);
+    std::uint32_t separate = 0, distant = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const MovingPair pairs[4] = {MovingPair(random), MovingPair(random), MovingPair(random),
+                                     MovingPair(random)};
+        const DriftingTriangle* others[4];
+        for (int k = 0; k < 4; ++k)
+            others[k] = random.integer(0, 3) == 0 ? &pairs[k].second : &pairs[0].second;
+        const DriftingTriangle& first = pairs[0].first;
+        const float margin = pairs[0].margin;
+        const FourDriftingPairs four(first, others);
+        const FourCompanies companies[3] = {four.along_normal_of_a(margin),
+                                            four.along_normal_of_b(margin),
+                                            four.along_middles(margin)};
+        for (int k = 0; k < 4; ++k) {
+            const DriftingPair both(first, *others[k]);
+            const Company expected[3] = {both.along_normal_of_a(margin),
+                                         both.along_normal_of_b(margin),
+                                         both.along_middles(margin)};
+            for (int way = 0; way < 3; ++way) {
+                ASSERT_EQ(companies[way].separate >> k & 1, expected[way].separate)
+                    << "seed " << random.seed() << ", case " << i << ", direction " << way;
+                ASSERT_EQ(companies[way].distant >> k & 1, expected[way].distant)
+                    << "seed " << random.seed() << ", case " << i << ", direction " << way;
+                separate += expected[way].separate;
+                distant += expected[way].distant;
+            }
+        }
+    }
+    EXPECT_GT(separate, 10000u);
+    EXPECT_GT(distant, 10000u);
+}
+#endif
+
+TEST(SheetFeaturesTest, TrianglesBesideEachOtherInAPlaneAreApart) {
+    Random random(9);
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3d x = random.unit_vector(), y = normalized(cross(x, random.unit_vector()));
+        PlacedTriangle a, b;
+        const double corner[3][2] = {{0, 0}, {1, 0}, {0, 1}}, around = random.uniform(0, 6.3);
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d at = corner[k][0] * x + corner[k][1] * y;
+            a.start[k] = a.end[k] = to_float(at);
+            b.start[k] = b.end[k] = to_float(at +
+                                             2 * (std::cos(around) * x + std::sin(around) * y));
+        }
+        ASSERT_TRUE(
+            DriftingPair(DriftingTriangle(a), DriftingTriangle(b)).along_middles(0.1f).is_settled())
+            << "seed " << random.seed() << ", case " << i;
+    }
 }
 
 }  // namespace
