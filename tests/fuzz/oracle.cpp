@@ -158,8 +158,8 @@ private:
                     to = c.source == Side::a ? c.point_b : c.point_a;
         if (target->distance(to) > target->touch + source->touch)
             return Failure{"truth: a contact ends on its target", to_text(c)};
-        if (runs_in_a_plane(from, c.reprojected ? from + way_in(c, *source) : to, *target,
-                            source->touch))
+        if (target->has_plane_along(from, c.reprojected ? from + way_in(c, *source) : to,
+                                    source->touch))
             return std::nullopt;
         if (target->distance(from) > target->touch + source->touch) {
             ++counts_.inside_vertices;
@@ -198,20 +198,6 @@ private:
                           source.points[t.vertex[2]] - source.points[t.vertex[0]]));
         }
         return -normalized(outward);
-    }
-
-    /// True if the way from one point to the other lies in the plane of one of the target's
-    /// triangles, within rounding: where it meets that face's border nobody can tell which side it
-    /// is on.
-    static bool runs_in_a_plane(Vec3d from, Vec3d to, const Surface& target, double touch) {
-        const double size = target.box.extent() + touch;
-        return std::ranges::any_of(target.triangles, [&](const Triangle& t) {
-            const Vec3d a = target.points[t.vertex[0]], b = target.points[t.vertex[1]],
-                        c = target.points[t.vertex[2]];
-            const Vec3d n = normalized(cross(b - a, c - a));
-            const double rounding = 1e-10 * size;
-            return std::fabs(dot(n, from - a)) < rounding && std::fabs(dot(n, to - a)) < rounding;
-        });
     }
 
     /// Vertices of solids, by definition.
@@ -302,22 +288,15 @@ private:
     /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and
     /// turned: far from the origin its places say less of thin triangles.
     std::vector<test::SolidVec> inward_directions(const Surface& s) const {
-        std::vector<Vec3d> points = s.points, normals(s.points.size());
+        SolidSurface rest = s;
         Matrix3 turn;
         if (s.body->motion != Motion::deforming) {
             turn = frame_of(s.body->pose).rotation;
-            for (std::size_t v = 0; v < points.size(); ++v)
-                points[v] = to_double(model_.mesh(*s.body).positions[v]);
+            for (std::size_t v = 0; v < rest.points.size(); ++v)
+                rest.points[v] = to_double(model_.mesh(*s.body).positions[v]);
         }
-        for (const Triangle& t : s.triangles)
-            for (int k = 0; k < 3; ++k) {
-                const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p,
-                            v = points[t.vertex[(k + 2) % 3]] - p;
-                normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) *
-                                        normalized(cross(u, v));
-            }
         std::vector<test::SolidVec> inward;
-        for (const Vec3d& n : normals) inward.push_back(test::exact(turn * -normalized(n)));
+        for (const Vec3d& n : rest.outward_directions()) inward.push_back(test::exact(turn * -n));
         return inward;
     }
 

@@ -24,14 +24,16 @@ enum class Ending : std::uint8_t {
 const char* name_of(Ending ending);
 
 /// How far contacts are from the truth. An ulp is float32's, of the pair's extent: that of the
-/// larger body.
+/// larger body's mesh.
 struct EndingErrors {
     std::uint64_t contacts = 0;
-    std::uint64_t beyond = 0;  ///< of these, by more than the touch tolerance: eight ulp
-    double most = 0;           ///< [ulp] of depth, of the end, and of where depth and normal lead
-    double most_depth = 0;     ///< [ulp] of the depth alone
-    double most_angle = 0;     ///< [rad] between the normal and the way to the closest point, of
-                               ///< vertices that are deeper than the touch tolerance
+    std::uint64_t beyond = 0;    ///< of these, by more than the touch tolerance: eight ulp
+    std::uint64_t in_plane = 0;  ///< of these, which count nowhere else, but whose ray runs in the
+                                 ///< plane of one of the target's faces
+    double most = 0;             ///< [ulp] of depth, of the end, and of where depth and normal lead
+    double most_depth = 0;       ///< [ulp] of the depth alone
+    double most_angle = 0;       ///< [rad] between the normal and the way to the closest point, of
+                                 ///< vertices that are deeper than the touch tolerance
 
     EndingErrors& operator+=(const EndingErrors& o);
 };
@@ -65,8 +67,9 @@ struct PairCounts {
 /// What of the vertices' contacts has to be exact.
 enum class Exact : std::uint8_t {
     all,
-    reprojected,  ///< all but those that docs/step.md leaves as they are: by separation, and of
-                  ///< vertices within the touch tolerance
+    documented,  ///< all but contacts by separation and of vertices within the touch tolerance,
+                 ///< which docs/step.md leaves as they are, and those whose ray runs in the plane
+                 ///< of a face (docs/trust.md)
 };
 
 /// Compares the contacts of a world of two solids with what is true of them by exact predicates

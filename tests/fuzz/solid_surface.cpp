@@ -98,6 +98,30 @@ bool SolidSurface::meets(const SolidSurface& other, Vec3d shift) const {
     return false;
 }
 
+bool SolidSurface::has_plane_along(Vec3d from, Vec3d to, double touch) const {
+    Box box;
+    for (const Vec3d& p : points) box.extend(p);
+    const double rounding = 1e-10 * (box.extent() + touch);
+    return std::ranges::any_of(triangles, [&](const Triangle& t) {
+        const Vec3d a = points[t.vertex[0]], b = points[t.vertex[1]], c = points[t.vertex[2]];
+        const Vec3d n = normalized(cross(b - a, c - a));
+        return std::fabs(dot(n, from - a)) < rounding && std::fabs(dot(n, to - a)) < rounding;
+    });
+}
+
+std::vector<Vec3d> SolidSurface::outward_directions() const {
+    std::vector<Vec3d> normals(points.size());
+    for (const Triangle& t : triangles)
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p,
+                        v = points[t.vertex[(k + 2) % 3]] - p;
+            normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) *
+                                    normalized(cross(u, v));
+        }
+    for (Vec3d& n : normals) n = normalized(n);
+    return normals;
+}
+
 bool SolidSurface::has_area() const {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         if (face(*this, i).is_degenerate()) return false;

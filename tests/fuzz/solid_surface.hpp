@@ -21,6 +21,12 @@ struct SolidSurface {
 
     /// True if a triangle shares a point with one of the other's, moved by `shift`.
     bool meets(const SolidSurface& other, Vec3d shift) const;
+    /// True if the way from one point to the other lies in the plane of a triangle, within
+    /// rounding: where it meets that face's border nobody can tell which side it is on. `touch`
+    /// [length] as in is_proper().
+    bool has_plane_along(Vec3d from, Vec3d to, double touch) const;
+    /// Per vertex: the mean of the normals around it, by angles.
+    std::vector<Vec3d> outward_directions() const;
     /// True if no triangle is so thin that it might never be hit.
     bool has_area() const;
     /// True if it is closed, does not meet itself, and faces outward everywhere. `touch` [length]:
