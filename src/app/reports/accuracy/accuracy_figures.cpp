@@ -163,8 +163,8 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
     for (std::uint32_t n : parts) ratios.emplace_back(finest, n);
     ratios.emplace_back(finest, finest);
     for (std::uint32_t n : parts | std::views::reverse) ratios.emplace_back(n, finest);
-    // They are more than the other pairs of meshes.
-    const std::uint32_t poses = (options.poses + 1) / 2;
+    // There are many: each has a third of the poses.
+    const std::uint32_t poses = (options.poses + 2) / 3;
     page.line("## Overlaps missed over the ratio of resolutions\n");
     page.line(
         "Two spheres of radius 1, {} random poses per ratio. They overlap no deeper than by about "
