@@ -157,14 +157,14 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
 
 void resolution_figure(const AccuracyReportOptions& options, Page& page) {
     // So many parts of an icosahedron's edges: each with the finest, either way around.
-    constexpr std::uint32_t finest = 16;
-    constexpr std::uint32_t parts[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14};
+    constexpr std::uint32_t finest = 12;
+    constexpr std::uint32_t parts[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ratios;
     for (std::uint32_t n : parts) ratios.emplace_back(finest, n);
     ratios.emplace_back(finest, finest);
     for (std::uint32_t n : parts | std::views::reverse) ratios.emplace_back(n, finest);
-    // There are many: each has a third of the poses.
-    const std::uint32_t poses = (options.poses + 2) / 3;
+    // There are many: each has half of the poses.
+    const std::uint32_t poses = (options.poses + 1) / 2;
     page.line("## Overlaps missed over the ratio of resolutions\n");
     page.line(
         "Two spheres of radius 1, {} random poses per ratio. They overlap no deeper than by about "
