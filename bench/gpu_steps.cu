@@ -2,6 +2,7 @@
 // the same frames.
 //   pierce_gpu_steps RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT...
 //       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
+//       [--coverage vertices|overlaps|complete] [--reproject on|off]
 // A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
 // wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. MODE is what
 // rays remember of the last step: full (nothing), walk, walk-predict or certified. Prints CSV.
@@ -80,12 +81,29 @@ struct Options {
     std::uint32_t steps = 64, checks = 8;
     bool stages = false;
     std::string builder = "trbvh", memory = "certified";
+    Coverage coverage = Settings{}.coverage;
+    bool reproject = Settings{}.reproject;
 };
 
-Settings settings_named(const std::string& memory) {
-    if (memory == "full") return {.temporal = Temporal::off};
-    if (memory == "certified") return {};
-    return {.temporal = Temporal::paper, .predict = memory == "walk-predict"};
+Settings settings_of(const Options& options) {
+    Settings settings{.coverage = options.coverage, .reproject = options.reproject};
+    if (options.memory == "full") settings.temporal = Temporal::off;
+    if (options.memory.starts_with("walk")) {
+        settings.temporal = Temporal::paper;
+        settings.predict = options.memory == "walk-predict";
+    }
+    return settings;
+}
+
+Coverage coverage_named(const std::string& name) {
+    if (name == "vertices") return Coverage::vertices;
+    return name == "overlaps" ? Coverage::overlaps : Coverage::complete;
+}
+
+const char* name_of(Coverage coverage) {
+    return coverage == Coverage::vertices   ? "vertices"
+           : coverage == Coverage::overlaps ? "overlaps"
+                                            : "complete";
 }
 
 TreeBuilder builder_named(const std::string& name) {
@@ -95,9 +113,9 @@ TreeBuilder builder_named(const std::string& name) {
 }
 
 void run(const std::string& name, const scenes::Recording& recording, const Options& options) {
-    const auto& [steps, checks, stages, builder, memory] = options;
+    const auto& [steps, checks, stages, builder, memory, coverage, reproject] = options;
     Player gpu(recording, cuda_backend({.builder = builder_named(builder), .graph = !stages}),
-               settings_named(memory));
+               settings_of(options));
     std::size_t vertices = 0, triangles = 0;
     std::vector<std::size_t> first;
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
@@ -146,19 +164,19 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     std::uint32_t differ = 0;
     std::vector<double> embree;
     if (checks > 0) {
-        Player cpu(recording, embree_backend(), settings_named(memory));
+        Player cpu(recording, embree_backend(), settings_of(options));
         for (std::uint32_t i = 0; i < checks; ++i) {
             cpu.put(frame_of_step(i));
             embree.push_back(cpu.world.detect().milliseconds);
             differ += contact_hash(cpu.world.contacts()) != hashes[i];
         }
     }
-    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f\n",
+    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f,%s,%s\n",
                 name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
                 stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
                 last.touching_pairs, median(on_device), median(wall), median(embree), checks,
                 differ, memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks),
-                mean(lost));
+                mean(lost), name_of(coverage), reproject ? "on" : "off");
     if (stages)
         for (const std::string& stage : order)
             std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
@@ -181,6 +199,10 @@ int main(int argc, char** argv) {
             options.builder = argv[++i];
         else if (argument == "--memory" && i + 1 < argc)
             options.memory = argv[++i];
+        else if (argument == "--coverage" && i + 1 < argc)
+            options.coverage = pierce::coverage_named(argv[++i]);
+        else if (argument == "--reproject" && i + 1 < argc)
+            options.reproject = std::string(argv[++i]) == "on";
         else if (argument == "--stages")
             options.stages = true;
         else
@@ -190,7 +212,7 @@ int main(int argc, char** argv) {
     std::puts(
         "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,"
         "embree_ms,checked,differ,memory,device_mean_ms,wall_mean_ms,mean_full_rays,mean_walks,"
-        "mean_lost");
+        "mean_lost,coverage,reproject");
     for (const std::string& scene : scenes) {
         using pierce::scenes::LatticeMotion;
         const std::size_t colon = scene.find(':');

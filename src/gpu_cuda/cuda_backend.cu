@@ -52,9 +52,9 @@ public:
         }
         if (host.plan->casts_rays && tracer_.is_stale()) restart();
         bank_ = 1 - bank_;
-        if (!can_repeat(*host.plan) || repeated_ < rehearsals) {
+        if (!can_repeat() || repeated_ < rehearsals) {
             exact_step(stats);
-            repeated_ = can_repeat(*host.plan) ? repeated_ + 1 : 0;
+            repeated_ = can_repeat() ? repeated_ + 1 : 0;
         } else {
             bounded_step(stats);
         }
@@ -92,11 +92,8 @@ private:
     // are large enough.
     static constexpr std::uint32_t rehearsals = 2;
 
-    /// True if the course of steps does not depend on what they find.
-    bool can_repeat(const Plan& plan) const {
-        return options_.graph && !options_.rebuild && !plan.misses_no_overlap() &&
-               !plan.meets_itself;
-    }
+    /// True if steps may be bounded.
+    bool can_repeat() const { return options_.graph && !options_.rebuild; }
 
     void restart() {
         repeated_ = 0;

@@ -16,6 +16,7 @@
 #include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/execute/list_id.hpp"
+#include "gpu_cuda/branch.cuh"
 #include "gpu_cuda/counting_sort.cuh"
 #include "gpu_cuda/device_buffer.hpp"
 #include "gpu_cuda/emit_stage.cuh"
@@ -39,8 +40,11 @@ public:
     // Measured: with more than 512 bodies a sweep's launches take less time than a look at all
     // pairs. With one item for all partners of a body in the sweep, that item would be the longest
     // of the whole step.
-    static constexpr ExecutorTraits traits{
-        .host_reads = false, .overlaps_updates = true, .bodies_at_once = 512, .sweep_walks = 8};
+    static constexpr ExecutorTraits traits{.host_reads = false,
+                                           .overlaps_updates = true,
+                                           .joins_stages = true,
+                                           .bodies_at_once = 512,
+                                           .sweep_walks = 8};
 
     CudaExecutor() {
         using cuda::check;
@@ -48,6 +52,8 @@ public:
         check(cudaDeviceGetStreamPriorityRange(&low, &high), "the priorities of streams");
         check(cudaStreamCreateWithPriority(&stream_, cudaStreamNonBlocking, high), "a stream");
         check(cudaStreamCreateWithPriority(&side_.stream, cudaStreamNonBlocking, low), "a stream");
+        check(cudaStreamCreateWithPriority(&branch_stream_, cudaStreamNonBlocking, high),
+              "a stream");
         for (cudaEvent_t* event : {&forked_, &joined_, &lists_begun_})
             check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
         totals_.resize(2 * most_totals);
@@ -66,7 +72,8 @@ public:
     ~CudaExecutor() {
         cudaFreeHost(host_totals_);
         for (cudaEvent_t event : {forked_, joined_, lists_begun_}) cudaEventDestroy(event);
-        for (cudaStream_t stream : {stream_, side_.stream}) cudaStreamDestroy(stream);
+        for (cudaStream_t stream : {stream_, side_.stream, branch_stream_})
+            cudaStreamDestroy(stream);
     }
 
     cudaStream_t stream() const { return stream_; }
@@ -135,20 +142,52 @@ public:
         work();
     }
 
+    bool is_empty(const Count& n) const { return n.bound() == 0; }
+
+    /// Runs work that does nothing if there are no items. A captured step leaves the work out then.
+    template <class Work>
+    void when(const Count& n, const Work& work) {
+        if (is_empty(n)) return;
+        if (!bounded_ || !cuda::is_captured(stream_)) return work();
+        join();
+        const cudaGraph_t branch = cuda::add_branch(stream_, items(n));
+        cuda::check(cudaStreamBeginCaptureToGraph(branch_stream_, branch, nullptr, nullptr, 0,
+                                                  cudaStreamCaptureModeThreadLocal),
+                    "capture of a branch");
+        std::swap(stream_, branch_stream_);
+        work();
+        std::swap(stream_, branch_stream_);
+        cudaGraph_t captured = nullptr;
+        cuda::check(cudaStreamEndCapture(branch_stream_, &captured), "capture of a branch");
+    }
+
+    /// Runs work again and again until `left()` is zero. A bounded step repeats it as often as the
+    /// longest exact step so far, and once more; it did not fit if something is left then.
+    template <class Left, class Work>
+    void repeat(ListId id, const Left& left, const Work& work) {
+        std::uint32_t& most = rounds_[static_cast<std::size_t>(id)];
+        std::uint32_t round = 0;
+        for (; bounded_ ? round <= most : left().bound() > 0; ++round) work();
+        if (!bounded_)
+            most = max_of(round, most);
+        else
+            for_each(left(), cuda::SetOverflow{{overflow_.data(), is_beside_}});
+    }
+
     template <class F>
     void for_each(Count n, const F& stage) {
-        if (n.bound == 0) return;
+        if (n.bound() == 0) return;
         const std::uint32_t threads = has_rooms<F>() ? room_threads
-                                      : n.bound < cuda::many_items || cuda::launch_of<F>.is_uneven
+                                      : n.bound() < cuda::many_items || cuda::launch_of<F>.is_uneven
                                           ? cuda::few_threads
                                           : cuda::block_threads;
-        cuda::run_stage<<<(n.bound - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
+        cuda::run_stage<<<(n.bound() - 1) / threads + 1, threads, 0, stream_>>>(stage, items(n));
         cuda::check(cudaGetLastError(), "a launch");
     }
 
     template <class... F>
     void in_turn(Count n, const F&... stages) {
-        if (n.bound <= cuda::few_items)
+        if (n.bound() <= cuda::few_items)
             for_each(n, cuda::InTurn<F...>(stages...));
         else
             (for_each(n, stages), ...);
@@ -156,10 +195,10 @@ public:
 
     Count exclusive_scan(ListId id, Count n, View<const std::uint32_t> in,
                          View<std::uint32_t> out) {
-        if (n.bound == 0) return next_total_of_nothing(id);
+        if (n.bound() == 0) return next_total_of_nothing(id);
         const cuda::CountAt count{items(n), in.data};
         const cuda::NoteTotal to = next_total(id, 0xffffffffu);
-        if (n.bound <= cuda::short_list) {
+        if (n.bound() <= cuda::short_list) {
             cuda::scan_short_list<<<1, cuda::scan_threads, 0, stream_>>>(count, out.data, to);
             cuda::check(cudaGetLastError(), "a launch");
             return noted(id, to);
@@ -170,14 +209,14 @@ public:
             cuda::WriteOffset{count, out.data, to});
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets,
-                                                 static_cast<int>(n.bound), stream_);
+                                                 static_cast<int>(n.bound()), stream_);
         });
         return noted(id, to);
     }
 
     template <class F, class... T>
     void emit(ListId id, Count n, const F& finder, Buffer<T>&... lists) {
-        if (n.bound == 0) {
+        if (n.bound() == 0) {
             const Count none = next_total_of_nothing(id);
             return (lists.resize(none), ...);
         }
@@ -187,7 +226,7 @@ public:
             begin_lists(to.total, 1);
             to.room = 0xffffffffu;
             launch_emit(id, n, finder, to);
-            to.room = noted(id, to).bound;
+            to.room = noted(id, to).bound();
             (lists.resize(to.room), ...);
             begin_lists(to.total, 1);
             return launch_emit(id, n, finder, to, lists.data()...);
@@ -199,10 +238,10 @@ public:
 
     template <class F>
     Count select(ListId id, Count n, const F& wanted, View<std::uint32_t> out) {
-        if (n.bound == 0) return next_total_of_nothing(id);
+        if (n.bound() == 0) return next_total_of_nothing(id);
         const cuda::WantedAt<F> is_wanted{items(n), wanted};
-        const cuda::NoteTotal to = next_total(id, n.bound);
-        if (n.bound <= cuda::short_list) {
+        const cuda::NoteTotal to = next_total(id, n.bound());
+        if (n.bound() <= cuda::short_list) {
             cuda::select_from_short_list<<<1, cuda::scan_threads, 0, stream_>>>(is_wanted, out.data,
                                                                                 to);
             cuda::check(cudaGetLastError(), "a launch");
@@ -212,7 +251,7 @@ public:
             return cub::DeviceSelect::If(
                 scratch, bytes, thrust::counting_iterator<std::uint32_t>(0),
                 thrust::make_transform_output_iterator(out.data, cuda::ListedAt<F>{wanted}),
-                thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound), is_wanted,
+                thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound()), is_wanted,
                 stream_);
         });
         return noted(id, to);
@@ -220,27 +259,27 @@ public:
 
     void sort(Count n, int bits, View<std::uint64_t> keys, View<const std::uint32_t> values,
               View<std::uint64_t> sorted_keys, View<std::uint32_t> sorted_values) {
-        if (n.bound == 0) return;
-        if (n.bound <= cuda::counted_list) {
-            const std::uint32_t blocks = (n.bound - 1) / cuda::counted_keys + 1;
+        if (n.bound() == 0) return;
+        if (n.bound() <= cuda::counted_list) {
+            const std::uint32_t blocks = (n.bound() - 1) / cuda::counted_keys + 1;
             cuda::
                 sort_by_counting<<<blocks, cuda::counted_keys * cuda::counted_parts, 0, stream_>>>(
                     items(n), keys.data, values.data, sorted_keys.data, sorted_values.data);
             return cuda::check(cudaGetLastError(), "a launch");
         }
         if (bits <= 32) return sort_narrow(n, bits, keys, values, sorted_keys, sorted_values);
-        if (n.exact != nullptr) for_each(n.bound, cuda::PadKey{items(n), keys.data});
+        if (!n.is_known()) for_each(n.bound(), cuda::PadKey{items(n), keys.data});
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceRadixSort::SortPairs(
                 scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
-                sorted_values.data, static_cast<int>(n.bound), 0, bits, stream_);
+                sorted_values.data, static_cast<int>(n.bound()), 0, bits, stream_);
         });
     }
 
     template <class F, class T>
     void reduce(Count n, const F& term, Sum<T>& sum) {
-        if (n.bound == 0) return for_each(1, cuda::FillWith<T>{sum.data(), T{}});
-        if (n.bound <= cuda::few_items)
+        if (n.bound() == 0) return for_each(1, cuda::FillWith<T>{sum.data(), T{}});
+        if (n.bound() <= cuda::few_items)
             add_up<cuda::few_threads>(n, term, sum);
         else
             add_up<cuda::block_threads>(n, term, sum);
@@ -253,16 +292,20 @@ public:
         return *sum.data();
     }
 
-    bool are_few_sixteens(const Count& groups) const { return groups.bound <= cuda::few_sixteens; }
+    bool are_few_sixteens(const Count& groups) const {
+        return groups.bound() <= cuda::few_sixteens;
+    }
     Count in_sixteens(const Count& groups) const { return constants::group_size * groups; }
 
     Count in_lanes(const Count& things) const { return Lanes::count * things; }
 
     std::uint32_t number(const Count& count) const {
-        if (count.exact == nullptr) return count.bound;
+        if (count.is_known()) return count.bound();
         wait();
-        const auto place = static_cast<std::uint32_t>(count.exact - totals_.data()) % most_totals;
-        return min_of(count.factor * host_totals_[bank_ * most_totals + place], count.bound);
+        return count.number([&](const std::uint32_t* total) {
+            const auto place = static_cast<std::uint32_t>(total - totals_.data()) % most_totals;
+            return host_totals_[bank_ * most_totals + place];
+        });
     }
 
     template <class T>
@@ -313,7 +356,7 @@ public:
     void wait() const { cuda::check(cudaStreamSynchronize(stream_), "waiting for the device"); }
 
 private:
-    static constexpr std::uint32_t most_totals = 64;
+    static constexpr std::uint32_t most_totals = 128;
 
     cuda::Items items(const Count& n) const { return {n, overflow_.data() + is_beside_}; }
 
@@ -353,9 +396,7 @@ private:
     /// more. So a total that changes between small and large does not make every other step run
     /// twice.
     std::uint32_t known_bound(ListId id) const {
-        const std::uint32_t bound = bounds_[static_cast<std::size_t>(id)];
-        if (bound == 0) throw std::logic_error("a list in a bounded step that no exact step had");
-        return bound;
+        return max_of(bounds_[static_cast<std::size_t>(id)], spare_items);
     }
 
     void grow_bound(ListId id, std::uint32_t bound) {
@@ -377,9 +418,9 @@ private:
 
     template <class F, class... T>
     void launch_emit(ListId id, Count n, const F& finder, const cuda::NoteTotal& to, T*... lists) {
-        const std::uint32_t threads = n.bound < cuda::many_emitting ? cuda::few_threads
-                                                                    : cuda::block_threads;
-        const std::uint32_t blocks = (n.bound - 1) / threads + 1;
+        const std::uint32_t threads = n.bound() < cuda::many_emitting ? cuda::few_threads
+                                                                      : cuda::block_threads;
+        const std::uint32_t blocks = (n.bound() - 1) / threads + 1;
         Buffer<std::uint64_t>& sums = sums_of_blocks_[static_cast<std::size_t>(id)];
         if (sums.size() < blocks) {
             sums.resize(blocks);
@@ -396,7 +437,7 @@ private:
 
     template <std::uint32_t threads, class F, class T>
     void add_up(Count n, const F& term, Sum<T>& sum) {
-        const std::uint32_t blocks = min_of((n.bound - 1) / threads + 1, cuda::most_sums);
+        const std::uint32_t blocks = min_of((n.bound() - 1) / threads + 1, cuda::most_sums);
         scratch_.resize(static_cast<std::uint32_t>(cuda::most_sums * sizeof(T)));
         cuda::add_up<threads>
             <<<blocks, threads, 0, stream_>>>(term, items(n), reinterpret_cast<T*>(scratch_.data()),
@@ -412,7 +453,7 @@ private:
                               std::uint32_t* to) {
             cuda::check(cub::DeviceRadixSort::SortPairs(
                             scratch, bytes, from, to, values.data, sorted_values.data,
-                            static_cast<int>(n.bound), 0, bits, stream_),
+                            static_cast<int>(n.bound()), 0, bits, stream_),
                         "a sort");
         };
         std::size_t bytes = 0;
@@ -420,11 +461,11 @@ private:
         constexpr std::size_t word = sizeof(std::uint32_t);
         const std::size_t begin = (bytes + word - 1) / word;  // the first word after the sort's own
                                                               // scratch memory
-        scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound)));
+        scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound())));
         std::uint32_t* const narrow = reinterpret_cast<std::uint32_t*>(scratch_.data()) + begin;
-        for_each(n.bound, cuda::NarrowKey{items(n), keys.data, narrow});
-        sort(scratch_.data(), bytes, narrow, narrow + n.bound);
-        for_each(n.bound, cuda::WidenKey{items(n), narrow + n.bound, sorted_keys.data});
+        for_each(n.bound(), cuda::NarrowKey{items(n), keys.data, narrow});
+        sort(scratch_.data(), bytes, narrow, narrow + n.bound());
+        for_each(n.bound(), cuda::WidenKey{items(n), narrow + n.bound(), sorted_keys.data});
     }
 
     /// Makes the second stream wait for all that was issued so far.
@@ -454,10 +495,11 @@ private:
         cuda::check(call(scratch_.data(), bytes), "a collective operation");
     }
 
-    cudaStream_t stream_ = nullptr;
+    cudaStream_t stream_ = nullptr, branch_stream_ = nullptr;
     bool bounded_ = false;
     std::uint32_t bank_ = 0, next_ = 0;
     std::array<std::uint32_t, list_count> bounds_{};  ///< the room for each total; 0: unknown
+    std::array<std::uint32_t, list_count> rounds_{};  ///< how often work was repeated at most
     std::array<Buffer<std::uint64_t>, list_count> sums_of_blocks_;
     Buffer<std::uint32_t> totals_;
     Buffer<std::uint32_t> epoch_;        ///< of the sums of blocks

@@ -37,13 +37,13 @@ public:
     T* data() { return data_; }
     const T* data() const { return data_; }
     /// The largest number of items that the buffer may hold now.
-    std::size_t size() const { return count_.bound; }
-    bool empty() const { return count_.bound == 0; }
+    std::size_t size() const { return count_.bound(); }
+    bool empty() const { return count_.bound() == 0; }
     DeviceCount count() const { return count_; }
     void clear() { count_ = {}; }
 
     void resize(DeviceCount count) {
-        if (count.bound > capacity_) grow(count.bound);
+        if (count.bound() > capacity_) grow(count.bound());
         count_ = count;
     }
 
@@ -60,8 +60,8 @@ private:
         check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr),
               "allocation of device memory");
         check(cudaDeviceSynchronize(), "waiting for the device");
-        if (count_.bound > 0)
-            check(cudaMemcpyAsync(larger, data_, count_.bound * sizeof(T), cudaMemcpyDeviceToDevice,
+        if (count_.bound() > 0)
+            check(cudaMemcpyAsync(larger, data_, count_.bound() * sizeof(T), cudaMemcpyDeviceToDevice,
                                   nullptr),
                   "copy on the device");
         if (data_ != nullptr) check(cudaFreeAsync(data_, nullptr), "return of device memory");

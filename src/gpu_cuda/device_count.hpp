@@ -4,32 +4,63 @@
 #include <cstdint>
 #include <stdexcept>
 
+#include "core/device/number.hpp"
+
 namespace pierce::cuda {
 
-/// How many items there are: a number that the host knows, or a number that only the device knows,
-/// with a bound.
-struct DeviceCount {
-    std::uint32_t bound = 0;
-    const std::uint32_t* exact = nullptr;  ///< device memory; null: `bound` is the number
-    std::uint32_t factor = 1;              ///< of `*exact`
-
+/// How many items there are: a number that the host knows, or one that only the device knows, with
+/// a bound.
+class DeviceCount : public Number {
+public:
     DeviceCount() = default;
-    DeviceCount(std::uint32_t n) : bound(n) {}
-    DeviceCount(std::uint32_t most, const std::uint32_t* number, std::uint32_t times)
-        : bound(most), exact(number), factor(times) {}
+    DeviceCount(std::uint32_t n) : Number(n) {}
+    /// `times` the total in device memory, but no more than `most`.
+    DeviceCount(std::uint32_t most, const std::uint32_t* total, std::uint32_t times) {
+        bound_ = most;
+        terms_[0] = {total, times};
+    }
+
+    std::uint32_t bound() const { return bound_; }
+    /// True if the host knows the number, which is the bound.
+    bool is_known() const { return terms_[0].total == nullptr; }
 
     /// The number, for parts of a step that cannot do without it. Throws std::logic_error where the
     /// host does not know it.
     operator std::uint32_t() const {
-        if (exact != nullptr)
+        if (!is_known())
             throw std::logic_error("a count that only the device knows was used on the host");
-        return bound;
+        return bound_;
+    }
+
+    /// The number, by the host's copy of the totals: `at(total)` is the value of a total.
+    template <class At>
+    std::uint32_t number(const At& at) const {
+        std::uint32_t sum = known_;
+        for (const Term& term : terms_)
+            if (term.total != nullptr) sum += term.times * at(term.total);
+        return min_of(sum, bound_);
     }
 
     template <std::integral N>
     friend DeviceCount operator*(N times, DeviceCount c) {
         const auto by = static_cast<std::uint32_t>(times);
-        return {by * c.bound, c.exact, by * c.factor};
+        c.bound_ *= by;
+        c.known_ *= by;
+        for (Term& term : c.terms_) term.times *= by;
+        return c;
+    }
+    /// Throws std::logic_error if the sum has more terms than there is room for.
+    friend DeviceCount operator+(DeviceCount a, const DeviceCount& b) {
+        a.bound_ += b.bound_;
+        a.known_ += b.known_;
+        std::uint32_t end = 0;
+        while (end < most_terms && a.terms_[end].total != nullptr) ++end;
+        for (const Term& term : b.terms_) {
+            if (term.total == nullptr) break;
+            if (end == most_terms) throw std::logic_error("a count of too many totals");
+            a.terms_[end++] = term;
+        }
+        return a;
     }
 };
 

@@ -35,6 +35,12 @@ inline constexpr Launch launch_of<bvh::Trace>{.threads_at_once = 512, .is_uneven
 // Nearly all threads only check whether they have work.
 template <>
 inline constexpr Launch launch_of<bvh::TraceTree>{.threads_at_once = 1024};
+template <>
+inline constexpr Launch launch_of<bvh::ClosestInTree>{.threads_at_once = 1024};
+
+template <>
+inline constexpr Launch launch_of<bvh::FindClosestCandidates>{.threads_at_once = 1024,
+                                                              .is_uneven = true};
 
 template <>
 inline constexpr Launch launch_of<bvh::Refit>{.is_uneven = true};

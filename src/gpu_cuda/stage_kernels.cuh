@@ -37,17 +37,13 @@ inline constexpr std::uint32_t short_list = 1u << 14;
 /// The number of items, on the device; it is zero after a list of the step has outgrown its room,
 /// so that nothing is written past the room.
 struct Items {
+    Number number;
     std::uint32_t bound = 0;
-    const std::uint32_t* exact = nullptr;
-    std::uint32_t factor = 1;
     const std::uint32_t* overflow = nullptr;
 
     Items(const DeviceCount& count, const std::uint32_t* outgrown)
-        : bound(count.bound), exact(count.exact), factor(count.factor), overflow(outgrown) {}
-    __device__ std::uint32_t count() const {
-        const std::uint32_t known = exact == nullptr ? bound : min_of(*exact * factor, bound);
-        return *overflow == 0 ? known : 0;
-    }
+        : number(count), bound(count.bound()), overflow(outgrown) {}
+    __device__ std::uint32_t count() const { return *overflow == 0 ? std::uint32_t{number} : 0; }
 };
 
 /// Runs stages one after the other in the same thread.
@@ -151,6 +147,13 @@ struct Overflow {
     bool is_beside;
 
     __device__ void set() const { flags[0] = flags[is_beside] = 1; }
+};
+
+/// Per item: there should be none.
+struct SetOverflow {
+    Overflow overflow;
+
+    __device__ void operator()(std::uint32_t) const { overflow.set(); }
 };
 
 /// Writes a total: the sum of a scan, or the number of items that a selection has listed. The total

@@ -9,6 +9,7 @@
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/provenance.hpp"
+#include "app/reports/accuracy/accuracy_figures.hpp"
 
 namespace pierce::app {
 
@@ -85,8 +86,8 @@ int compare_recording(const CompareOptions& options) {
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
     if (!options.plots.empty()) {
         fs::create_directories(options.plots);
-        write_plot(speed_against_error(results, options.folder.filename().string()), options.plots,
-                   "f1_speed_against_error",
+        write_plot(speed_against_error(figures_of(results), options.folder.filename().string()),
+                   options.plots, "f1_speed_against_error",
                    json{{"machine", machine_json()}, {"versions", versions_json()}}.dump());
     }
     if (!options.json.empty()) {

@@ -100,35 +100,32 @@ void add_convex_pieces(scenes::SceneSetup& scene) {
         }
 }
 
-Scatter speed_against_error(std::span<const Comparison> results, const std::string& scene) {
-    Scatter plot{.title = "Speed against error, " + scene,
-                 .x = "median time per frame [ms]",
-                 .y = "depth-weighted miss rate",
-                 .columns = {},
-                 .points = {}};
-    plot.columns = {"ms",
-                    "missed_depth_share",
-                    "missed_pair_depth_share",
-                    "pairs",
-                    "missed_pairs",
-                    "false_pairs",
-                    "missed_vertices_share",
-                    "depth_ratio_median",
-                    "depth_ratio_p95",
-                    "normal_error_degrees_median",
-                    "normal_error_degrees_p95",
-                    "pair_depth_ratio"};
+Table figures_of(std::span<const Comparison> results) {
+    Table table;
+    table.label_name = points_label;
+    table.names = {"ms",
+                   "missed_depth_share",
+                   "missed_pair_depth_share",
+                   "pairs",
+                   "missed_pairs",
+                   "false_pairs",
+                   "missed_vertices_share",
+                   "depth_ratio_median",
+                   "depth_ratio_p95",
+                   "normal_error_degrees_median",
+                   "normal_error_degrees_p95",
+                   "pair_depth_ratio"};
     for (const Comparison& c : results) {
         const Accuracy& a = c.accuracy;
-        plot.points.push_back(
-            {c.name,
-             {c.median_ms(), a.missed_share(), a.missed_pair_share(), static_cast<double>(a.pairs),
-              static_cast<double>(a.missed_pairs), static_cast<double>(a.false_pairs),
-              a.missed_vertex_share(), median_of(a.depth_ratios), p95_of(a.depth_ratios),
-              degrees(median_of(a.normal_errors)), degrees(p95_of(a.normal_errors)),
-              a.pair_depth_ratio()}});
+        table.labels.push_back(c.name);
+        table.rows.push_back({c.median_ms(), a.missed_share(), a.missed_pair_share(),
+                              static_cast<double>(a.pairs), static_cast<double>(a.missed_pairs),
+                              static_cast<double>(a.false_pairs), a.missed_vertex_share(),
+                              median_of(a.depth_ratios), p95_of(a.depth_ratios),
+                              degrees(median_of(a.normal_errors)), degrees(p95_of(a.normal_errors)),
+                              a.pair_depth_ratio()});
     }
-    return plot;
+    return table;
 }
 
 }  // namespace pierce::app

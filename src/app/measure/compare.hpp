@@ -49,7 +49,7 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
 /// size.
 void add_convex_pieces(scenes::SceneSetup& scene);
 
-/// The main plot, F1: time per frame against the part of the depth that was missed.
-Scatter speed_against_error(std::span<const Comparison> results, const std::string& scene);
+/// Times and errors, a row for each method.
+Table figures_of(std::span<const Comparison> results);
 
 }  // namespace pierce::app

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/output/plot.hpp"
+#include "app/output/scatter_plot.hpp"
 
 namespace pierce::app {
 

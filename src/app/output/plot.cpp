@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 
+#include "app/output/gnuplot.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::app {
@@ -15,11 +15,6 @@ namespace pierce::app {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A file begins with what it was made with, as a comment.
-void begin_csv(std::ofstream& out, const std::string& made_with) {
-    if (!made_with.empty()) out << "# " << made_with << '\n';
-}
 
 std::vector<std::string> cells_of(const std::string& line) {
     std::vector<std::string> cells;
@@ -38,8 +33,8 @@ std::string as_cell(std::string name) {
 
 void Table::write_csv(const fs::path& file, const std::string& made_with_now) const {
     std::ofstream out(file);
-    begin_csv(out, made_with_now);
-    if (!labels.empty()) out << "row,";
+    if (!made_with_now.empty()) out << "# " << made_with_now << '\n';
+    if (!labels.empty()) out << label_name << ',';
     for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << as_cell(names[c]);
     out << '\n';
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -49,6 +44,12 @@ void Table::write_csv(const fs::path& file, const std::string& made_with_now) co
         out << '\n';
     }
     if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+}
+
+double Table::number(std::size_t row, const std::string& name) const {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) throw InputError("a table has no column '" + name + "'");
+    return rows.at(row).at(static_cast<std::size_t>(found - names.begin()));
 }
 
 Table Table::read_csv(const fs::path& file) {
@@ -62,7 +63,8 @@ Table Table::read_csv(const fs::path& file) {
         }
         std::vector<std::string> cells = cells_of(line);
         if (table.names.empty()) {
-            labelled = !cells.empty() && cells[0] == "row";
+            labelled = !cells.empty() && (cells[0] == rows_label || cells[0] == points_label);
+            if (labelled) table.label_name = cells[0];
             table.names.assign(cells.begin() + (labelled ? 1 : 0), cells.end());
             continue;
         }
@@ -83,30 +85,15 @@ Table Table::read_csv(const fs::path& file) {
 
 namespace {
 
-/// Text in gnuplot's quotes.
-std::string quoted(const std::string& text) {
-    std::string result = "'";
-    for (char c : text) {
-        if (c == '\'') result += '\'';
-        result += c;
-    }
-    return result + "'";
-}
-
-bool run_gnuplot(const std::string& script) {
-    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return false;
-    std::FILE* pipe = popen("gnuplot", "w");
-    if (pipe == nullptr) return false;
-    std::fputs(script.c_str(), pipe);
-    return pclose(pipe) == 0;
-}
-
 std::string head(const std::string& title, const std::string& x, const std::string& y,
                  const fs::path& svg) {
-    return "set terminal svg size 720,440 font 'sans,13' background 'white'\nset output " +
-           quoted(svg.string()) + "\nset datafile separator ','\nset title " + quoted(title) +
-           " noenhanced\nset xlabel " + quoted(x) + " noenhanced\nset ylabel " + quoted(y) +
-           " noenhanced\n";
+    return svg_output(svg, 720, 440, 13) + "set datafile separator ','\nset title " +
+           quoted(title) + " noenhanced\nset xlabel " + quoted(x) + " noenhanced\nset ylabel " +
+           quoted(y) + " noenhanced\n";
+}
+
+std::string look_of(const Curves::Line& line) {
+    return fmt::format("lc rgb '{}' dt {} ", line.colour, line.dashed ? 2 : 1);
 }
 
 }  // namespace
@@ -130,8 +117,10 @@ bool write_plot(const Curves& curves, const fs::path& folder, const std::string&
     script += fmt::format("set yrange [{:g}:*]\nplot ", bottom);
     for (std::size_t c = 1; c < curves.table.names.size(); ++c)
         script += fmt::format(
-            "{0}{1} using 1:(${2} > {3:g} ? ${2} : {3:g}) with lines lw 2 title {4}",
-            c > 1 ? ", " : "", quoted(csv.string()), c + 1, bottom, quoted(curves.table.names[c]));
+            "{0}{1} using 1:(${2} > {3:g} ? ${2} : {3:g}) with lines lw 2 {4}title {5}",
+            c > 1 ? ", " : "", quoted(csv.string()), c + 1, bottom,
+            c <= curves.lines.size() ? look_of(curves.lines[c - 1]) : "",
+            quoted(curves.table.names[c]));
     return run_gnuplot(script + "\n");
 }
 
@@ -163,38 +152,6 @@ bool write_plot(const HeatMap& map, const fs::path& folder, const std::string& n
     script +=
         "EOD\nplot $map using 1:2:3 with image pixels, $map using 1:2:(sprintf('%.3g', $3)) with "
         "labels\n";
-    return run_gnuplot(script);
-}
-
-bool write_plot(const Scatter& scatter, const fs::path& folder, const std::string& name,
-                const std::string& made_with) {
-    const fs::path csv = folder / (name + ".csv");
-    std::ofstream out(csv);
-    begin_csv(out, made_with);
-    out << "name";
-    for (const std::string& column : scatter.columns) out << ',' << column;
-    out << '\n';
-    double least = 1, most = 0;
-    for (const Scatter::Point& point : scatter.points) {
-        out << point.name;
-        for (double value : point.values) out << ',' << fmt::format("{:.6g}", value);
-        out << '\n';
-        if (point.values[1] > 0) least = std::min(least, point.values[1]);
-        most = std::max(most, point.values[1]);
-    }
-    if (!out.flush()) throw InputError("cannot write '" + csv.string() + "'");
-    const double bottom = least / 10;
-    std::string script = head(scatter.title, scatter.x, scatter.y + " (bottom: none)",
-                              folder / (name + ".svg")) +
-                         "unset key\nset grid\nset logscale xy\n" +
-                         fmt::format(
-                             "set yrange [{:g}:{:g}]\nset offsets graph 0.15, graph 0.15, 0, 0\n",
-                             bottom / 2, std::max(2 * most, 10 * bottom)) +
-                         "set format y '%g'\n";
-    script += fmt::format(
-        "plot {0} skip 1 using 2:($3 > 0 ? $3 : {1:g}) with points pt 7 ps 1.2, {0} skip 1 using "
-        "2:($3 > 0 ? $3 : {1:g}):1 with labels rotate by 40 left offset 0.5,0.7 noenhanced\n",
-        quoted(csv.string()), bottom);
     return run_gnuplot(script);
 }
 

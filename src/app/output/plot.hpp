@@ -6,12 +6,19 @@
 
 namespace pierce::app {
 
+/// What labels of rows are called in a file: those of tables, and those of plotted points.
+inline constexpr const char *rows_label = "row", *points_label = "name";
+
 /// Columns of numbers under their names.
 struct Table {
     std::vector<std::string> names;
     std::vector<std::vector<double>> rows;
     std::vector<std::string> labels = {};  ///< of the rows; none, or one for each
+    std::string label_name = rows_label;   ///< of the labels
     std::string made_with = {};            ///< of a table that was read
+
+    /// The number in a row under a name. Throws InputError if there is no such name.
+    double number(std::size_t row, const std::string& name) const;
 
     /// Commas between values, a line of names, and before it, after a "#", `made_with`: what the
     /// table depends on; no such line if that is empty. Commas in names become semicolons. Throws
@@ -27,6 +34,11 @@ struct Curves {
     Table table;
     bool log_x = false;
     bool log_y = false;  ///< zeros stand at the bottom
+    struct Line {
+        std::string colour;  ///< as #rrggbb
+        bool dashed = false;
+    };
+    std::vector<Line> lines = {};  ///< of the curves; gnuplot's own for those without one
 };
 
 /// Rows are (x, y, value), x changing fastest.
@@ -35,25 +47,11 @@ struct HeatMap {
     Table table;
 };
 
-/// Named points; x is the first number of each, y the second, both on logarithmic axes. A y of zero
-/// stands at the bottom.
-struct Scatter {
-    std::string title, x, y;
-    std::vector<std::string> columns;
-    struct Point {
-        std::string name;
-        std::vector<double> values;
-    };
-    std::vector<Point> points;
-};
-
 /// Writes NAME.csv, with what it was made with, and, if gnuplot is installed, NAME.svg into
 /// `folder`. Returns true if there is a picture.
 bool write_plot(const Curves& curves, const std::filesystem::path& folder, const std::string& name,
                 const std::string& made_with);
 bool write_plot(const HeatMap& map, const std::filesystem::path& folder, const std::string& name,
                 const std::string& made_with);
-bool write_plot(const Scatter& scatter, const std::filesystem::path& folder,
-                const std::string& name, const std::string& made_with);
 
 }  // namespace pierce::app

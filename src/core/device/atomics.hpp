@@ -72,6 +72,16 @@ PIERCE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
 #endif
 }
 
+/// Sets some bits; any number of items may do so. It orders no other memory access.
+PIERCE_HD inline void atomic_set(std::uint32_t& target, std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+    if ((*static_cast<volatile std::uint32_t*>(&target) & bits) != bits) atomicOr(&target, bits);
+#else
+    if ((__atomic_load_n(&target, __ATOMIC_RELAXED) & bits) != bits)
+        __atomic_fetch_or(&target, bits, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Writes 1; any number of items may do so.
 PIERCE_HD inline void atomic_mark(std::uint32_t& target) {
 #if defined(__CUDA_ARCH__)

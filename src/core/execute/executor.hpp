@@ -18,6 +18,10 @@ struct AnyStage {
 struct AnyWork {
     void operator()() const {}
 };
+template <class Count>
+struct AnyNumber {
+    Count operator()() const { return 0u; }
+};
 struct AnyTest {
     PIERCE_HD bool operator()(std::uint32_t) const { return true; }
 };
@@ -68,6 +72,13 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;
     { executor.in_lanes(n) } -> std::same_as<typename E::Count>;
+    // True if there certainly are no items: where the host does not know it, there may be some.
+    { executor.is_empty(n) } -> std::same_as<bool>;
+    // Runs work that does nothing if there are no items, and may leave it out then. Lists that the
+    // work makes are empty if it is left out.
+    executor.when(n, detail::AnyWork{});
+    // Runs work again and again until no items are left.
+    executor.repeat(ListId{}, detail::AnyNumber<typename E::Count>{}, detail::AnyWork{});
     executor.settle();
     // Runs work that is independent of everything issued before join(); the work may run
     // concurrently.

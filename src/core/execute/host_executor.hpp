@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/execute/executor_traits.hpp"
+#include "core/execute/list_id.hpp"
 
 namespace pierce {
 
@@ -61,6 +62,20 @@ public:
 
     /// False, as an item on the host handles a whole group.
     bool are_few_sixteens(std::uint32_t) const { return false; }
+
+    bool is_empty(std::uint32_t count) const { return count == 0; }
+
+    /// Runs work that does nothing if there are no items.
+    template <class Work>
+    void when(std::uint32_t count, const Work& work) {
+        if (count > 0) work();
+    }
+
+    /// Runs work again and again until `left()` is zero.
+    template <class Left, class Work>
+    void repeat(ListId, const Left& left, const Work& work) {
+        while (left() > 0) work();
+    }
 
     /// A count as a number.
     std::uint32_t number(std::uint32_t count) const { return count; }

@@ -28,7 +28,11 @@ enum class ListId : std::uint8_t {
     asked_edges,
     crossed_pairs,
     chords,
+    chords_at_ends,
+    late_candidates,
     touching_edges,
+    chords_forward,
+    chords_back,
     deep_touches,
     // self_overlap and separation
     self_candidates,
@@ -37,10 +41,10 @@ enum class ListId : std::uint8_t {
     stranded_chords,
     deep_chords,
     parts,
-    asked_parts,
     contained_parts,
     deep_pairs,
     separated_rays,
+    touching_rays,
     // sheets
     sheet_vertices,
     sheet_sections,

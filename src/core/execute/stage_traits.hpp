@@ -47,6 +47,28 @@ PIERCE_HD std::uint32_t listed(const F& wanted, std::uint32_t i) {
         return i;
 }
 
+/// Emits what `Finder` finds for the items that are wanted.
+template <class Wanted, class Finder>
+struct FindWanted {
+    Wanted wanted;
+    Finder finder;
+
+    FindWanted(const Wanted& its_wanted, const Finder& its_finder)
+        : wanted(its_wanted), finder(its_finder) {}
+    PIERCE_HD auto find(std::uint32_t i) const {
+        return wanted(i) ? finder.find(i) : decltype(finder.find(i)){};
+    }
+    template <class Found>
+    PIERCE_HD static std::uint32_t count(const Found& found) {
+        return Finder::count(found);
+    }
+    template <class Found, class... T>
+    PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
+                         T*... lists) const {
+        if (Finder::count(found) > 0) finder.write(i, found, place, lists...);
+    }
+};
+
 /// Emits what `Finder` finds for an item after stage `First` has run for that item.
 template <class First, class Finder>
 struct FindAfter {

@@ -3,6 +3,7 @@
 #include "core/device/bits.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/grid_boxes.hpp"
+#include "core/geometry/sixteen_boxes.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/ids.hpp"
@@ -44,7 +45,8 @@ PIERCE_HD inline QuickBox box_of(const MeshView& mesh, View<const Vec3f> positio
     return box;
 }
 
-/// Measures a node of the mesh's tree at `positions`; the nodes of the level below are measured.
+/// Measures a node of the mesh's tree at `positions`, on a GPU by sixteen threads; the nodes of the
+/// level below are measured.
 PIERCE_HD inline void measure_node(const MeshView& mesh, View<const Vec3f> positions,
                                    const BoxLevels& levels, std::uint32_t node,
                                    View<BoxNode> nodes) {
@@ -52,18 +54,16 @@ PIERCE_HD inline void measure_node(const MeshView& mesh, View<const Vec3f> posit
     const std::uint32_t first = (node - levels.begin[level]) * constants::group_size;
     const std::uint32_t below = level == 0 ? mesh.group_triangles.size
                                            : levels.begin[level] - levels.begin[level - 1];
-    QuickBox boxes[constants::group_size], around;
-    for (std::uint32_t k = 0; k < constants::group_size; ++k) {
-        if (!(first + k < below)) continue;
-        boxes[k] = level == 0 ? box_of(mesh, positions, mesh.group_triangles[first + k])
-                              : nodes[levels.begin[level - 1] + first + k].around;
-        around.extend(boxes[k]);
-    }
-    const BoxSteps steps(around);
-    BoxNode& made = nodes[node];
-    made.around = around;
-    made.boxes.steps = steps;
-    for (std::uint32_t k = 0; k < constants::group_size; ++k) made.boxes.set(k, steps, boxes[k]);
+    Sixteen<QuickBox> boxes;
+    boxes.each([&](std::uint32_t k, QuickBox& box) {
+        box = {};
+        if (!(first + k < below)) return;
+        box = level == 0 ? box_of(mesh, positions, mesh.group_triangles[first + k])
+                         : nodes[levels.begin[level - 1] + first + k].around;
+    });
+    const QuickBox around = box_around(boxes);
+    pack(nodes[node].boxes, boxes, around);
+    if (Sixteen<QuickBox>::is_first()) nodes[node].around = around;
 }
 
 /// Calls see(group, mask) for every group of triangles with a bit for each of its triangles whose

@@ -94,15 +94,14 @@ public:
     /// What the last step did and found.
     void report(const Plan& plan, StepStats& stats) {
         stats.pairs = executor_.number(count_of(pairs_.pairs));
-        stats.rays = executor_.number(plan.remembers() ? count_of(routes_.full)
-                                                       : count_of(batch_.rays));
+        stats.rays = executor_.number(traced_);
         stats.contacts = executor_.number(count_of(now_.contacts));
         stats.hits = executor_.read(sums_.hits);
         stats.own_rays = executor_.read(sums_.own_rays);
         if (plan.misses_no_overlap()) {
             stats.edges = executor_.number(edges_.near_edges());
-            stats.chords = edges_.chords().size;
-            if (plan.remembers()) stats.rays += separation_.late_rays();
+            stats.chords = executor_.number(edges_.chord_count());
+            stats.rays += separation_.late_rays();
             stats.inside_tests = separation_.inside_tests();
             stats.separated_pairs = separation_.deep_pairs();
         }
@@ -235,6 +234,7 @@ private:
             executor_.for_each(scene.bodies.size,
                                stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
+        if (scene.plan->misses_no_overlap()) executor_.beside([&] { edges_.measure_boxes(scene); });
         now_.bodies.clear();
         if (!scene.plan->remembers()) return;
         now_.bodies.resize(scene.bodies.size);
@@ -338,6 +338,7 @@ private:
         const Count directed_count = 2 * count_of(pairs_.pairs);
         cull_.directed.resize(directed_count);
         cull_.block_offsets.resize(directed_count);
+        pairs_.marks.resize(scene.plan->misses_no_overlap() ? count_of(pairs_.pairs) : Count{0u});
         executor_.emit(ListId::pair_blocks, directed_count,
                        stages::DirectPair{.bodies = bodies,
                                           .pairs = view_of(pairs_.pairs),
@@ -346,7 +347,8 @@ private:
                                           .last = view_of(last_.directed),
                                           .settings = scene.plan->settings,
                                           .directed = view_of(cull_.directed),
-                                          .begins = view_of(cull_.block_offsets)},
+                                          .begins = view_of(cull_.block_offsets),
+                                          .marks = {view_of(pairs_.marks)}},
                        cull_.blocks);
         const bool records = scene.plan->remembers();
         if (records) now_.blocks.resize(count_of(cull_.blocks));
@@ -434,15 +436,23 @@ private:
                                                      view_of(routes_.full_rays)});
     }
 
-    // edges: Which parts of edges are inside the other body, and a ray for each.
-    void edges(const Scene& scene) {
-        edges_.find(scene, view_of(cull_.directed), view_of(now_.directed), view_of(pairs_.links),
-                    {}, batch_, routes_.routes);
+    StepOfPairs<E> step_of_pairs(const Scene& scene) {
+        return {.scene = scene,
+                .count = count_of(pairs_.pairs),
+                .pairs = view_of(pairs_.pairs),
+                .directed = view_of(cull_.directed),
+                .memory = view_of(now_.directed),
+                .links = view_of(pairs_.links),
+                .marks = {view_of(pairs_.marks)}};
     }
+
+    // edges: Which parts of edges are inside the other body, and a ray for each.
+    void edges(const Scene& scene) { edges_.find(step_of_pairs(scene), 0, batch_, routes_.routes); }
 
     // trace: The triangle each ray crosses first.
     void trace(const Scene& scene) {
         const bool some_walk = scene.plan->remembers();
+        traced_ = count_of(full_rays(*scene.plan));
         tools_.trace(scene.bodies, full_rays(*scene.plan),
                      some_walk ? routes_.full_hits : batch_.hits);
         if (some_walk) scatter_hits();
@@ -510,9 +520,7 @@ private:
 
     /// Pairs that overlap without a contact so far.
     void separation(const Scene& scene) {
-        separation_.separate(scene, view_of(pairs_.pairs), view_of(cull_.directed),
-                             view_of(now_.directed), view_of(pairs_.links), edges_, batch_,
-                             routes_.routes);
+        separation_.separate(step_of_pairs(scene), edges_, batch_, routes_.routes);
     }
 
     /// Contacts move to the closest point of the target's surface.
@@ -690,6 +698,7 @@ private:
     ReprojectLists<E> reprojected_;
     SortScratch<E> sort_;
     StepSums<E> sums_;
+    Count traced_ = 0u;  ///< rays of vertices, of chords, and along velocities
     TracerCounts reported_;
 };
 

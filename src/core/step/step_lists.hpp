@@ -102,6 +102,7 @@ struct PairLists {
     Buffer<std::uint64_t> box_keys;  ///< pairs whose boxes overlap along all axes
     Buffer<Pair> pairs;
     Buffer<std::uint32_t> links;  ///< per pair, which of the last step's pairs it was
+    Buffer<std::uint32_t> marks;  ///< per pair (PairMarks); empty if nobody asks for them
 };
 
 /// Vertices that may be inside, by blocks and patches.

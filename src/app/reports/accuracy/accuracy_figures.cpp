@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/measure/compare.hpp"
+#include "app/measure/method_looks.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/progress.hpp"
 #include "scenes/measure/leaks.hpp"
@@ -101,6 +102,30 @@ std::string kernel_name(const scenes::LeakCount& count) {
 
 }  // namespace
 
+Scatter speed_against_error(const Table& figures, const std::string& title) {
+    Scatter plot{.title = title,
+                 .x = "time a frame [ms]",
+                 .panels = {"overlapping pairs missed [%]", "depth missed [%]"},
+                 .corner = "↙ fast, and nothing missed",
+                 .kinds = {"Pierce", "other libraries"},
+                 .points = {},
+                 .table = figures};
+    for (std::size_t r = 0; r < figures.rows.size(); ++r) {
+        const std::string& name = figures.labels[r];
+        const MethodLook& look = look_of_method(name);
+        const bool is_default = name == default_method;
+        const double pairs = std::max(figures.number(r, "pairs"), 1.0);
+        plot.points.push_back({.name = is_default ? name + " (default)" : name,
+                               .x = figures.number(r, "ms"),
+                               .y = {100 * figures.number(r, "missed_pairs") / pairs,
+                                     100 * figures.number(r, "missed_depth_share")},
+                               .colour = look.colour,
+                               .kind = look.ours ? 0u : 1u,
+                               .stands_out = is_default});
+    }
+    return plot;
+}
+
 void leaks_figure(const AccuracyReportOptions& options, Page& page) {
     const std::size_t kernel_rays = options.rays / 50;
     page.line("## Leaks over the offset from the origin\n");
@@ -181,7 +206,11 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
         .y = "missed [%] (bottom: none)",
         .table = {{"ratio", "vertices", "overlaps", "complete", "gjk-hull", "gimpact"}, {}},
         .log_x = true,
-        .log_y = true};
+        .log_y = true,
+        .lines = {}};
+    const std::initializer_list<const char*> methods{"full", "overlaps", "complete", "gjk-hull",
+                                                     "gimpact"};
+    for (const char* name : methods) curves.lines.push_back({look_of_method(name).colour});
     std::uint32_t seed = options.seed;
     for (const auto& [in_first, in_second] : ratios) {
         const MeshData first = scenes::geodesic_sphere(1, in_first),
@@ -189,8 +218,7 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
         const double cut = cut_off(first) + cut_off(second);
         const Recording recording = random_pairs(first, second, 2 - 2 * cut, 2, poses, seed++);
         const std::vector<Comparison> results = compare_methods(
-            recording, true, {"full", "overlaps", "complete", "gjk-hull", "gimpact"},
-            fmt::format("resolutions {} : {}", in_first, in_second));
+            recording, true, methods, fmt::format("resolutions {} : {}", in_first, in_second));
         const double ratio = mean_edge(first) / mean_edge(second);
         curves.table.rows.push_back({ratio});
         std::string missed, falses;
@@ -228,13 +256,16 @@ void depth_figure(const AccuracyReportOptions& options, Page& page) {
                   .table = {{"overlap_percent", "inward rays median", "inward rays p95",
                              "re-projected median", "re-projected p95", "EPA on hulls"},
                             {}}};
+    const std::initializer_list<const char*> methods{"full", "reprojected", "gjk-hull"};
+    for (const char* name : methods)
+        for (const bool p95 : {false, true})
+            curves.lines.push_back({look_of_method(name).colour, p95});
     for (double overlap : {2.5, 5.0, 10.0, 15.0, 20.0, 25.0}) {
         const double distance = 2 - 2 * overlap / 100;
         const Recording recording = random_pairs(ball, ball, distance, distance, poses,
                                                  options.seed);
         const std::vector<Comparison> results = compare_methods(
-            recording, false, {"full", "reprojected", "gjk-hull"},
-            fmt::format("overlap {:g} %", overlap));
+            recording, false, methods, fmt::format("overlap {:g} %", overlap));
         const Spread ray = spread_of(results[0].accuracy.depth_ratios),
                      moved = spread_of(results[1].accuracy.depth_ratios);
         const double epa = results[2].accuracy.pair_depth_ratio();

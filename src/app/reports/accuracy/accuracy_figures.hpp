@@ -5,6 +5,13 @@
 
 namespace pierce::app {
 
+/// The compared method that has the default settings: it stands out in plots.
+inline constexpr const char* default_method = "overlaps";
+
+/// Of each method, time a frame against missed pairs and missed depth. `figures`: of
+/// figures_of(), or read from the file of such a plot.
+Scatter speed_against_error(const Table& figures, const std::string& title);
+
 /// What triangle tests lose, over the offset from the origin.
 void leaks_figure(const AccuracyReportOptions& options, Page& page);
 

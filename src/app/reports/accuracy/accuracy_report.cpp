@@ -49,15 +49,9 @@ void speed_against_error_of(const std::string& scene, bool soft,
         "The comparison took {:.1f} s of processor time in {:.1f} s. Other work, if there was, "
         "makes long frames longer.",
         processor, wall.count());
-    page.plot(speed_against_error(results, name), "f1_" + name);
-    Scatter pairs{.title = "Overlapping pairs missed, " + name,
-                  .x = "median time per frame [ms]",
-                  .y = "missed pairs",
-                  .columns = {"ms", "missed"},
-                  .points = {}};
-    for (const Comparison& c : results)
-        pairs.points.push_back({c.name, {c.median_ms(), c.accuracy.missed_pairs_share()}});
-    page.plot(pairs, "f1_pairs_" + name);
+    page.plot(speed_against_error(figures_of(results),
+                                  fmt::format("{} {} {}", count, soft ? "soft" : "rigid", scene)),
+              "f1_" + name);
     page.line(
         "| method | ms a frame, median | missed pairs | false pairs | missed vertices [%] | missed "
         "depth [%] | depth / "

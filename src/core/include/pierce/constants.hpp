@@ -254,6 +254,12 @@ inline constexpr float gap_lost_normal = 0x1p-13f, gap_lost_product = 0x1p-14f,
                        gap_lost_side = 0x1p-11f, gap_lost_length = 0x1p-5f,
                        gap_lost_coordinates = 0x1p-21f;
 
+/// What a search for the closest triangle in float32 takes for rounding: 32 halves of an ulp
+/// [distance, and largest coordinate of a triangle relative to the point], and the part of a
+/// coordinate that two float32 numbers do not hold, 2^-48, several times [largest coordinate].
+inline constexpr float point_rounding = 0x1p-19f;
+inline constexpr double point_pad = 0x1p-42;
+
 /// The lengths between which float32 products of four lengths are used [length]. Below
 /// quick_smallest their rounding comes near the smallest float32. Above quick_largest their squares
 /// may exceed the largest float32.

@@ -209,7 +209,7 @@ struct MeasureNode {
     View<const View<BoxNode>> nodes;  ///< per body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const NodeItem item = items[i];
+        const NodeItem item = items[Sixteen<QuickBox>::group_of(i)];
         const BodyView& body = bodies[item.body];
         if (!body.active) return;
         measure_node(body.mesh, body.positions, BoxLevels(body.mesh.triangles.size), item.node,

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
-#include "core/device/atomics.hpp"
 #include "core/device/view.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/solids/directed_pair.hpp"
@@ -18,7 +18,7 @@ struct MayCross {
     View<const DirectedPair> directed;
     View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
     View<NearEdge> near;
-    View<std::uint32_t> crossed_pairs;
+    PairMarks marks;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         NearEdge& edge = near[i];
@@ -31,17 +31,17 @@ struct MayCross {
             if (!(left > 0)) return true;
             edge.expiry = d.odometer + static_cast<float>(left);
         }
-        if (edge.crosses != no_triangle) atomic_mark(crossed_pairs[edge.directed / 2]);
+        if (edge.crosses != no_triangle) marks.set(edge.directed / 2, PairMarks::edge_crosses);
         return false;
     }
 };
 
 /// True for pairs that have no contact with a depth so far although an edge may cross a triangle.
 struct IsCrossed {
-    View<const std::uint32_t> crossed, has_depth;
+    PairMarks marks;
 
     PIERCE_HD bool operator()(std::uint32_t pair) const {
-        return crossed[pair] && !has_depth[pair];
+        return marks.any(pair, PairMarks::edge_crosses) && !marks.any(pair, PairMarks::has_depth);
     }
 };
 

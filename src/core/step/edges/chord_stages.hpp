@@ -1,10 +1,11 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
-#include "core/device/atomics.hpp"
+#include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/edges/segment_gap.hpp"
@@ -135,12 +136,11 @@ struct FindChords {
     View<const DirectedPair> directed;
     View<NearEdge> near;
     View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
-    View<const std::uint32_t> places;      ///< of the edges in `near`
+    View<const std::uint32_t> places;      ///< of the edges in `near`; empty: all of them
     double move = 0;  ///< [nudge] how far edges are moved along nudge_direction, if they are of the
                       ///< first body of their pair, or against it
     Chords wanted = Chords::within;
-    View<std::uint32_t> touching;       ///< per pair
-    View<std::uint32_t> crossed_pairs;  ///< read and written for chords within edges only
+    PairMarks marks;
 
     /// The first two chords.
     struct Found {
@@ -151,7 +151,7 @@ struct FindChords {
 
     PIERCE_HD Found find(std::uint32_t i) const {
         Found found;
-        follow(places[i], [&](const Chord& chord) {
+        follow(place_of(i), [&](const Chord& chord) {
             if (found.count < 2) found.chord[found.count] = chord;
             ++found.count;
         });
@@ -160,16 +160,20 @@ struct FindChords {
     PIERCE_HD static std::uint32_t count(const Found& found) { return found.count; }
     PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
                          FoundChord* chords) const {
-        const std::uint32_t at = near[places[i]].directed;
+        const std::uint32_t at = near[place_of(i)].directed;
         if (found.count <= 2) {
             for (std::uint32_t k = 0; k < found.count; ++k)
                 chords[place + k] = {at, 0, found.chord[k]};
             return;
         }
-        follow(places[i], [&](const Chord& chord) { chords[place++] = {at, 0, chord}; });
+        follow(place_of(i), [&](const Chord& chord) { chords[place++] = {at, 0, chord}; });
     }
 
 private:
+    PIERCE_HD std::uint32_t place_of(std::uint32_t i) const {
+        return places.size > 0 ? places[i] : i;
+    }
+
     /// Calls see(chord), in their order along the edge.
     template <class See>
     PIERCE_HD void follow(std::uint32_t i, const See& see) const {
@@ -204,7 +208,7 @@ private:
             const bool once = wanted == Chords::within && proof.prefers_once();
             if ((once ? proof.once : proof.gap) > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
                 if (wanted == Chords::within) near[i].crosses = once ? some_triangle : no_triangle;
-                if (once) atomic_mark(crossed_pairs[item.directed / 2]);
+                if (once) marks.set(item.directed / 2, PairMarks::edge_crosses);
                 if (ahead > 0) proved(once ? proof.once : proof.gap);
                 return;
             }
@@ -235,7 +239,7 @@ private:
                 proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
         }
         if (wanted == Chords::within) {
-            if (triangles.count() > 0) atomic_mark(crossed_pairs[item.directed / 2]);
+            if (triangles.count() > 0) marks.set(item.directed / 2, PairMarks::edge_crosses);
             if (triangles.count() < 2) return;
         }
         const Vec3d a = placed.a, b = placed.b;
@@ -291,16 +295,42 @@ private:
                touch_of_pair(directed, direction) * along;
     }
 
-    PIERCE_HD void mark(std::uint32_t direction) const { atomic_mark(touching[direction / 2]); }
+    PIERCE_HD void mark(std::uint32_t direction) const {
+        marks.set(direction / 2, PairMarks::edge_touches);
+    }
 };
 
-/// Per chord: the ray from its middle, inward; appends to the step's rays.
+/// The chords of a step so far, side by side: what they are, where their rays come from, and which
+/// candidate stands for one without a depth.
+struct ChordsOfStep {
+    View<Chord> chords;
+    View<RaySource> sources;
+    View<std::uint32_t> flat;
+    PairMarks marks;
+
+    /// Writes a chord and returns the source of its ray. Something of its edge's body is inside the
+    /// other body.
+    PIERCE_HD RaySource write(std::uint32_t place, const FoundChord& f) const {
+        const RaySource source = {.pair = f.directed / 2,
+                                  .item = place,
+                                  .side = static_cast<std::uint8_t>(f.directed % 2),
+                                  .start = RayStart::chord};
+        chords[place] = f.chord;
+        sources[place] = source;
+        flat[place] = no_record;
+        marks.set(source.pair, PairMarks::reached);
+        return source;
+    }
+};
+
+/// Per chord within an edge, the first ones of a step: the ray from its middle, inward; appends to
+/// the given rays.
 struct GenerateChordRays {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const FoundChord> found;
-    std::uint32_t begin = 0;  ///< rays there are already
-    View<Chord> chords;
+    Number begin;  ///< rays there are already
+    ChordsOfStep chords;
     View<Ray> rays;
     View<RaySource> sources;
     View<Hit> hits;
@@ -323,12 +353,8 @@ struct GenerateChordRays {
         ray.target = d.target;
         ray.touch = d.touch;
         const std::uint32_t slot = begin + i;
-        chords[i] = f.chord;
         rays[slot] = ray;
-        sources[slot] = {.pair = f.directed / 2,
-                         .item = i,
-                         .side = static_cast<std::uint8_t>(f.directed % 2),
-                         .start = RayStart::chord};
+        sources[slot] = chords.write(i, f);
         hits[slot] = {};
         if (routes.size > 0) routes[slot] = ray.t_max >= 0 ? Route::full : Route::skip;
     }
@@ -338,19 +364,14 @@ struct GenerateChordRays {
 struct KeepChord {
     View<const FoundChord> found;
     View<const std::uint32_t> places;  ///< in `found`; empty: all
-    std::uint32_t begin = 0;           ///< chords there are already
-    View<Chord> chords;
-    View<RaySource> sources;
-    View<std::uint32_t> moved;  ///< per pair, marked; empty: not asked for
+    Number begin;                      ///< chords there are already
+    ChordsOfStep chords;
+    std::uint32_t mark = 0;  ///< what to mark their pairs with
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const FoundChord& f = found[places.size > 0 ? places[i] : i];
-        if (moved.size > 0) atomic_mark(moved[f.directed / 2]);
-        chords[begin + i] = f.chord;
-        sources[i] = {.pair = f.directed / 2,
-                      .item = begin + i,
-                      .side = static_cast<std::uint8_t>(f.directed % 2),
-                      .start = RayStart::chord};
+        if (mark != 0) chords.marks.set(f.directed / 2, mark);
+        chords.write(begin + i, f);
     }
 };
 

@@ -7,6 +7,7 @@
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/edge_group.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
@@ -43,12 +44,20 @@ PIERCE_HD inline float noted_gap(std::uint32_t least) {
     return least == 0 ? 0.0f : from_ordered_bits(~least);
 }
 
+/// Which pairs' edges are looked at: all pairs', or those of the pairs without any of some marks.
+struct PairsAsked {
+    PairMarks marks;
+    std::uint32_t unless = 0;
+
+    PIERCE_HD bool operator()(std::uint32_t pair) const { return !marks.any(pair, unless); }
+};
+
 /// Per directed pair: whether the near edges of the last step are still those that may meet the
 /// target. How long those of this step will be, ExpireNearEdges knows.
 struct RecallNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const std::uint32_t> has_depth;  ///< per pair, those to leave out; empty: none
+    PairsAsked asked;
     View<const PairMemory> memory;
     View<const std::uint32_t> links;
     View<const NearEdgesOfPair> last;  ///< empty if the last step did not remember
@@ -59,7 +68,7 @@ struct RecallNearEdges {
         const DirectedPair& d = directed[i];
         NearEdgesOfPair of_pair;
         gaps[i] = 0;
-        if (has_depth.size > 0 && has_depth[i / 2]) {
+        if (!asked(i / 2)) {
             now[i] = of_pair;
             return;
         }
@@ -75,13 +84,13 @@ struct RecallNearEdges {
 struct ExpireNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const std::uint32_t> has_depth;  ///< per pair, those left out; empty: none
+    PairsAsked asked;
     View<const std::uint32_t> gaps;
     View<NearEdgesOfPair> of_pairs;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
-        if (of_pairs[i].is_kept || (has_depth.size > 0 && has_depth[i / 2])) return;
+        if (of_pairs[i].is_kept || !asked(i / 2)) return;
         of_pairs[i].expiry = d.odometer + static_cast<float>(edge_skin(bodies, d)) +
                              noted_gap(gaps[i]);
     }
@@ -98,12 +107,12 @@ struct ListEdgeBlocks {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
-    View<const std::uint32_t> has_depth;   ///< per pair, those to leave out; empty: none
+    PairsAsked asked;
 
     static constexpr bool in_order = true;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
-        if (has_depth.size > 0 && has_depth[i / 2]) return 0;
+        if (!asked(i / 2)) return 0;
         const bool is_kept = of_pairs.size > 0 && of_pairs[i].is_kept;
         return is_kept || !asks_edges(bodies, directed[i])
                    ? 0

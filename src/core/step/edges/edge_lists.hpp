@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/device/view.hpp"
 #include "core/execute/executor.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/edge_cull.hpp"
@@ -42,12 +43,24 @@ struct ChordLists {
 
     Buffer<stages::FoundChord> found;
     Buffer<Chord> all;
+    Buffer<RaySource> sources;   ///< of the rays of all of them
+    Buffer<std::uint32_t> flat;  ///< per chord: its candidate that has no depth, or no_record
+
+    template <class Count>
+    void resize(const Count& count) {
+        all.resize(count);
+        sources.resize(count);
+        flat.resize(count);
+    }
+    stages::ChordsOfStep views(stages::PairMarks marks) {
+        return {view_of(all), view_of(sources), view_of(flat), marks};
+    }
 };
 
 /// Free again after every use.
 template <Executor E>
 struct EdgeScratch {
-    typename E::template Buffer<std::uint32_t> places;
+    typename E::template Buffer<std::uint32_t> places, deep;
     typename E::template Buffer<Ray> rays;
     typename E::template Buffer<Hit> hits;
 };

@@ -5,33 +5,64 @@
 
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/step_tools.hpp"
+#include "core/step/edges/edge_chords.hpp"
 #include "core/step/solids/classify.hpp"
+#include "core/step/solids/join_batch.hpp"
 #include "core/step/solids/ray_batch.hpp"
 
-namespace pierce::stages {
+namespace pierce {
 
-/// Per candidate among some rays of a batch: appends it to the batch's candidates.
-struct AppendCandidate {
-    View<const std::uint32_t> found, found_keep;
-    std::uint32_t first_ray = 0, first_candidate = 0;
-    View<std::uint32_t> candidates, keep;
+namespace stages {
+
+/// Per candidate: tells its pair that something is inside, whether it is a contact, and whether
+/// that has any depth. Notes the contacts of chords that have none: another one may replace them.
+struct MarkCandidate {
+    View<const RaySource> sources;
+    View<const Meeting> meetings;
+    View<const std::uint32_t> candidates, keep;
+    PairMarks marks;
+    View<std::uint32_t> flat;  ///< per chord, its candidate
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        candidates[first_candidate + i] = first_ray + found[i];
-        keep[first_candidate + i] = found_keep[i];
+        const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
+        const bool is_deep = meetings[ray].t > 0;
+        marks.set(pair, PairMarks::reached |
+                            (keep[i] ? PairMarks::in_contact | (is_deep ? PairMarks::has_depth : 0u)
+                                     : 0u));
+        if (keep[i] && !is_deep && sources[ray].start == RayStart::chord)
+            flat[sources[ray].item] = i;
     }
 };
 
-}  // namespace pierce::stages
+/// Per candidate of late rays: decides whether it is a contact, joins the batch, and marks its
+/// pair.
+struct JoinLate {
+    TestOwnExit own_exit;
+    JoinBatch batch;
+    PairMarks marks;
+    View<std::uint32_t> flat;
 
-namespace pierce {
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        own_exit(i);
+        const std::uint32_t candidate = batch.join(i, own_exit.candidates[i], own_exit.keep[i]);
+        MarkCandidate{.sources = batch.sources,
+                      .meetings = batch.meetings,
+                      .candidates = batch.candidates,
+                      .keep = batch.keep,
+                      .marks = marks,
+                      .flat = flat}(candidate);
+    }
+};
 
-/// Takes rays that join a batch after its rays are classified, those of chords in pairs without a
-/// contact, through trace and classify.
+}  // namespace stages
+
+/// Looks for chords in pairs that have no contact with a depth so far, and takes their rays through
+/// trace and classify.
 template <Executor E, Tracer<E> T>
 class LateChords {
 public:
@@ -40,58 +71,54 @@ public:
 
     explicit LateChords(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
-    /// Appends to the batch's candidates those of its last `count` rays that start inside.
-    void classify(const Scene& scene, View<const Pair> pairs, View<const Chord> chords,
-                  std::uint32_t count, RayBatch<E>& batch) {
-        if (count == 0) return;
-        const auto begin = static_cast<std::uint32_t>(batch.rays.size()) - count;
-        const View<Ray> rays{batch.rays.data() + begin, count};
-        const View<Hit> hits{batch.hits.data() + begin, count};
-        const View<Meeting> meetings{batch.meetings.data() + begin, count};
-        tools_.update(scene.bodies, count, rays);
-        tools_.tracer.closest_hits(executor_, scene.bodies, count, rays, hits);
-        executor_.emit(ListId::candidates, count,
-                       stages::GenerateOwnRays{.inside_target = {.bodies = scene.bodies,
-                                                                 .rays = rays,
-                                                                 .hits = hits,
-                                                                 .routes = {},
-                                                                 .meetings = meetings},
-                                               .pairs = pairs,
-                                               .chords = chords,
-                                               .sources = {batch.sources.data() + begin, count}},
-                       candidates_, own_rays_, starts_inside_);
-        const auto found = static_cast<std::uint32_t>(candidates_.size()),
-                   before = static_cast<std::uint32_t>(batch.candidates.size());
-        if (found == 0) return;
-        tools_.update(scene.bodies, own_rays_);
-        tools_.trace(scene.bodies, own_rays_, own_hits_);
-        keep_.resize(found);
+    /// Adds their rays that start inside to the batch, as candidates.
+    void find(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+              Buffer<Route>& routes) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        late_.clear();
+        edges.find(step, stages::PairMarks::has_depth, late_, late_routes_);
+        const auto count = count_of(late_.rays);
+        tools_.update(bodies, late_.rays);
+        tools_.trace(bodies, late_.rays, late_.hits);
+        executor_.emit(
+            ListId::late_candidates, count,
+            stages::GenerateOwnRays{.inside_target = {.bodies = bodies,
+                                                      .rays = view_of(late_.rays),
+                                                      .hits = view_of(late_.hits),
+                                                      .routes = {},
+                                                      .meetings = view_of(late_.meetings)},
+                                    .pairs = step.pairs,
+                                    .chords = edges.chords(),
+                                    .sources = view_of(late_.sources)},
+            late_.candidates, own_rays_, starts_inside_);
+        const auto found = count_of(late_.candidates);
+        if (executor_.is_empty(found)) return;
+        tools_.update(bodies, own_rays_);
+        tools_.trace(bodies, own_rays_, own_hits_);
+        late_.keep.resize(found);
         executor_.for_each(
-            found, stages::TestOwnExit{.bodies = scene.bodies,
-                                       .rays = rays,
-                                       .meetings = meetings,
-                                       .candidates = view_of(std::as_const(candidates_)),
-                                       .own_rays = view_of(std::as_const(own_rays_)),
-                                       .own_hits = view_of(std::as_const(own_hits_)),
-                                       .starts_inside = view_of(std::as_const(starts_inside_)),
-                                       .keep = view_of(keep_)});
-        batch.candidates.resize(before + found);
-        batch.keep.resize(before + found);
-        executor_.for_each(found,
-                           stages::AppendCandidate{.found = view_of(std::as_const(candidates_)),
-                                                   .found_keep = view_of(std::as_const(keep_)),
-                                                   .first_ray = begin,
-                                                   .first_candidate = before,
-                                                   .candidates = view_of(batch.candidates),
-                                                   .keep = view_of(batch.keep)});
+            found, stages::JoinLate{
+                       .own_exit = {.bodies = bodies,
+                                    .rays = view_of(late_.rays),
+                                    .meetings = view_of(late_.meetings),
+                                    .candidates = view_of(late_.candidates),
+                                    .own_rays = view_of(own_rays_),
+                                    .own_hits = view_of(own_hits_),
+                                    .starts_inside = view_of(starts_inside_),
+                                    .keep = view_of(late_.keep)},
+                       .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_),
+                       .marks = step.marks,
+                       .flat = edges.flat()});
     }
 
 private:
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<std::uint32_t> candidates_, keep_, starts_inside_;
+    RayBatch<E> late_;
+    Buffer<Route> late_routes_;
     Buffer<Ray> own_rays_;
     Buffer<Hit> own_hits_;
+    Buffer<std::uint32_t> starts_inside_;
 };
 
 }  // namespace pierce

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/near_edges.hpp"
@@ -11,6 +12,7 @@ namespace pierce::stages {
 /// Per newly found near edge: where those of its pair begin, and how many there are.
 struct CountNearEdges {
     View<const NearEdge> found;
+    Number total;
     View<NearEdgesOfPair> of_pairs;
 
     static constexpr bool is_cheap = true;
@@ -18,7 +20,7 @@ struct CountNearEdges {
     PIERCE_HD void operator()(std::uint32_t i) const {
         if (i > 0 && found[i - 1].directed == found[i].directed) return;
         std::uint32_t end = i + 1;
-        while (end < found.size && found[end].directed == found[i].directed) ++end;
+        while (end < total && found[end].directed == found[i].directed) ++end;
         of_pairs[found[i].directed].first = i;
         of_pairs[found[i].directed].count = end - i;
     }

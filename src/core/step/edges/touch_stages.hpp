@@ -3,6 +3,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/near_edges.hpp"
@@ -20,13 +21,13 @@ namespace pierce::stages {
 struct OnlyTouches {
     View<const DirectedPair> directed;
     View<const NearEdge> near;
-    View<const std::uint32_t> touching, contact, moved;  ///< per pair; `moved`: an earlier move has
-                                                         ///< shown that it overlaps
+    PairMarks marks;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         const NearEdge& edge = near[i];
         const std::uint32_t pair = edge.directed / 2;
-        return touching[pair] && !contact[pair] && !moved[pair] &&
+        return marks.any(pair, PairMarks::edge_touches) &&
+               !marks.any(pair, PairMarks::in_contact | PairMarks::moved_overlaps) &&
                (edge.crosses != no_triangle || !(edge.expiry > directed[edge.directed].odometer));
     }
 };

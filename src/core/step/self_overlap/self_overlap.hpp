@@ -17,12 +17,13 @@ class SelfOverlap {
 public:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
+    using Count = typename E::Count;
 
     explicit SelfOverlap(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
     /// Clears `batch.keep` of candidates that are not inside another part of their own body.
     void test(const Scene& scene, View<const Pair> pairs, RayBatch<E>& batch) {
-        const std::uint32_t count = tools_.list(
+        const Count count = tools_.list(
             ListId::self_candidates, count_of(batch.candidates),
             stages::IsSelfCandidate{.bodies = scene.bodies,
                                     .pairs = pairs,
@@ -41,7 +42,8 @@ public:
                                                        .winding = view_of(winding_),
                                                        .active = view_of(active_)});
         tools_.update(scene.bodies, outward_);
-        while (!active_.empty()) follow(scene);
+        executor_.repeat(
+            ListId::outward_rays, [&] { return count_of(active_); }, [&] { follow(scene); });
         executor_.for_each(count, stages::KeepSelf{.bodies = scene.bodies,
                                                    .rays = view_of(batch.rays),
                                                    .sources = view_of(batch.sources),
@@ -56,7 +58,7 @@ public:
 private:
     /// Follows every ray that still goes on by one crossing.
     void follow(const Scene& scene) {
-        const auto count = static_cast<std::uint32_t>(active_.size());
+        const Count count = count_of(active_);
         now_rays_.resize(count);
         goes_on_.resize(count);
         executor_.for_each(
@@ -68,8 +70,8 @@ private:
                                                          .outward = view_of(outward_),
                                                          .winding = view_of(winding_),
                                                          .goes_on = view_of(goes_on_)});
-        const std::uint32_t left = tools_.list(ListId::outward_rays, count,
-                                               stages::IsUnderWay{view_of(goes_on_)}, places_);
+        const Count left = tools_.list(ListId::outward_rays, count,
+                                       stages::IsUnderWay{view_of(goes_on_)}, places_);
         next_active_.resize(left);
         executor_.for_each(left, stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
                                                                view_of(next_active_)});

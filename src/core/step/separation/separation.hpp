@@ -9,6 +9,7 @@
 #include "core/step/separation/separation_lists.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
+#include "core/step/solids/join_batch.hpp"
 #include "core/step/solids/ray_batch.hpp"
 
 namespace pierce {
@@ -20,263 +21,184 @@ class Separation {
 public:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
+    using Count = typename E::Count;
 
     explicit Separation(StepTools<E, T>& tools)
         : tools_(tools), executor_(tools.executor), late_chords_(tools) {}
 
-    /// Adds the rays of such pairs to `batch` and `routes`; rays that start inside become
-    /// candidates that are contacts. Earlier candidates stay candidates.
-    void separate(const Scene& scene, View<const Pair> pairs,
-                  View<const stages::DirectedPair> directed, View<const PairMemory> memory,
-                  View<const std::uint32_t> links, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+    /// Adds the rays of such pairs to `batch` and `routes`, those that start inside, as candidates
+    /// that are contacts. Earlier candidates stay candidates.
+    void separate(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
                   Buffer<Route>& routes) {
-        mark(pairs, directed, edges, batch);
-        late_rays_ = 0;
-        if (!scene.plan->is_complete()) {
-            edges.find(scene, directed, memory, links, view_of(marks_.has_depth), batch, routes);
-            late_rays_ = edges.chords().size;
-            late_chords_.classify(scene, pairs, edges.chords(), late_rays_, batch);
-            mark(pairs, directed, edges, batch);
+        executor_.for_each(count_of(batch.candidates),
+                           stages::MarkCandidate{.sources = view_of(batch.sources),
+                                                 .meetings = view_of(batch.meetings),
+                                                 .candidates = view_of(batch.candidates),
+                                                 .keep = view_of(batch.keep),
+                                                 .marks = step.marks,
+                                                 .flat = edges.flat()});
+        late_rays_ = 0u;
+        if (!step.scene.plan->is_complete()) {
+            late_chords_.find(step, edges, batch, routes);
+            late_rays_ = edges.chord_count();
         }
-        list_chords(scene, directed, edges, batch);
-        add_stranded(scene, pairs, directed, edges, batch, routes);
-        add_touching(scene, directed, edges, batch, routes);
+        edges.add_chords_at_ends(step);
+        separate_stranded(step, edges, batch, routes);
+        separate_touching(step, edges, batch, routes);
     }
 
-    /// How many rays were traced after all others in the last step, of chords in pairs that had no
-    /// contact.
-    std::uint32_t late_rays() const { return late_rays_; }
+    /// How many rays were traced after all others in the last step: of chords in pairs that had no
+    /// contact, and along ways apart.
+    std::uint32_t late_rays() const {
+        return executor_.number(late_rays_) + executor_.number(rays_apart_) +
+               executor_.number(touches_);
+    }
     /// How many inside tests of parts were traced in the last step.
-    std::uint32_t inside_tests() const { return inside_tests_; }
+    std::uint32_t inside_tests() const { return executor_.number(inside_tests_); }
     /// How many pairs of the last step overlap without a contact along an inward ray.
-    std::uint32_t deep_pairs() const { return deep_count_; }
+    std::uint32_t deep_pairs() const { return executor_.number(deep_pairs_); }
 
 private:
-    /// Which pairs have something inside so far, a contact, a contact with a depth.
-    void mark(View<const Pair> pairs, View<const stages::DirectedPair> directed,
-              const EdgeChords<E, T>& edges, RayBatch<E>& batch) {
-        executor_.assign(marks_.reached, pairs.size, 0u);
-        executor_.assign(marks_.touching, pairs.size, 0u);
-        executor_.assign(marks_.has_depth, pairs.size, 0u);
-        executor_.assign(marks_.flat, edges.chords().size, no_record);
-        executor_.for_each(static_cast<std::uint32_t>(batch.candidates.size()),
-                           stages::MarkTouching{.sources = view_of(std::as_const(batch.sources)),
-                                                .meetings = view_of(std::as_const(batch.meetings)),
-                                                .candidates = view_of(batch.candidates),
-                                                .keep = view_of(batch.keep),
-                                                .reached = view_of(marks_.reached),
-                                                .touching = view_of(marks_.touching),
-                                                .has_depth = view_of(marks_.has_depth),
-                                                .flat = view_of(marks_.flat)});
-        executor_.for_each(pairs.size, stages::MarkStill{.directed = directed,
-                                                         .reached = view_of(marks_.reached),
-                                                         .touching = view_of(marks_.touching),
-                                                         .has_depth = view_of(marks_.has_depth)});
-    }
-
     /// Adds rays along the way apart, from vertices and chords that are inside but whose pair has
     /// no contact, and from parts of bodies that are inside.
-    void add_stranded(const Scene& scene, View<const Pair> pairs,
-                      View<const stages::DirectedPair> directed, const EdgeChords<E, T>& edges,
-                      RayBatch<E>& batch, Buffer<Route>& routes) {
-        const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
-        const View<const RaySource> sources = view_of(std::as_const(batch.sources));
-        const View<const Chord> chords = edges.chords();
-        const View<const RaySource> from_chords = view_of(std::as_const(stranded_.of_chords));
-        executor_.for_each(chords.size, stages::MarkReached{from_chords, view_of(marks_.reached)});
-        test_parts(scene, directed);
-        const std::uint32_t stranded_chords = list_stranded_chords(scene, directed, chords,
-                                                                   from_chords);
-        const std::uint32_t vertices = tools_.list(
-            ListId::stranded_vertices, candidates,
-            stages::IsStrandedVertex{.pairs = pairs,
-                                     .sources = sources,
-                                     .candidates = view_of(batch.candidates),
-                                     .touching = view_of(marks_.touching)},
-            stranded_.vertices);
-        const std::uint32_t stranded = vertices + stranded_chords;
-        const auto contained = static_cast<std::uint32_t>(parts_.contained.size());
-        deep_count_ = 0;
-        if (stranded + contained == 0) return;
-
-        // Sources are copied: the list they come from will grow.
-        stranded_.gather.resize(vertices);
-        stranded_.from.resize(stranded + contained);
-        executor_.for_each(vertices, stages::Gather<std::uint32_t>{view_of(batch.candidates),
-                                                                   view_of(stranded_.vertices),
-                                                                   view_of(stranded_.gather)});
-        executor_.for_each(vertices, stages::Gather<RaySource>{sources, view_of(stranded_.gather),
-                                                               view_of(stranded_.from)});
-        executor_.for_each(
-            stranded - vertices,
-            stages::Gather<RaySource>{from_chords,
-                                      view_of(stranded_.chords),
-                                      {stranded_.from.data() + vertices, stranded - vertices}});
-        executor_.for_each(
-            contained, stages::Gather<RaySource>{view_of(parts_.sources),
-                                                 view_of(parts_.contained),
-                                                 {stranded_.from.data() + stranded, contained}});
-        executor_.assign(marks_.deep, pairs.size, 0u);
-        executor_.for_each(stranded + contained,
-                           stages::MarkReached{view_of(stranded_.from), view_of(marks_.deep)});
-        deep_count_ = tools_.list(ListId::deep_pairs, pairs.size,
-                                  stages::IsDeep{view_of(marks_.deep)}, stranded_.deep_pairs);
-        stranded_.directions.resize(pairs.size);
-        executor_.for_each(deep_count_,
-                           stages::FindSeparation{.bodies = scene.bodies,
-                                                  .pairs = pairs,
-                                                  .deep_pairs = view_of(stranded_.deep_pairs),
-                                                  .directions = view_of(stranded_.directions)});
-
-        const std::uint32_t added = stranded + contained * stages::GenerateContainedRays::per_part;
-        const stages::SeparationRays out = room_for(added, scene, directed, chords, batch, routes);
-        executor_.for_each(stranded, stages::GenerateStrandedRays{out, view_of(stranded_.from)});
-        executor_.for_each(contained,
-                           stages::GenerateContainedRays{
-                               out, {stranded_.from.data() + stranded, contained}, stranded});
-        keep_inside(scene, out.begin, batch);
+    void separate_stranded(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+                           Buffer<Route>& routes) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        executor_.emit(
+            ListId::parts, 2 * step.count,
+            stages::AskParts{.bodies = bodies, .directed = step.directed, .marks = step.marks},
+            parts_.rays, parts_.sources);
+        executor_.emit(ListId::stranded_chords, edges.chord_count(),
+                       stages::FindStrandedChords{.bodies = bodies,
+                                                  .directed = step.directed,
+                                                  .chords = edges.chords(),
+                                                  .sources = edges.sources(),
+                                                  .marks = step.marks},
+                       chords_.rays, chords_.sources);
+        executor_.emit(ListId::stranded_vertices, count_of(batch.candidates),
+                       stages::FindStrandedVertices{.pairs = step.pairs,
+                                                    .sources = view_of(batch.sources),
+                                                    .candidates = view_of(batch.candidates),
+                                                    .marks = step.marks},
+                       apart_.vertices);
+        inside_tests_ = count_of(parts_.rays);
+        rays_apart_ = deep_pairs_ = 0u;
+        executor_.when(inside_tests_ + count_of(chords_.rays) + count_of(apart_.vertices), [&] {
+            test_inside(step);
+            choose_directions(step);
+            cast_apart(step, edges);
+            rays_apart_ = count_of(out_.rays);
+            keep_inside(ListId::separated_rays, step, edges, batch, routes);
+        });
     }
 
     /// Adds rays from edges that lie in the other body's surface, or only touch it.
-    void add_touching(const Scene& scene, View<const stages::DirectedPair> directed,
-                      EdgeChords<E, T>& edges, RayBatch<E>& batch, Buffer<Route>& routes) {
-        edges.add_touching_chords(scene, directed, view_of(marks_.touching), stranded_.from);
-        const auto touches = static_cast<std::uint32_t>(stranded_.from.size());
-        if (touches == 0) return;
-        const stages::SeparationRays out = room_for(touches, scene, directed, edges.chords(), batch,
-                                                    routes);
-        executor_.for_each(touches, stages::GenerateTouchingRays{out, view_of(stranded_.from)});
-        keep_inside(scene, out.begin, batch);
+    void separate_touching(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+                           Buffer<Route>& routes) {
+        const Count chords = edges.chord_count(), touching = edges.list_touching(step);
+        touches_ = 0u;
+        executor_.when(touching, [&] {
+            touches_ = edges.add_touching_chords(step, touching);
+            if (executor_.is_empty(touches_)) return;
+            out_.resize(touches_);
+            executor_.for_each(
+                touches_,
+                stages::GenerateTouchingRays{
+                    .out = rays_apart(step, edges, 0u), .from = edges.sources(), .first = chords});
+            keep_inside(ListId::touching_rays, step, edges, batch, routes);
+        });
     }
 
-    /// Makes room for more rays at the end of a step's rays.
-    stages::SeparationRays room_for(std::uint32_t count, const Scene& scene,
-                                    View<const stages::DirectedPair> directed,
-                                    View<const Chord> chords, RayBatch<E>& batch,
-                                    Buffer<Route>& routes) {
-        const auto begin = static_cast<std::uint32_t>(batch.rays.size());
-        batch.resize(begin + count);
-        if (scene.plan->remembers()) routes.resize(begin + count);
-        return {.bodies = scene.bodies,
-                .chords = chords,
-                .directed = directed,
-                .directions = view_of(stranded_.directions),
+    /// Which of the listed parts and chords are inside.
+    void test_inside(const StepOfPairs<E>& step) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        trace(bodies, parts_);
+        executor_.emit(
+            ListId::contained_parts, count_of(parts_.rays),
+            stages::FindContained{.leaves = {bodies, view_of(parts_.rays), view_of(parts_.hits)},
+                                  .sources = view_of(parts_.sources),
+                                  .marks = step.marks},
+            parts_.inside);
+        trace(bodies, chords_);
+        executor_.emit(
+            ListId::deep_chords, count_of(chords_.rays),
+            stages::FindDeepChords{.leaves = {bodies, view_of(chords_.rays), view_of(chords_.hits)},
+                                   .sources = view_of(chords_.sources),
+                                   .marks = step.marks},
+            chords_.inside);
+    }
+    void trace(View<const BodyView> bodies, InsideTests<E>& tests) {
+        tools_.update(bodies, tests.rays);
+        tools_.trace(bodies, tests.rays, tests.hits);
+    }
+
+    /// The ways apart of the pairs that need one.
+    void choose_directions(const StepOfPairs<E>& step) {
+        deep_pairs_ = tools_.list(ListId::deep_pairs, step.count, stages::Separates{step.marks},
+                                  apart_.pairs);
+        apart_.directions.resize(step.count);
+        executor_.for_each(deep_pairs_,
+                           stages::FindSeparation{.bodies = step.scene.bodies,
+                                                  .pairs = step.pairs,
+                                                  .deep_pairs = view_of(apart_.pairs),
+                                                  .directions = view_of(apart_.directions)});
+    }
+
+    /// Makes the rays along the ways apart.
+    void cast_apart(const StepOfPairs<E>& step, EdgeChords<E, T>& edges) {
+        const Count vertices = count_of(apart_.vertices), chords = count_of(chords_.inside),
+                    contained = count_of(parts_.inside);
+        constexpr std::uint32_t per_part = stages::GenerateContainedRays::per_part;
+        out_.resize(vertices + chords + per_part * contained);
+        executor_.for_each(vertices, stages::GenerateStrandedRays{rays_apart(step, edges, 0u),
+                                                                  view_of(apart_.vertices)});
+        executor_.for_each(chords, stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
+                                                                view_of(chords_.inside)});
+        executor_.for_each(contained,
+                           stages::GenerateContainedRays{rays_apart(step, edges, vertices + chords),
+                                                         view_of(parts_.inside)});
+    }
+
+    stages::SeparationRays rays_apart(const StepOfPairs<E>& step, EdgeChords<E, T>& edges,
+                                      const Count& begin) {
+        return {.bodies = step.scene.bodies,
+                .chords = edges.chords(),
+                .directed = step.directed,
+                .directions = view_of(apart_.directions),
                 .begin = begin,
-                .rays = view_of(batch.rays),
-                .sources = view_of(batch.sources),
-                .hits = view_of(batch.hits),
-                .routes = view_of(routes)};
+                .rays = view_of(out_.rays),
+                .sources = view_of(out_.sources)};
     }
 
-    /// Traces the rays from `begin` on; rays that start inside are contacts.
-    void keep_inside(const Scene& scene, std::uint32_t begin, RayBatch<E>& batch) {
-        const auto count = static_cast<std::uint32_t>(batch.rays.size()) - begin;
-        const View<Ray> rays{batch.rays.data() + begin, count};
-        const View<Hit> hits{batch.hits.data() + begin, count};
-        tools_.update(scene.bodies, count, rays);
-        tools_.tracer.closest_hits(executor_, scene.bodies, count, rays, hits);
-        executor_.emit(ListId::separated_rays, count,
-                       stages::TestInside{.bodies = scene.bodies,
-                                          .rays = rays,
-                                          .hits = hits,
+    /// Traces these rays; those that start inside are contacts.
+    void keep_inside(ListId id, const StepOfPairs<E>& step, EdgeChords<E, T>& edges,
+                     RayBatch<E>& batch, Buffer<Route>& routes) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        tools_.update(bodies, out_.rays);
+        tools_.trace(bodies, out_.rays, out_.hits);
+        executor_.emit(id, count_of(out_.rays),
+                       stages::TestInside{.bodies = bodies,
+                                          .rays = view_of(out_.rays),
+                                          .hits = view_of(out_.hits),
                                           .routes = {},
-                                          .meetings = {batch.meetings.data() + begin, count}},
-                       stranded_.separated);
-        const auto candidates = static_cast<std::uint32_t>(batch.candidates.size());
-        const auto added = static_cast<std::uint32_t>(stranded_.separated.size());
-        batch.candidates.resize(candidates + added);
-        batch.keep.resize(candidates + added);
-        executor_.for_each(added,
-                           stages::KeepSeparated{.inside = view_of(stranded_.separated),
-                                                 .sources = view_of(batch.sources),
-                                                 .meetings = view_of(batch.meetings),
-                                                 .first_ray = begin,
-                                                 .first_candidate = candidates,
-                                                 .candidates = view_of(batch.candidates),
-                                                 .keep = view_of(batch.keep),
-                                                 .touching = view_of(marks_.touching),
-                                                 .flat = view_of(std::as_const(marks_.flat))});
-    }
-
-    /// Lists where chords come from: those with rays of their own, which are the last of the batch,
-    /// and those that count only in pairs without a contact.
-    void list_chords(const Scene& scene, View<const stages::DirectedPair> directed,
-                     EdgeChords<E, T>& edges, const RayBatch<E>& batch) {
-        const std::uint32_t count = edges.chords().size;
-        const auto all = static_cast<std::uint32_t>(batch.sources.size());
-        stranded_.of_chords.resize(count);
-        executor_.for_each(count,
-                           stages::Copy<RaySource>{{batch.sources.data() + (all - count), count},
-                                                   view_of(stranded_.of_chords)});
-        edges.add_chords_at_ends(scene, directed, view_of(marks_.has_depth), stranded_.of_chords);
-    }
-
-    /// Lists the chords that are inside by more than rounding, of pairs without a contact.
-    std::uint32_t list_stranded_chords(const Scene& scene,
-                                       View<const stages::DirectedPair> directed,
-                                       View<const Chord> chords,
-                                       View<const RaySource> from_chords) {
-        const std::uint32_t count = tools_.list(
-            ListId::stranded_chords, chords.size,
-            stages::IsStrandedChord{from_chords, view_of(marks_.has_depth)}, stranded_.places);
-        stranded_.chords.clear();
-        if (count == 0) return 0;
-        parts_.rays.resize(2 * std::size_t{count});
-        executor_.for_each(count,
-                           stages::GenerateStrandedChordRays{.bodies = scene.bodies,
-                                                             .directed = directed,
-                                                             .chords = chords,
-                                                             .stranded = view_of(stranded_.places),
-                                                             .sources = from_chords,
-                                                             .rays = view_of(parts_.rays)});
-        tools_.update(scene.bodies, parts_.rays);
-        tools_.trace(scene.bodies, parts_.rays, parts_.hits);
-        const std::uint32_t deep = tools_.list(
-            ListId::deep_chords, count,
-            stages::LeavesBoth{scene.bodies, view_of(parts_.rays), view_of(parts_.hits)},
-            stranded_.deep_chords);
-        stranded_.chords.resize(deep);
-        executor_.for_each(deep, stages::Gather<std::uint32_t>{view_of(stranded_.places),
-                                                               view_of(stranded_.deep_chords),
-                                                               view_of(stranded_.chords)});
-        return deep;
-    }
-
-    /// Finds which parts of bodies are inside the other body, for pairs with nothing inside so far.
-    void test_parts(const Scene& scene, View<const stages::DirectedPair> directed) {
-        parts_.counts.resize(directed.size);
-        executor_.for_each(directed.size, stages::CountParts{.bodies = scene.bodies,
-                                                             .directed = directed,
-                                                             .reached = view_of(marks_.reached),
-                                                             .counts = view_of(parts_.counts)});
-        const std::uint32_t count = tools_.place(ListId::parts, parts_.counts, parts_.offsets);
-        parts_.rays.resize(count);
-        parts_.sources.resize(count);
-        executor_.for_each(directed.size,
-                           stages::GeneratePartRays{.bodies = scene.bodies,
-                                                    .directed = directed,
-                                                    .counts = view_of(parts_.counts),
-                                                    .offsets = view_of(parts_.offsets),
-                                                    .rays = view_of(parts_.rays),
-                                                    .sources = view_of(parts_.sources)});
-        inside_tests_ = tools_.list(ListId::asked_parts, count,
-                                    stages::IsTraced{view_of(parts_.rays)}, parts_.contained);
-        parts_.contained.clear();
-        if (inside_tests_ == 0) return;
-        tools_.update(scene.bodies, parts_.rays);
-        tools_.trace(scene.bodies, parts_.rays, parts_.hits);
-        tools_.list(ListId::contained_parts, count,
-                    stages::LeavesTarget{scene.bodies, view_of(parts_.rays), view_of(parts_.hits)},
-                    parts_.contained);
+                                          .meetings = view_of(out_.meetings)},
+                       out_.candidates);
+        const Count inside = count_of(out_.candidates);
+        executor_.for_each(
+            inside, stages::JoinSeparated{
+                        .inside = view_of(out_.candidates),
+                        .batch = room_in(batch, routes, step.scene.plan->remembers(), inside, out_),
+                        .marks = step.marks,
+                        .flat = edges.flat()});
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
     LateChords<E, T> late_chords_;
-    PairMarks<E> marks_;
-    PartLists<E> parts_;
-    StrandedLists<E> stranded_;
-    std::uint32_t late_rays_ = 0, inside_tests_ = 0, deep_count_ = 0;
+    InsideTests<E> parts_, chords_;
+    WaysApart<E> apart_;
+    RayBatch<E> out_;  ///< along ways apart
+    Count late_rays_ = 0u, rays_apart_ = 0u, touches_ = 0u, inside_tests_ = 0u, deep_pairs_ = 0u;
 };
 
 }  // namespace pierce

@@ -10,29 +10,21 @@
 /// The lists of separation in a step, grouped by the part that writes them. They grow and are kept.
 namespace pierce {
 
-/// Per pair: what is known of it.
+/// Rays that tell whether something is inside by more than rounding, and what that is.
 template <Executor E>
-struct PairMarks {
-    typename E::template Buffer<std::uint32_t> reached, touching, has_depth, deep;
-    typename E::template Buffer<std::uint32_t> flat;  ///< per chord
-};
-
-/// Parts of bodies that are looked for inside the other body. Their rays also test chords.
-template <Executor E>
-struct PartLists {
-    typename E::template Buffer<std::uint32_t> counts, offsets, contained;
+struct InsideTests {
     typename E::template Buffer<Ray> rays;
     typename E::template Buffer<RaySource> sources;
     typename E::template Buffer<Hit> hits;
+    typename E::template Buffer<RaySource> inside;
 };
 
-/// What is inside a body whose pair has no contact, and the way apart.
+/// Pairs that overlap without a contact, and their ways apart.
 template <Executor E>
-struct StrandedLists {
-    typename E::template Buffer<std::uint32_t> vertices, chords, deep_chords, deep_pairs, gather,
-        places, separated;
-    typename E::template Buffer<RaySource> of_chords, from;
-    typename E::template Buffer<Vec3d> directions;
+struct WaysApart {
+    typename E::template Buffer<RaySource> vertices;  ///< that are inside
+    typename E::template Buffer<std::uint32_t> pairs;
+    typename E::template Buffer<Vec3d> directions;  ///< per pair of the step
 };
 
 }  // namespace pierce

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
-#include "core/device/atomics.hpp"
+#include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/touch_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
+#include "core/step/solids/join_batch.hpp"
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
@@ -15,147 +17,151 @@
 /// The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {
 
-/// Per candidate: tells its pair that something is inside, whether it is a contact, and whether
-/// that has any depth. Notes the contacts of chords that have none: another one may replace them.
-struct MarkTouching {
-    View<const RaySource> sources;
-    View<const Meeting> meetings;
-    View<const std::uint32_t> candidates, keep;
-    View<std::uint32_t> reached, touching, has_depth;  ///< per pair
-    View<std::uint32_t> flat;                          ///< per chord, its candidate
+/// True if a part that begins at a vertex of a directed pair's source may be inside the target;
+/// writes the ray that shows whether it is, long enough to leave the target.
+PIERCE_HD inline bool may_hold(View<const BodyView> bodies, const DirectedPair& d,
+                               std::uint32_t vertex, Ray& ray) {
+    const BodyView& target = bodies[d.target];
+    const Vec3d start = to_double(bodies[d.source].positions[vertex]);
+    const Vec3d in_fit = d.to_fit.to_parent(start);
+    const double free = max_of(target.fit_box.distance(in_fit),
+                               target.mesh.clearance()(in_fit) - target.deviation);
+    ray = {};
+    ray.origin = d.to_space.to_parent(start);
+    ray.direction = {0, 0, 1};
+    ray.target = d.target;
+    ray.touch = d.touch;
+    ray.t_max = target.fit_box.extent();
+    return !(free > 2 * target.touch);
+}
 
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
-        atomic_mark(reached[pair]);
-        const bool is_deep = meetings[ray].t > 0;
-        if (!keep[i]) return;
-        atomic_mark(touching[pair]);
-        if (is_deep)
-            atomic_mark(has_depth[pair]);
-        else if (sources[ray].start == RayStart::chord)
-            flat[sources[ray].item] = i;
-    }
-};
-
-/// Per pair: one in which nothing has moved keeps its contacts, and nothing is to be looked for.
-struct MarkStill {
-    View<const DirectedPair> directed;
-    View<std::uint32_t> reached, touching, has_depth;  ///< per pair
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        if (directed[2 * i].still) reached[i] = touching[i] = has_depth[i] = 1;
-    }
-};
-
-/// Per directed pair without a candidate: how many parts of its source there are to look for inside
-/// the target.
-struct CountParts {
+/// Per directed pair with nothing inside so far: lists a ray from one vertex of each of its
+/// source's parts. Vertices that are certainly outside get none.
+struct AskParts {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const std::uint32_t> reached;
-    View<std::uint32_t> counts;
+    PairMarks marks;
 
-    static constexpr bool is_cheap = true;
+    static constexpr bool in_order = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const bool asked = !reached[i / 2] && bodies[directed[i].target].is_solid() &&
-                           !directed[i].is_self();
-        counts[i] = asked ? bodies[directed[i].source].mesh.parts.size : 0;
-    }
-};
-
-/// Per directed pair: a ray from one vertex of each of its source's parts, long enough to leave the
-/// target. Vertices that are certainly outside get none.
-struct GeneratePartRays {
-    View<const BodyView> bodies;
-    View<const DirectedPair> directed;
-    View<const std::uint32_t> counts, offsets;
-    View<Ray> rays;
-    View<RaySource> sources;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
-        const BodyView& source = bodies[d.source];
-        const BodyView& target = bodies[d.target];
-        for (std::uint32_t k = 0; k < counts[i]; ++k) {
-            const std::uint32_t v = source.mesh.parts[k];
-            const Vec3d start = to_double(source.positions[v]);
-            const Vec3d in_fit = d.to_fit.to_parent(start);
+        if (marks.any(i / 2, PairMarks::reached) || !bodies[d.target].is_solid() || d.is_self())
+            return 0;
+        std::uint32_t count = 0;
+        Ray ray;
+        for (std::uint32_t v : bodies[d.source].mesh.parts) count += may_hold(bodies, d, v, ray);
+        return count;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, Ray* rays,
+                         RaySource* sources) const {
+        if (found == 0) return;
+        const DirectedPair& d = directed[i];
+        for (std::uint32_t v : bodies[d.source].mesh.parts) {
             Ray ray;
-            ray.origin = d.to_space.to_parent(start);
-            ray.direction = {0, 0, 1};
-            ray.target = d.target;
-            ray.touch = d.touch;
-            const double free = max_of(target.fit_box.distance(in_fit),
-                                       target.mesh.clearance()(in_fit) - target.deviation);
-            ray.t_max = free > 2 * target.touch ? -1.0 : target.fit_box.extent();
-            rays[offsets[i] + k] = ray;
-            sources[offsets[i] + k] = {i / 2, v, static_cast<std::uint8_t>(i % 2)};
+            if (!may_hold(bodies, d, v, ray)) continue;
+            rays[place] = ray;
+            sources[place++] = {i / 2, v, static_cast<std::uint8_t>(i % 2)};
         }
     }
 };
 
-/// Per source: tells its pair that something is inside.
-struct MarkReached {
+/// Per ray of a part: lists the parts that are inside, and marks their pairs.
+struct FindContained {
+    LeavesTarget leaves;
     View<const RaySource> sources;
-    View<std::uint32_t> reached;  ///< per pair
+    PairMarks marks;
 
-    static constexpr bool is_cheap = true;
+    static constexpr bool in_order = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { atomic_mark(reached[sources[i].pair]); }
-};
-
-/// True for vertices that are candidates, but whose pair has no contact.
-struct IsStrandedVertex {
-    View<const Pair> pairs;
-    View<const RaySource> sources;
-    View<const std::uint32_t> candidates, touching;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const {
-        const RaySource& from = sources[candidates[i]];
-        return from.start == RayStart::vertex && !touching[from.pair] &&
-               !pairs[from.pair].is_self();
+    PIERCE_HD bool find(std::uint32_t i) const {
+        if (!leaves(i)) return false;
+        marks.set(sources[i].pair, PairMarks::separates);
+        return true;
+    }
+    PIERCE_HD static std::uint32_t count(bool found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place,
+                         RaySource* inside) const {
+        if (found) inside[place] = sources[i];
     }
 };
 
-/// True for chords whose pair has no contact with a depth. A chord is inside, whether or not its
-/// ray reached the target's surface; but a chord along the surface may be inside by rounding alone.
-struct IsStrandedChord {
+/// Per candidate: lists vertices that are inside although their pair has no contact, and marks
+/// their pairs.
+struct FindStrandedVertices {
+    View<const Pair> pairs;
     View<const RaySource> sources;
-    View<const std::uint32_t> has_depth;
+    View<const std::uint32_t> candidates;
+    PairMarks marks;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return !has_depth[sources[i].pair]; }
+    PIERCE_HD bool find(std::uint32_t i) const {
+        const RaySource& from = sources[candidates[i]];
+        if (from.start != RayStart::vertex || marks.any(from.pair, PairMarks::in_contact) ||
+            pairs[from.pair].is_self())
+            return false;
+        marks.set(from.pair, PairMarks::separates);
+        return true;
+    }
+    PIERCE_HD static std::uint32_t count(bool found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place,
+                         RaySource* stranded) const {
+        if (found) stranded[place] = sources[candidates[i]];
+    }
 };
 
-/// Per stranded chord: the rays that show whether it is inside by more than rounding.
-struct GenerateStrandedChordRays {
+/// Per chord: if its pair has no contact with a depth, lists the two rays that show whether it is
+/// inside by more than rounding. A chord is inside, whether or not its ray reached the target's
+/// surface; but a chord along the surface may be inside by rounding alone.
+struct FindStrandedChords {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const Chord> chords;
-    View<const std::uint32_t> stranded;
     View<const RaySource> sources;  ///< of chords
-    View<Ray> rays;                 ///< two per chord
+    PairMarks marks;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const RaySource& from = sources[stranded[i]];
+    PIERCE_HD bool find(std::uint32_t i) const {
+        return !marks.any(sources[i].pair, PairMarks::has_depth);
+    }
+    PIERCE_HD static std::uint32_t count(bool found) { return found ? 2 : 0; }
+    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place, Ray* rays,
+                         RaySource* rays_from) const {
+        if (!found) return;
+        const RaySource& from = sources[i];
         const std::uint32_t direction = 2 * from.pair + from.side;
         const DirectedPair& d = directed[direction];
         const double least = constants::least_inside * touch_of_pair(directed, direction);
-        const Chord& chord = chords[from.item];
-        write_inside_rays(bodies, d, chord, max_of(chord.skin, least), rays[2 * i],
-                          rays[2 * i + 1]);
+        write_inside_rays(bodies, d, chords[i], max_of(chords[i].skin, least), rays[place],
+                          rays[place + 1]);
+        rays_from[place] = rays_from[place + 1] = from;
+    }
+};
+
+/// Per ray of such a chord: lists the chords both of whose rays leave their bodies, and marks their
+/// pairs.
+struct FindDeepChords {
+    LeavesBoth leaves;
+    View<const RaySource> sources;
+    PairMarks marks;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        if (i % 2 == 1 || !leaves(i / 2)) return false;
+        marks.set(sources[i].pair, PairMarks::separates);
+        return true;
+    }
+    PIERCE_HD static std::uint32_t count(bool found) { return found; }
+    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place, RaySource* deep) const {
+        if (found) deep[place] = sources[i];
     }
 };
 
 /// True for pairs that overlap without a contact.
-struct IsDeep {
-    View<const std::uint32_t> deep;
+struct Separates {
+    PairMarks marks;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const { return deep[i] != 0; }
+    PIERCE_HD bool operator()(std::uint32_t pair) const {
+        return marks.any(pair, PairMarks::separates);
+    }
 };
 
 /// Per deep pair: of the axes of both bodies' boxes, the direction along which the first body
@@ -198,11 +204,9 @@ struct SeparationRays {
     View<const Chord> chords;
     View<const DirectedPair> directed;
     View<const Vec3d> directions;
-    std::uint32_t begin = 0;  ///< rays there are already
+    Number begin;  ///< rays there are already
     View<Ray> rays;
     View<RaySource> sources;
-    View<Hit> hits;
-    View<Route> routes;  ///< empty if steps do not remember
 
     PIERCE_HD Vec3d direction(const RaySource& from) const {
         return (from.side == 0 ? 1.0 : -1.0) * directions[from.pair];
@@ -225,8 +229,6 @@ struct SeparationRays {
         from.separates = true;
         rays[begin + i] = ray;
         sources[begin + i] = from;
-        hits[begin + i] = {};
-        if (routes.size > 0) routes[begin + i] = Route::full;
     }
 
     PIERCE_HD void write_none(std::uint32_t i, RaySource from) const {
@@ -248,11 +250,13 @@ struct GenerateStrandedRays {
 struct GenerateTouchingRays {
     SeparationRays out;
     View<const RaySource> from;
+    Number first;  ///< of the sources of all chords
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const BodyView& source = out.bodies[out.directed[2 * from[i].pair + from[i].side].source];
-        const Edge& edge = source.mesh.edges[out.chords[from[i].item].edge];
-        out.write(i, from[i], source.space.rotation * inward_direction(source, edge));
+        const RaySource& chord = from[first + i];
+        const BodyView& source = out.bodies[out.directed[2 * chord.pair + chord.side].source];
+        const Edge& edge = source.mesh.edges[out.chords[chord.item].edge];
+        out.write(i, chord, source.space.rotation * inward_direction(source, edge));
     }
 };
 
@@ -263,8 +267,6 @@ struct GenerateContainedRays {
 
     SeparationRays out;
     View<const RaySource> from;
-    std::uint32_t stranded = 0;  ///< how many rays start from stranded vertices and chords; these
-                                 ///< come first
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const RaySource part = from[i];
@@ -287,7 +289,7 @@ struct GenerateContainedRays {
             height[k] = h;
             vertex[k] = v;
         }
-        const std::uint32_t first = stranded + i * per_part;
+        const std::uint32_t first = i * per_part;
         for (std::uint32_t k = 0; k < per_part; ++k) {
             RaySource one = part;
             if (k < count) one.item = vertex[k];
@@ -311,27 +313,23 @@ private:
 /// pair if the contact has any depth. It may have none, because the way apart may lead out of the
 /// target at once; of a chord, that is no contact. A chord's contact along the way apart replaces
 /// one without a depth.
-struct KeepSeparated {
+struct JoinSeparated {
     View<const std::uint32_t> inside;
-    View<const RaySource> sources;
-    View<const Meeting> meetings;
-    std::uint32_t first_ray = 0, first_candidate = 0;
-    View<std::uint32_t> candidates, keep;
-    View<std::uint32_t> touching;    ///< per pair
-    View<const std::uint32_t> flat;  ///< per chord of the step's first ones, its candidate
+    JoinBatch batch;
+    PairMarks marks;
+    View<const std::uint32_t> flat;  ///< per chord, its candidate without a depth
 
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t ray = first_ray + inside[i];
-        const RaySource& from = sources[ray];
-        const bool is_deep = meetings[ray].t > 0, is_chord = from.start == RayStart::chord;
-        candidates[first_candidate + i] = ray;
-        keep[first_candidate + i] = is_deep || !is_chord;
+        const std::uint32_t ray = inside[i];
+        const RaySource& from = batch.from_sources[ray];
+        const bool is_deep = batch.from_meetings[ray].t > 0,
+                   is_chord = from.start == RayStart::chord;
+        batch.join(i, ray, is_deep || !is_chord);
         if (!is_deep) return;
-        atomic_mark(touching[from.pair]);
-        if (is_chord && from.item < flat.size && flat[from.item] != no_record)
-            keep[flat[from.item]] = 0;
+        marks.set(from.pair, PairMarks::in_contact);
+        if (is_chord && flat[from.item] != no_record) batch.keep[flat[from.item]] = 0;
     }
 };
 

@@ -6,6 +6,7 @@
 #include "core/device/warp.hpp"
 #include "core/geometry/grid_boxes.hpp"
 #include "core/geometry/moving_point.hpp"
+#include "core/geometry/sixteen_boxes.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/sheets/placed_triangle.hpp"
 #include "core/step/sheets/slab.hpp"
@@ -154,19 +155,6 @@ struct Parts {
 };
 
 static_assert(constants::group_size == Sixteen<QuickBox>::count);
-
-/// The box around sixteen.
-PIERCE_HD inline QuickBox box_around(const Sixteen<QuickBox>& parts) {
-    return parts.joined<QuickBox>([](std::uint32_t, const QuickBox& part) { return part; },
-                                  [](QuickBox& all, const QuickBox& part) { all.extend(part); });
-}
-
-/// Packs sixteen boxes, given the one around them.
-PIERCE_HD inline void pack(GridBoxes& packed, Sixteen<QuickBox>& parts, const QuickBox& around) {
-    const BoxSteps steps(around);
-    if (Sixteen<QuickBox>::is_first()) write_whole(packed.steps, steps);
-    parts.each([&](std::uint32_t k, const QuickBox& part) { packed.set(k, steps, part); });
-}
 
 /// Per group: its triangles over the step as culling sees them, their boxes, and the slab and the
 /// box around them.

@@ -34,7 +34,7 @@ struct RayBatch {
     Buffer<std::uint32_t> candidates;  ///< rays that started inside their target
     Buffer<std::uint32_t> keep;        ///< per candidate: 1 for a contact
 
-    void resize(std::size_t count) {
+    void resize(const typename E::Count& count) {
         rays.resize(count);
         sources.resize(count);
         hits.resize(count);
@@ -42,7 +42,7 @@ struct RayBatch {
     }
 
     void clear() {
-        resize(0);
+        resize(0u);
         candidates.clear();
         keep.clear();
     }

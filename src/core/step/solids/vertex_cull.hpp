@@ -9,6 +9,7 @@
 #include "core/device/warp.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/displacement.hpp"
@@ -53,6 +54,7 @@ struct DirectPair {
     Settings settings;
     View<DirectedPair> directed;
     View<std::uint32_t> begins;
+    PairMarks marks;  ///< empty if nobody asks for them
 
     /// The number of blocks.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -85,6 +87,11 @@ struct DirectPair {
         d.along_velocity = d.is_self() && source.sends_velocity_rays();
         if (d.along_velocity) d.last_blocks = no_record;
         directed[i] = d;
+        // A pair in which nothing has moved keeps its contacts: nothing is to be looked for.
+        if (marks.words.size > 0 && i % 2 == 0)
+            marks.begin(
+                i / 2,
+                d.still ? PairMarks::reached | PairMarks::in_contact | PairMarks::has_depth : 0u);
         return is_asked(source, target, d.is_self(), i % 2) ? block_count(source.mesh) : 0;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }

@@ -5,6 +5,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/trace/bvh/candidates.hpp"
+#include "core/trace/bvh/closest_candidates.hpp"
 #include "core/trace/bvh/forest_builder.hpp"
 #include "core/trace/bvh/forest_plan.hpp"
 #include "core/trace/bvh/refit.hpp"
@@ -51,22 +52,6 @@ struct TraceTree {
         hits[i] = first_crossing(ray, body.surface(), [&](CrossingSearch& search) {
             show_near(forest, forest.trees[forest.tree_of_body[ray.target]], body,
                       BoxRay(ray, positions_box(body), body.touch), search);
-        });
-    }
-};
-
-/// Per ray: the triangle closest to its origin.
-struct Closest {
-    View<const BodyView> bodies;
-    Forest forest;
-    View<const Ray> rays;
-    View<std::uint32_t> triangles;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t target = rays[i].target;
-        const BodyView& body = bodies[target];
-        triangles[i] = closest_triangle(rays[i], body.surface(), [&](ClosestSearch& search) {
-            show_near(forest, forest.trees[forest.tree_of_body[target]], body, search);
         });
     }
 };
@@ -145,9 +130,21 @@ public:
 
     void closest_triangles(E& executor, View<const BodyView> bodies, Count count,
                            View<const Ray> rays, View<std::uint32_t> triangles) {
-        executor.for_each(
-            count, bvh::Closest{
-                       .bodies = bodies, .forest = forest(), .rays = rays, .triangles = triangles});
+        candidates_.resize(count);
+        executor.in_turn(count,
+                         bvh::FindClosestCandidates{.bodies = bodies,
+                                                    .forest = forest(),
+                                                    .rays = rays,
+                                                    .candidates = view_of(candidates_)},
+                         bvh::ClosestOfCandidates{.bodies = bodies,
+                                                  .rays = rays,
+                                                  .candidates = view_of(std::as_const(candidates_)),
+                                                  .triangles = triangles},
+                         bvh::ClosestInTree{.bodies = bodies,
+                                            .forest = forest(),
+                                            .rays = rays,
+                                            .candidates = view_of(std::as_const(candidates_)),
+                                            .triangles = triangles});
     }
 
     /// True if the next update builds trees.

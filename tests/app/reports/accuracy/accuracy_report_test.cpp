@@ -13,6 +13,13 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
+int count(const std::string& text, const std::string& part) {
+    int found = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+        ++found;
+    return found;
+}
+
 TEST_F(AppTest, ReportsOnAccuracy) {
     const Outcome report = pierce(
         "report accuracy --count 5 --seconds 2 --every 6 --poses 12 --rays 1000 --out " +
@@ -35,6 +42,17 @@ TEST_F(AppTest, ReportsOnAccuracy) {
         for (const char* column :
              {"depth_ratio_median", "depth_ratio_p95", "normal_error_degrees_median"})
             EXPECT_TRUE(std::isfinite(csv.number("reprojected", column))) << name << ' ' << column;
+        if (std::ifstream svg(out / (std::string(name) + ".svg")); svg) {
+            const std::string picture{std::istreambuf_iterator<char>(svg), {}};
+            int defaults = 0;
+            for (const auto& row : csv.rows) {
+                const int named = count(picture, ">" + row.at("name") + "<"),
+                          as_default = count(picture, ">" + row.at("name") + " (default)<");
+                EXPECT_EQ(named + as_default, 2) << name << ' ' << row.at("name");
+                defaults += as_default;
+            }
+            EXPECT_EQ(defaults, 2) << name << ": once in each panel";
+        }
     }
     const Csv resolution = read_csv(out / "f7_resolution.csv"),
               depth = read_csv(out / "f9_depth.csv"), hard = read_csv(out / "hard_cases.csv");

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/device/atomics.hpp"
+#include "core/device/view.hpp"
+
+namespace pierce::stages {
+
+/// What is known of pairs so far in a step: bits of a word per pair, which stages set and never
+/// clear.
+struct PairMarks {
+    static constexpr std::uint32_t reached = 1,  ///< something of one body is inside the other
+        in_contact = 2,                          ///< it has a contact
+        has_depth = 4,                           ///< it has a contact with a depth
+        edge_touches = 8,                        ///< an edge touches the other surface
+        edge_crosses = 16,                       ///< an edge may cross the other surface
+        moved_overlaps = 32,                     ///< an edge that was moved shows an overlap
+        separates = 64;                          ///< rays along its way apart are wanted
+
+    View<std::uint32_t> words;
+
+    PIERCE_HD void begin(std::uint32_t pair, std::uint32_t bits) const { words[pair] = bits; }
+    PIERCE_HD bool any(std::uint32_t pair, std::uint32_t bits) const {
+        return (words[pair] & bits) != 0;
+    }
+    PIERCE_HD void set(std::uint32_t pair, std::uint32_t bits) const {
+        atomic_set(words[pair], bits);
+    }
+};
+
+}  // namespace pierce::stages

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <limits>
+
+#include "core/geometry/float_rules.hpp"
+#include "core/geometry/quick_vec3.hpp"
+#include "core/trace/bvh/forest.hpp"
+#include "pierce/box.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/min_max.hpp"
+
+namespace pierce::bvh {
+
+/// The search for the triangle closest to a point, in float32: leaves out triangles and boxes that
+/// are certainly further away than the closest triangle seen so far, or than a limit.
+///
+/// Let u be half an ulp. The point comes in two parts, so that a coordinate relative to it is off
+/// by 2 u of itself, and by `pad`, which is for the rounding of the second part. Let R be the
+/// largest relative coordinate of a triangle. A point of the triangle that is made up from its
+/// corners is off by less than 12 u R, and so is a product of a corner with a unit vector. 32 u R
+/// are taken.
+class PointSieve {
+public:
+    PIERCE_HD PointSieve(Vec3d point, double limit, const Box& around)
+        : high_(to_float(point)), low_(to_float(point - to_double(high_))) {
+        double largest = around.max_coordinate();
+        for (int k = 0; k < 3; ++k) largest = max_of(std::fabs(point[k]), largest);
+        pad_ = round_up(constants::point_pad * largest);
+        shrink(round_up(limit));
+    }
+
+    /// The squared distance of a box, and whether it may hold a triangle that is close enough.
+    PIERCE_HD float squared_to(const BoxF& box) const {
+        float sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            const float below = (box.lower[k] - high_[k]) - low_[k],
+                        above = low_[k] - (box.upper[k] - high_[k]);
+            const float gap = quick_max(quick_max(below, above), 0.0f);
+            sum = quick_fma(gap, gap, sum);
+        }
+        return sum;
+    }
+    PIERCE_HD bool may_hold(float squared) const { return !(squared > reach_squared_); }
+
+    /// True if a triangle may be the closest one.
+    PIERCE_HD bool may_be_closest(Vec3f v0, Vec3f v1, Vec3f v2) {
+        const Vec3f a = relative(v0), b = relative(v1), c = relative(v2);
+        const float lost = quick_fma(
+            constants::point_rounding,
+            quick_max(largest_of(a), quick_max(largest_of(b), largest_of(c))), pad_);
+        const Vec3f q = closest_to_origin(a, b, c);
+        const float squared = quick_dot(q, q), distance = std::sqrt(squared);
+        shrink(quick_fma(distance, 1 + constants::point_rounding, lost));
+        // No point of the triangle is closer than its corners along any direction; along the way to
+        // the closest point, that is how far this is away.
+        const float least = quick_min(quick_dot(q, a), quick_min(quick_dot(q, b), quick_dot(q, c)));
+        return !((least / distance) * (1 - constants::point_rounding) - lost > reach_);
+    }
+
+private:
+    PIERCE_HD Vec3f relative(Vec3f v) const { return (v - high_) - low_; }
+
+    /// Triangles further away than `distance` are not the closest one; NaN tells nothing.
+    PIERCE_HD void shrink(float distance) {
+        if (!(distance < reach_)) return;
+        reach_ = distance;
+        const float with_rounding = quick_fma(distance, 1 + constants::point_rounding, pad_);
+        reach_squared_ = quick_fma(with_rounding, with_rounding, std::numeric_limits<float>::min());
+    }
+
+    /// The point of a triangle that is closest to the origin (Ericson 2005, 5.1.5), up to rounding;
+    /// in any case a point of the triangle, or NaN.
+    PIERCE_HD static Vec3f closest_to_origin(Vec3f a, Vec3f b, Vec3f c) {
+        const Vec3f ab = b - a, ac = c - a;
+        const float d1 = -quick_dot(ab, a), d2 = -quick_dot(ac, a), d3 = -quick_dot(ab, b),
+                    d4 = -quick_dot(ac, b), d5 = -quick_dot(ab, c), d6 = -quick_dot(ac, c);
+        const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+        float v = 0, w = 0;
+        if (d1 <= 0 && d2 <= 0) {
+            return a;
+        } else if (d3 >= 0 && d4 <= d3) {
+            return b;
+        } else if (d6 >= 0 && d5 <= d6) {
+            return c;
+        } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+            v = d1 / (d1 - d3);
+        } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+            w = d2 / (d2 - d6);
+        } else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+            w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+            v = 1 - w;
+        } else {
+            const float sum = va + vb + vc;
+            v = vb / sum;
+            w = vc / sum;
+        }
+        if (!(v >= 0 && w >= 0 && v + w <= 1 + constants::point_rounding)) return a;
+        return {quick_fma(w, ac.x, quick_fma(v, ab.x, a.x)),
+                quick_fma(w, ac.y, quick_fma(v, ab.y, a.y)),
+                quick_fma(w, ac.z, quick_fma(v, ab.z, a.z))};
+    }
+
+    Vec3f high_, low_;
+    float pad_ = 0;
+    float reach_ = std::numeric_limits<float>::infinity();
+    float reach_squared_ = std::numeric_limits<float>::infinity();
+};
+
+}  // namespace pierce::bvh
