@@ -121,13 +121,10 @@ private:
 
     void judge_missed() {
         const double least = certain_depth(256), most = way_out();
-        counts_.most_missed = std::max(counts_.most_missed, least / ulp_);
-        if (most <= touch_) {
-            ++counts_.shallow;
-            return;
-        }
-        if (most <= skin * touch_ && !an_edge_runs_inside()) {
-            ++counts_.missed_skin;
+        const bool is_shallow = most <= touch_;
+        if (is_shallow || (most <= skin * touch_ && !an_edge_runs_inside())) {
+            ++(is_shallow ? counts_.shallow : counts_.missed_skin);
+            counts_.most_allowed = std::max(counts_.most_allowed, least / ulp_);
             return;
         }
         const std::string text = "from " + in_ulp(least) + " to " + in_ulp(most) + " deep, " +
@@ -422,7 +419,7 @@ PairCounts& PairCounts::operator+=(const PairCounts& o) {
           &PairCounts::without_vertex, &PairCounts::missed, &PairCounts::missed_skin,
           &PairCounts::undecided, &PairCounts::shallow, &PairCounts::invented, &PairCounts::near})
         this->*member += o.*member;
-    most_missed = std::max(most_missed, o.most_missed);
+    most_allowed = std::max(most_allowed, o.most_allowed);
     most_apart = std::max(most_apart, o.most_apart);
     for (std::size_t of = 0; of < errors.size(); ++of)
         for (std::size_t k = 0; k < errors[of].size(); ++k) errors[of][k] += o.errors[of][k];

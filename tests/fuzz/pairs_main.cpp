@@ -182,7 +182,7 @@ private:
                 "{:.3g} ulp at most\n"
                 "  invented: {}; {} nearer than the touch tolerance, {:.3g} ulp at most\n",
                 name_of(coverage), c.pairs, c.overlapping, c.deep, c.without_vertex, c.missed,
-                c.missed_skin, c.undecided, c.shallow, c.most_missed, c.invented, c.near,
+                c.missed_skin, c.undecided, c.shallow, c.most_allowed, c.invented, c.near,
                 c.most_apart);
             for (std::size_t of = 0; of < c.errors.size(); ++of)
                 for (std::size_t k = 0; k < c.errors[of].size(); ++k) {
@@ -202,7 +202,7 @@ private:
     void write_csv() const {
         std::ofstream out(options_.csv);
         out << "placement,coverage,pairs,overlapping,deep,without_vertex,missed,missed_skin,"
-               "undecided,shallow,most_missed_ulp,invented,near,most_apart_ulp";
+               "undecided,shallow,most_allowed_ulp,invented,near,most_apart_ulp";
         for (const char* of : {"vertices", "edges"})
             for (std::size_t k = 0; k < static_cast<std::size_t>(Ending::count); ++k)
                 for (const char* what : {"contacts", "beyond", "in_plane", "most_ulp",
@@ -213,7 +213,7 @@ private:
         const auto row = [&](const char* placement, Coverage coverage, const PairCounts& c) {
             out << fmt::format("{},{},{},{},{},{},{},{},{},{},{:.4g},{},{},{:.4g}", placement,
                                name_of(coverage), c.pairs, c.overlapping, c.deep, c.without_vertex,
-                               c.missed, c.missed_skin, c.undecided, c.shallow, c.most_missed,
+                               c.missed, c.missed_skin, c.undecided, c.shallow, c.most_allowed,
                                c.invented, c.near, c.most_apart);
             for (const auto& of : c.errors)
                 for (const EndingErrors& e : of)
