@@ -13,6 +13,7 @@
 #include "fuzz/solid_surface.hpp"
 #include "pierce/constants.hpp"
 #include "truth/exact_mesh.hpp"
+#include "truth/minimum_translation.hpp"
 
 namespace pierce::fuzz {
 namespace {
@@ -53,6 +54,15 @@ struct Body {
         Box b;
         for (int k = 0; k < 3; ++k) b.extend(corner(t, k));
         return b;
+    }
+    bool is_convex() const {
+        return std::ranges::all_of(*triangles, [&](const Triangle& t) {
+            return std::ranges::all_of(mesh.vertices(), [&](std::uint32_t v) {
+                return CGAL::orientation(exact(corner(t, 0)), exact(corner(t, 1)),
+                                         exact(corner(t, 2)),
+                                         exact(mesh.positions()[v])) != CGAL::POSITIVE;
+            });
+        });
     }
     Vec3d normal(const Triangle& t) const {
         return normalized(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)));
@@ -120,19 +130,30 @@ private:
     }
 
     void judge_missed() {
-        const double least = certain_depth(256), most = way_out();
+        // Of convex bodies the shortest way out is known.
+        const bool convex = a_.is_convex() && b_.is_convex();
+        const double least = certain_depth(256),
+                     most = convex
+                                ? truth::minimum_translation({a_.mesh.positions(), *a_.triangles},
+                                                             {b_.mesh.positions(), *b_.triangles})
+                                      .length
+                                : way_out();
         const bool is_shallow = most <= touch_;
         if (is_shallow || (most <= skin * touch_ && !an_edge_runs_inside())) {
             ++(is_shallow ? counts_.shallow : counts_.missed_skin);
-            counts_.most_allowed = std::max(counts_.most_allowed, least / ulp_);
+            counts_.most_allowed = std::max(counts_.most_allowed, (convex ? most : least) / ulp_);
             return;
         }
-        const std::string text = "from " + in_ulp(least) + " to " + in_ulp(most) + " deep, " +
+        const std::string text = "from " + in_ulp(convex ? most : least) + " to " + in_ulp(most) +
+                                 " deep, " +
                                  (contacts_.empty() ? "no contact" : "a contact without a depth");
+        counts_.deep += convex || least > touch_;
         if (least > touch_) {
-            ++counts_.deep;
             ++counts_.missed;
             fail("a pair that overlaps is missed", text);
+        } else if (convex) {
+            ++counts_.missed_thin;
+            fail("a pair is missed whose overlap is thin", text);
         } else {
             ++counts_.undecided;
             fail("a pair without a contact may be deeper than the touch tolerance", text);
@@ -416,8 +437,9 @@ EndingErrors& EndingErrors::operator+=(const EndingErrors& o) {
 PairCounts& PairCounts::operator+=(const PairCounts& o) {
     for (const auto member :
          {&PairCounts::pairs, &PairCounts::overlapping, &PairCounts::deep, &PairCounts::found,
-          &PairCounts::without_vertex, &PairCounts::missed, &PairCounts::missed_skin,
-          &PairCounts::undecided, &PairCounts::shallow, &PairCounts::invented, &PairCounts::near})
+          &PairCounts::without_vertex, &PairCounts::missed, &PairCounts::missed_thin,
+          &PairCounts::missed_skin, &PairCounts::undecided, &PairCounts::shallow,
+          &PairCounts::invented, &PairCounts::near})
         this->*member += o.*member;
     most_allowed = std::max(most_allowed, o.most_allowed);
     most_apart = std::max(most_apart, o.most_apart);

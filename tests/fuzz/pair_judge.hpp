@@ -49,6 +49,8 @@ struct PairCounts {
                                        ///< of a vertex
     // Of pairs that overlap, but have no contact of some depth:
     std::uint64_t missed = 0;       ///< certainly deeper than the touch tolerance
+    std::uint64_t missed_thin = 0;  ///< likewise, but no point is found that is deeper than that
+                                    ///< in both: the overlap is a sliver
     std::uint64_t undecided = 0;    ///< perhaps: there is no proof, and no way out that is as short
     std::uint64_t missed_skin = 0;  ///< perhaps, but no deeper than sixteen touch tolerances, and
                                     ///< no edge is inside by more than one
