@@ -1,18 +1,16 @@
 #include "fuzz/oracle.hpp"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <tuple>
 
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
 #include "fuzz/invariants.hpp"
+#include "fuzz/solid_surface.hpp"
 #include "support/brute_force.hpp"
 #include "truth/exact_continuous.hpp"
 #include "truth/meeting.hpp"
@@ -20,135 +18,15 @@
 namespace pierce::fuzz {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-
-Kernel::Point_3 exact(Vec3d p) { return {p.x, p.y, p.z}; }
-
 /// A body's surface in the world.
-struct Surface {
+struct Surface : SolidSurface {
     const ModelBody* body = nullptr;
-    std::vector<Vec3d> points;
-    std::vector<Triangle> triangles;
     Box box;
     bool proper = false;  ///< closed, does not meet itself, faces outward everywhere
     double touch = 0;  ///< [length] a place closer to the surface than this is on it, for all that
                        ///< is promised
     bool active = false;
-
-    Kernel::Triangle_3 face(std::size_t t, Vec3d shift = {}) const {
-        const auto& v = triangles[t].vertex;
-        return {exact(points[v[0]] + shift), exact(points[v[1]] + shift),
-                exact(points[v[2]] + shift)};
-    }
-
-    double distance(Vec3d p) const {
-        double squared = HUGE_VAL;
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-            const Kernel::Triangle_3 f = face(t);
-            if (!f.is_degenerate())
-                squared = std::min(squared, CGAL::squared_distance(exact(p), f));
-        }
-        return std::sqrt(squared);
-    }
-
-    /// How often the surface winds around a point that is not on it: the sum of solid angles (van
-    /// Oosterom and Strackee 1983).
-    double winding(Vec3d p) const {
-        double sum = 0;
-        for (const Triangle& t : triangles) {
-            const Vec3d a = points[t.vertex[0]] - p, b = points[t.vertex[1]] - p,
-                        c = points[t.vertex[2]] - p;
-            const double x = length(a), y = length(b), z = length(c);
-            sum += 2 * std::atan2(dot(a, cross(b, c)),
-                                  x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
-        }
-        return sum / (4 * std::numbers::pi);
-    }
-    bool holds(Vec3d p) const { return winding(p) > 0.5; }
 };
-
-int shared_corners(const Triangle& a, const Triangle& b) {
-    int shared = 0;
-    for (std::uint32_t v : a.vertex) shared += has_vertex(b, v);
-    return shared;
-}
-
-/// True if every edge has two triangles that run through it in opposite ways, and no triangle names
-/// a vertex twice.
-bool is_manifold(std::span<const Triangle> triangles) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
-    for (const Triangle& t : triangles)
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t v = t.vertex[k], w = t.vertex[(k + 1) % 3];
-            if (v == w || ++ways[{v, w}] > 1) return false;
-        }
-    return std::ranges::all_of(ways, [&](const auto& way) {
-        return ways.contains({way.first.second, way.first.first});
-    });
-}
-
-/// True if two triangles meet in more than the corners they share.
-bool meet_elsewhere(const Surface& s, std::size_t i, std::size_t j) {
-    const Kernel::Triangle_3 a = s.face(i), b = s.face(j);
-    const auto point = [&](std::uint32_t v) { return exact(s.points[v]); };
-    const Triangle &t = s.triangles[i], &u = s.triangles[j];
-    const int shared = shared_corners(t, u);
-    if (shared == 0) return CGAL::do_intersect(a, b);
-    if (shared == 3) return true;
-    if (shared == 1) {
-        const auto opposite = [&](const Triangle& x, const Triangle& other) {
-            for (int k = 0; k < 3; ++k)
-                if (has_vertex(other, x.vertex[k]))
-                    return Kernel::Segment_3(point(x.vertex[(k + 1) % 3]),
-                                             point(x.vertex[(k + 2) % 3]));
-            return Kernel::Segment_3();
-        };
-        return CGAL::do_intersect(opposite(t, u), b) || CGAL::do_intersect(opposite(u, t), a);
-    }
-    for (std::uint32_t v : u.vertex) {
-        if (has_vertex(t, v)) continue;
-        if (CGAL::orientation(a[0], a[1], a[2], point(v)) != CGAL::COPLANAR) return false;
-        // Folded flat: the corners that are not shared are on one side of the shared edge.
-        for (int k = 0; k < 3; ++k)
-            if (!has_vertex(u, t.vertex[k]))
-                return CGAL::coplanar_orientation(point(t.vertex[(k + 1) % 3]),
-                                                  point(t.vertex[(k + 2) % 3]), point(t.vertex[k]),
-                                                  point(v)) != CGAL::NEGATIVE;
-    }
-    return false;
-}
-
-/// True if no triangle is so thin that it might never be hit.
-bool has_area(const Surface& s) {
-    for (std::size_t i = 0; i < s.triangles.size(); ++i) {
-        if (s.face(i).is_degenerate()) return false;
-        const auto& v = s.triangles[i].vertex;
-        const Vec3d n = cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]);
-        const double longest = std::max({length_squared(s.points[v[1]] - s.points[v[0]]),
-                                         length_squared(s.points[v[2]] - s.points[v[1]]),
-                                         length_squared(s.points[v[0]] - s.points[v[2]])});
-        if (length(n) <= 16 * constants::degenerate_area * longest) return false;
-    }
-    return true;
-}
-
-bool is_proper(const Surface& s) {
-    if (!is_manifold(s.triangles) || !has_area(s)) return false;
-    for (std::size_t i = 0; i < s.triangles.size(); ++i)
-        for (std::size_t j = i + 1; j < s.triangles.size(); ++j)
-            if (meet_elsewhere(s, i, j)) return false;
-    for (std::size_t i = 0; i < s.triangles.size(); ++i) {
-        const auto& v = s.triangles[i].vertex;
-        const Vec3d middle = (1.0 / 3) * (s.points[v[0]] + s.points[v[1]] + s.points[v[2]]);
-        const Vec3d n = normalized(
-            cross(s.points[v[1]] - s.points[v[0]], s.points[v[2]] - s.points[v[0]]));
-        const Vec3d step = 8 * s.touch * n;
-        if (std::fabs(s.winding(middle + step)) > 0.1 ||
-            std::fabs(s.winding(middle - step) - 1) > 0.1)
-            return false;
-    }
-    return true;
-}
 
 class Oracle {
 public:
@@ -197,7 +75,7 @@ private:
         s.touch = 4 * constants::touch_tolerance * s.box.extent() + 1e-13 * coordinate;
         // What is too large to multiply is not judged.
         s.active = s.active && coordinate < 1e30;
-        s.proper = s.active && s.touch > 0 && is_proper(s);
+        s.proper = s.active && s.touch > 0 && s.is_proper(s.touch);
         return s;
     }
 
@@ -219,9 +97,7 @@ private:
     }
 
     static bool overlaps(const Surface& a, const Surface& b, Vec3d shift) {
-        for (std::size_t i = 0; i < a.triangles.size(); ++i)
-            for (std::size_t j = 0; j < b.triangles.size(); ++j)
-                if (CGAL::do_intersect(a.face(i), b.face(j, shift))) return true;
+        if (a.meets(b, shift)) return true;
         const auto holds_one = [](const Surface& x, const Surface& y, Vec3d by) {
             // Every connected part would do; all vertices are simpler.
             return std::ranges::any_of(y.triangles, [&](const Triangle& t) {
@@ -282,8 +158,8 @@ private:
                     to = c.source == Side::a ? c.point_b : c.point_a;
         if (target->distance(to) > target->touch + source->touch)
             return Failure{"truth: a contact ends on its target", to_text(c)};
-        if (runs_in_a_plane(from, c.reprojected ? from + way_in(c, *source) : to, *target,
-                            source->touch))
+        if (target->has_plane_along(from, c.reprojected ? from + way_in(c, *source) : to,
+                                    source->touch))
             return std::nullopt;
         if (target->distance(from) > target->touch + source->touch) {
             ++counts_.inside_vertices;
@@ -322,20 +198,6 @@ private:
                           source.points[t.vertex[2]] - source.points[t.vertex[0]]));
         }
         return -normalized(outward);
-    }
-
-    /// True if the way from one point to the other lies in the plane of one of the target's
-    /// triangles, within rounding: where it meets that face's border nobody can tell which side it
-    /// is on.
-    static bool runs_in_a_plane(Vec3d from, Vec3d to, const Surface& target, double touch) {
-        const double size = target.box.extent() + touch;
-        return std::ranges::any_of(target.triangles, [&](const Triangle& t) {
-            const Vec3d a = target.points[t.vertex[0]], b = target.points[t.vertex[1]],
-                        c = target.points[t.vertex[2]];
-            const Vec3d n = normalized(cross(b - a, c - a));
-            const double rounding = 1e-10 * size;
-            return std::fabs(dot(n, from - a)) < rounding && std::fabs(dot(n, to - a)) < rounding;
-        });
     }
 
     /// Vertices of solids, by definition.
@@ -383,13 +245,13 @@ private:
     std::optional<Failure> judge_self(const Surface& s) {
         if (!s.active || s.touch <= 0 || s.body->motion != Motion::deforming ||
             s.body->collision.sheet || s.body->collision.self != SelfCollision::on ||
-            model_.settings().reproject || !is_manifold(s.triangles) || !has_area(s))
+            model_.settings().reproject || !is_manifold(s.triangles) || !s.has_area())
             return std::nullopt;
         const MeshData& mesh = model_.mesh(*s.body);
         Surface rest = s;
         for (std::size_t v = 0; v < rest.points.size(); ++v)
             rest.points[v] = to_double(mesh.positions[v]);
-        if (!has_area(rest)) return std::nullopt;
+        if (!rest.has_area()) return std::nullopt;
         const test::Expected expected = test::expected_self_contacts(
             solid(s, s), inward_directions(s), solid(rest, s),
             constants::self_distance * mean_edge_length(rest) / s.box.extent());
@@ -426,22 +288,15 @@ private:
     /// Against the mean of the normals around each vertex, by angles. Of a rigid body at rest, and
     /// turned: far from the origin its places say less of thin triangles.
     std::vector<test::SolidVec> inward_directions(const Surface& s) const {
-        std::vector<Vec3d> points = s.points, normals(s.points.size());
+        SolidSurface rest = s;
         Matrix3 turn;
         if (s.body->motion != Motion::deforming) {
             turn = frame_of(s.body->pose).rotation;
-            for (std::size_t v = 0; v < points.size(); ++v)
-                points[v] = to_double(model_.mesh(*s.body).positions[v]);
+            for (std::size_t v = 0; v < rest.points.size(); ++v)
+                rest.points[v] = to_double(model_.mesh(*s.body).positions[v]);
         }
-        for (const Triangle& t : s.triangles)
-            for (int k = 0; k < 3; ++k) {
-                const Vec3d p = points[t.vertex[k]], u = points[t.vertex[(k + 1) % 3]] - p,
-                            v = points[t.vertex[(k + 2) % 3]] - p;
-                normals[t.vertex[k]] += std::atan2(length(cross(u, v)), dot(u, v)) *
-                                        normalized(cross(u, v));
-            }
         std::vector<test::SolidVec> inward;
-        for (const Vec3d& n : normals) inward.push_back(test::exact(turn * -normalized(n)));
+        for (const Vec3d& n : rest.outward_directions()) inward.push_back(test::exact(turn * -n));
         return inward;
     }
 

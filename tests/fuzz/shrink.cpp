@@ -159,9 +159,11 @@ private:
     static bool round(std::vector<Vec3f>& points, double step) {
         bool any = false;
         for (Vec3f& p : points) {
+            const Vec3f before = p;
             Vec3d wide = to_double(p);
-            for (int k = 0; k < 3; ++k) any = round(wide[k], step) || any;
+            for (int k = 0; k < 3; ++k) round(wide[k], step);
             p = to_float(wide);
+            any = any || p != before;  // in float32: what is rounded once stays as it is
         }
         return any;
     }

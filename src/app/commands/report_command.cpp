@@ -91,7 +91,8 @@ void add_accuracy(CLI::App& report, int& code) {
     };
     add_size("--count", options->count, "falling bodies of the scenes");
     add_size("--every", options->every, "make the scenes' truth for every Nth frame");
-    add_size("--poses", options->poses, "random poses per pair of meshes");
+    add_size("--poses", options->poses,
+             "random poses per pair of meshes; half of it per ratio of resolutions");
     add_size("--rays", options->rays, "rays at vertices and edges");
     command->add_option("--seconds", options->timing.seconds, "simulated time of the scenes")
         ->capture_default_str()

@@ -7,6 +7,26 @@
 #include <utility>
 
 namespace pierce::scenes {
+namespace {
+
+struct Icosahedron {
+    std::vector<Vec3d> points;
+    std::vector<Triangle> triangles;
+};
+
+Icosahedron icosahedron() {
+    Icosahedron solid;
+    const double g = std::numbers::phi;
+    solid.points = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                    {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    solid.triangles = {{{0, 11, 5}}, {{0, 5, 1}},  {{0, 1, 7}},   {{0, 7, 10}}, {{0, 10, 11}},
+                       {{1, 5, 9}},  {{5, 11, 4}}, {{11, 10, 2}}, {{10, 7, 6}}, {{7, 1, 8}},
+                       {{3, 9, 4}},  {{3, 4, 2}},  {{3, 2, 6}},   {{3, 6, 8}},  {{3, 8, 9}},
+                       {{4, 9, 5}},  {{2, 4, 11}}, {{6, 2, 10}},  {{8, 6, 7}},  {{9, 8, 1}}};
+    return solid;
+}
+
+}  // namespace
 
 MeshData torus(double major_radius, double minor_radius, std::uint32_t around,
                std::uint32_t across) {
@@ -43,15 +63,7 @@ MeshData box(Vec3d lower, Vec3d upper) {
 }
 
 MeshData sphere(double radius, int levels) {
-    const double g = std::numbers::phi;
-    std::vector<Vec3d> points = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
-                                 {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
-                                 {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-    std::vector<Triangle> triangles = {{{0, 11, 5}},  {{0, 5, 1}},  {{0, 1, 7}},  {{0, 7, 10}},
-                                       {{0, 10, 11}}, {{1, 5, 9}},  {{5, 11, 4}}, {{11, 10, 2}},
-                                       {{10, 7, 6}},  {{7, 1, 8}},  {{3, 9, 4}},  {{3, 4, 2}},
-                                       {{3, 2, 6}},   {{3, 6, 8}},  {{3, 8, 9}},  {{4, 9, 5}},
-                                       {{2, 4, 11}},  {{6, 2, 10}}, {{8, 6, 7}},  {{9, 8, 1}}};
+    auto [points, triangles] = icosahedron();
     for (int level = 0; level < levels; ++level) {
         std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
         const auto middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -73,6 +85,39 @@ MeshData sphere(double radius, int levels) {
     }
     MeshData mesh{{}, std::move(triangles)};
     for (Vec3d p : points) mesh.positions.push_back(to_float(radius * normalized(p)));
+    return mesh;
+}
+
+MeshData geodesic_sphere(double radius, std::uint32_t parts) {
+    const Icosahedron solid = icosahedron();
+    MeshData mesh;
+    // A place is named by the corners that have a weight in it, so that triangles share it.
+    using Weights = std::map<std::uint32_t, std::uint32_t>;
+    std::map<Weights, std::uint32_t> places;
+    for (const Triangle& t : solid.triangles) {
+        const auto place = [&](std::uint32_t i, std::uint32_t j) {
+            Weights weights;
+            Vec3d sum;
+            const std::uint32_t weight[3] = {parts - i - j, i, j};
+            for (int k = 0; k < 3; ++k) {
+                if (weight[k] == 0) continue;
+                weights[t.vertex[k]] = weight[k];
+            }
+            for (const auto& [corner, times] : weights)
+                sum += static_cast<double>(times) * solid.points[corner];
+            const auto [at, is_new] = places.try_emplace(
+                std::move(weights), static_cast<std::uint32_t>(mesh.positions.size()));
+            if (is_new) mesh.positions.push_back(to_float(radius * normalized(sum)));
+            return at->second;
+        };
+        for (std::uint32_t i = 0; i < parts; ++i)
+            for (std::uint32_t j = 0; i + j < parts; ++j) {
+                mesh.triangles.push_back({{place(i, j), place(i + 1, j), place(i, j + 1)}});
+                if (i + j + 1 < parts)
+                    mesh.triangles.push_back(
+                        {{place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)}});
+            }
+    }
     return mesh;
 }
 

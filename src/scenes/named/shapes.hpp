@@ -18,6 +18,9 @@ MeshData box(Vec3d lower, Vec3d upper);
 /// A sphere around the origin: an icosahedron split `levels` times, 20 * 4^levels triangles.
 MeshData sphere(double radius, int levels);
 
+/// The same with edges of the icosahedron split into so many parts: 20 * parts^2 triangles.
+MeshData geodesic_sphere(double radius, std::uint32_t parts);
+
 /// A flat sheet at z = 0 around the origin: `along` by `across` vertices in rows along x, each quad
 /// is cut in two, every other one along its other diagonal, so that no direction is preferred.
 MeshData grid(double width, double depth, std::uint32_t along, std::uint32_t across);

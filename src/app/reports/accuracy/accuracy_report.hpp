@@ -12,7 +12,8 @@ struct AccuracyReportOptions {
     std::uint32_t count = 100;       ///< falling bodies of the scenes
     Timing timing{9, 1.0 / 60};      ///< of the scenes
     std::uint32_t every = 9;         ///< the scenes' truth is made for every Nth frame
-    std::uint32_t poses = 400;       ///< random poses per pair of meshes
+    std::uint32_t poses = 400;       ///< random poses per pair of meshes; half of it per ratio of
+                                     ///< resolutions
     std::uint32_t rays = 1'000'000;  ///< at holes of the library's tracer; a fiftieth of it at
                                      ///< those of each triangle test
     std::uint32_t seed = 1;

@@ -56,9 +56,10 @@ TEST_F(AppTest, ReportsOnAccuracy) {
     }
     const Csv resolution = read_csv(out / "f7_resolution.csv"),
               depth = read_csv(out / "f9_depth.csv"), hard = read_csv(out / "hard_cases.csv");
-    ASSERT_EQ(resolution.rows.size(), 9u);
+    ASSERT_EQ(resolution.rows.size(), 21u);
     for (const auto& row : resolution.rows)
-        EXPECT_EQ(row.at("complete"), "0") << "ratio " << row.at("ratio");
+        for (const char* method : {"overlaps", "complete"})
+            EXPECT_EQ(row.at(method), "0") << method << ", ratio " << row.at("ratio");
     ASSERT_EQ(depth.rows.size(), 6u);
     for (const auto& row : depth.rows) {
         EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
