@@ -17,8 +17,9 @@ namespace pierce {
 
 namespace stages {
 
-/// Per candidate: tells its pair that something is inside, whether it is a contact, and whether
-/// that has any depth. Notes the contacts of chords that have none: another one may replace them.
+/// Per candidate: tells its pair whether it is inside, not only touching, whether it is a contact,
+/// and whether that has any depth. Notes the contacts of chords that have none: another one may
+/// replace them.
 struct MarkCandidate {
     View<const RaySource> sources;
     View<const Meeting> meetings;
@@ -31,9 +32,10 @@ struct MarkCandidate {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
         const bool is_deep = meetings[ray].t > 0;
-        marks.set(pair, PairMarks::reached |
-                            (keep[i] ? PairMarks::in_contact | (is_deep ? PairMarks::has_depth : 0u)
-                                     : 0u));
+        const std::uint32_t bits = (is_deep ? PairMarks::reached : 0u) |
+                                   (keep[i] ? PairMarks::in_contact : 0u) |
+                                   (keep[i] && is_deep ? PairMarks::has_depth : 0u);
+        if (bits != 0) marks.set(pair, bits);
         if (keep[i] && !is_deep && sources[ray].start == RayStart::chord)
             flat[sources[ray].item] = i;
     }

@@ -78,8 +78,10 @@ struct NeedsMore {
         if (directed[2 * pair].is_self()) return false;
         if (!marks.any(pair, PairMarks::has_depth) && marks.any(pair, PairMarks::edge_crosses))
             return true;
-        if (marks.any(pair, PairMarks::in_contact)) return false;
-        if (marks.any(pair, PairMarks::edge_touches | PairMarks::reached)) return true;
+        const bool in_contact = marks.any(pair, PairMarks::in_contact);
+        if (!in_contact && marks.any(pair, PairMarks::edge_touches | PairMarks::reached))
+            return true;
+        if (marks.any(pair, PairMarks::reached)) return false;
         const AskParts parts{.bodies = bodies, .directed = directed, .marks = marks};
         return parts.find(2 * pair) + parts.find(2 * pair + 1) > 0;
     }
@@ -94,7 +96,8 @@ struct FindContained {
     static constexpr bool in_order = true;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        if (!leaves(i)) return false;
+        // A part that begins on the surface touches it; that says nothing about where the part is.
+        if (!leaves(i) || !(leaves.way(i) > 0)) return false;
         marks.set(sources[i].pair, PairMarks::separates);
         return true;
     }

@@ -29,6 +29,10 @@ struct LeavesTarget {
         return hits[i].triangle != no_triangle &&
                leads_out(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
     }
+    /// [length] How far the ray gets; 0 if it starts on the surface.
+    PIERCE_HD double way(std::uint32_t i) const {
+        return meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle).t;
+    }
 };
 
 /// Per ray of a sheet along a velocity: its hit counts if the vertex gets there, or comes from
