@@ -16,7 +16,8 @@ struct PairMarks {
         edge_touches = 8,                        ///< an edge touches the other surface
         edge_crosses = 16,                       ///< an edge may cross the other surface
         moved_overlaps = 32,                     ///< an edge that was moved shows an overlap
-        separates = 64;                          ///< rays along its way apart are wanted
+        separates = 64,                          ///< rays along its way apart are wanted
+        vertex_touches = 128;                    ///< a vertex has a contact without a depth
 
     View<std::uint32_t> words;
 

@@ -31,13 +31,15 @@ struct MarkCandidate {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t ray = candidates[i], pair = sources[ray].pair;
-        const bool is_deep = meetings[ray].t > 0;
+        const bool is_deep = meetings[ray].t > 0,
+                   is_vertex = sources[ray].start == RayStart::vertex;
         const std::uint32_t bits = (is_deep ? PairMarks::reached : 0u) |
                                    (keep[i] ? PairMarks::in_contact : 0u) |
-                                   (keep[i] && is_deep ? PairMarks::has_depth : 0u);
+                                   (keep[i] && is_deep ? PairMarks::has_depth : 0u) |
+                                   (keep[i] && !is_deep && is_vertex ? PairMarks::vertex_touches
+                                                                     : 0u);
         if (bits != 0) marks.set(pair, bits);
-        if (keep[i] && !is_deep && sources[ray].start == RayStart::chord)
-            flat[sources[ray].item] = i;
+        if (keep[i] && !is_deep && !is_vertex) flat[sources[ray].item] = i;
     }
 };
 

@@ -332,8 +332,8 @@ private:
 
 /// Per new ray that starts inside: makes it a contact without a test of its own body, and tells its
 /// pair if the contact has any depth. It may have none, because the way apart may lead out of the
-/// target at once; of a chord, that is no contact. A chord's contact along the way apart replaces
-/// one without a depth.
+/// target at once; of a chord, that is no contact. A contact along the way apart replaces one of
+/// the same chord or vertex without a depth.
 struct JoinSeparated {
     View<const std::uint32_t> inside;
     JoinBatch batch;
@@ -347,10 +347,27 @@ struct JoinSeparated {
         const RaySource& from = batch.from_sources[ray];
         const bool is_deep = batch.from_meetings[ray].t > 0,
                    is_chord = from.start == RayStart::chord;
-        batch.join(i, ray, is_deep || !is_chord);
+        const std::uint32_t before = is_chord ? no_record : touching(from);
+        batch.join(i, ray, is_deep || (!is_chord && before == no_record));
         if (!is_deep) return;
+        if (before != no_record) batch.keep[before] = 0;
         marks.set(from.pair, PairMarks::in_contact);
         if (is_chord && flat[from.item] != no_record) batch.keep[flat[from.item]] = 0;
+    }
+
+private:
+    /// The contact of the same vertex that was found along its inward ray, or no_record. Nearly no
+    /// pair that needs a way apart has such contacts.
+    PIERCE_HD std::uint32_t touching(const RaySource& from) const {
+        if (!marks.any(from.pair, PairMarks::vertex_touches)) return no_record;
+        const std::uint32_t count = batch.first_candidate;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const RaySource& other = batch.sources[batch.candidates[k]];
+            if (batch.keep[k] && other.start == RayStart::vertex && other.pair == from.pair &&
+                other.side == from.side && other.item == from.item)
+                return k;
+        }
+        return no_record;
     }
 };
 
