@@ -171,12 +171,14 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
             differ += contact_hash(cpu.world.contacts()) != hashes[i];
         }
     }
-    std::printf("%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f,%s,%s\n",
-                name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
-                stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
-                last.touching_pairs, median(on_device), median(wall), median(embree), checks,
-                differ, memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks),
-                mean(lost), name_of(coverage), reproject ? "on" : "off");
+    std::printf(
+        "%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f,%s,"
+        "%s\n",
+        name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
+        stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
+        last.touching_pairs, median(on_device), median(wall), median(embree), checks, differ,
+        memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks), mean(lost),
+        name_of(coverage), reproject ? "on" : "off");
     if (stages)
         for (const std::string& stage : order)
             std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));

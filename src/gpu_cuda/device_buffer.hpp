@@ -61,8 +61,8 @@ private:
               "allocation of device memory");
         check(cudaDeviceSynchronize(), "waiting for the device");
         if (count_.bound() > 0)
-            check(cudaMemcpyAsync(larger, data_, count_.bound() * sizeof(T), cudaMemcpyDeviceToDevice,
-                                  nullptr),
+            check(cudaMemcpyAsync(larger, data_, count_.bound() * sizeof(T),
+                                  cudaMemcpyDeviceToDevice, nullptr),
                   "copy on the device");
         if (data_ != nullptr) check(cudaFreeAsync(data_, nullptr), "return of device memory");
         check(cudaStreamSynchronize(nullptr), "waiting for the device");

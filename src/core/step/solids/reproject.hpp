@@ -63,7 +63,7 @@ private:
 };
 
 /// Per candidate: moves the ray's end to the closest point, unless that is no nearer than the
-/// contact.
+/// contact, or in the surface.
 struct MoveToClosest {
     View<const BodyView> bodies;
     View<const std::uint32_t> known;    ///< triangles of the target
@@ -87,9 +87,9 @@ struct MoveToClosest {
                     c = to_double(surface.positions[t.vertex[2]]);
         const Vec3d point = closest_point(ray.origin, surface, triangle), way = point - ray.origin;
         const double depth = length(way);
-        if (!(depth < found[candidates[i]].t) || is_degenerate(a, b, c)) return;
-        // The way of a vertex within the touch tolerance is rounding: it leaves along the normal.
-        ray.direction = normalized(depth > ray.touch ? way : cross(b - a, c - a));
+        if (!(depth > ray.touch) || !(depth < found[candidates[i]].t) || is_degenerate(a, b, c))
+            return;
+        ray.direction = normalized(way);
         hits[i] = {triangle};
         meetings[i] = meeting_at(point, depth, a, b, c);
         accepted[i] = 1;
