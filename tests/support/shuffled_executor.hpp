@@ -15,12 +15,11 @@ namespace pierce::test {
 /// thread, so that it comes again the same.
 class ShuffledExecutor : public HostExecutor {
 public:
-    static constexpr ExecutorTraits traits{
-        .host_reads = false,
-        .overlaps_updates = true,
-        .joins_stages = true,
-        .bodies_at_once = 512,
-        .sweep_walks = 8};
+    static constexpr ExecutorTraits traits{.host_reads = false,
+                                           .overlaps_updates = true,
+                                           .joins_stages = true,
+                                           .bodies_at_once = 512,
+                                           .sweep_walks = 8};
 
     template <class F>
     void for_each(std::uint32_t n, const F& stage) {

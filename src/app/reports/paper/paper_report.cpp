@@ -24,7 +24,8 @@ Pile make_pile(const PaperReportOptions& options, const char* scene, std::uint32
               .soft = soft,
               .scene = scenes::make_scene(scene, {count, soft, options.seed}),
               .loop = {}};
-    pile.loop = simulate(pile.scene, scenes::Method::rays, vertex_rays, timing_of(options, soft), 1);
+    pile.loop = simulate(pile.scene, scenes::Method::rays, vertex_rays, timing_of(options, soft),
+                         1);
     return pile;
 }
 

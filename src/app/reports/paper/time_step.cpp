@@ -49,7 +49,8 @@ struct Run {
 };
 
 Run run(const scenes::SceneSetup& scene, double seconds, double dt) {
-    scenes::Simulation simulation(scene, scenes::Method::rays, {.threads = 1, .world = vertex_rays});
+    scenes::Simulation simulation(scene, scenes::Method::rays,
+                                  {.threads = 1, .world = vertex_rays});
     std::vector<Depth> depths;
     std::set<std::uint32_t> landed;
     std::size_t first = 0, last = 0;
