@@ -34,7 +34,7 @@ public:
           a2_(FourVec3::all(a.corner[2].end - a.corner[0].end)),
           a_size_(a.size()) {
         const FourVec3 origin = FourVec3::all(a.corner[0].end);
-        Four stray, own;
+        Four stray = 0, own = 0;
         b_[0] = gather(b, 0, stray) - origin;
         b_[1] = gather(b, 1, b_size_) - origin;
         b_[2] = gather(b, 2, own) - origin;
@@ -95,8 +95,8 @@ private:
             beyond(margin, max_of(ahead, behind) - made_up, n)};
     }
 
-    FourVec3 a1_, a2_, b_[3], drift_;
-    Four stray_, a_size_, b_size_, size_;
+    FourVec3 a1_, a2_, b_[3], drift_ = {};
+    Four stray_ = 0, a_size_, b_size_ = 0, size_ = 0;
 };
 
 }  // namespace pierce::stages
