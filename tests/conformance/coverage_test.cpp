@@ -252,7 +252,7 @@ TEST_P(CoverageTest, OverlapsAreThoseOfCompleteCoverageWithoutEdgesBesideVertice
 TEST_P(CoverageTest, BarsThatCrossWithoutAVertexInside) {
     const MeshData a = scenes::box({-2, -0.1, -0.1}, {2, 0.1, 0.1}),
                    b = scenes::box({-0.1, -2, 0}, {0.1, 2, 0.2});
-    EXPECT_TRUE(Two(GetParam(), {}, a, {}, b, {}).world.contacts().empty())
+    EXPECT_TRUE(Two(GetParam(), vertex_rays, a, {}, b, {}).world.contacts().empty())
         << "vertices see nothing";
     Two two(GetParam(), complete(), a, {}, b, {});
     Vec3d sum;
@@ -365,7 +365,8 @@ TEST_P(CoverageTest, APlateInsideABlock) {
     const MeshData plate = scenes::box({-1, -1, 0}, {1, 1, 0.01}),
                    block = scenes::box({-2, -2, -2}, {2, 2, 2});
     for (bool deforming : {false, true}) {
-        EXPECT_TRUE(Two(GetParam(), {}, plate, {}, block, {}, deforming).world.contacts().empty());
+        EXPECT_TRUE(
+            Two(GetParam(), vertex_rays, plate, {}, block, {}, deforming).world.contacts().empty());
         Two two(GetParam(), complete(), plate, {}, block, {}, deforming);
         EXPECT_EQ(two.world.stats().separated_pairs, 1u);
         double deepest = 0;
@@ -384,7 +385,7 @@ TEST_P(CoverageTest, APlateThroughABlock) {
     // the plate's far end.
     const MeshData plate = scenes::box({-3, -3, 0}, {3, 3, 0.01}),
                    block = scenes::box({-2, -2, -2}, {2, 2, 2});
-    EXPECT_TRUE(Two(GetParam(), {}, plate, {}, block, {}).world.contacts().empty());
+    EXPECT_TRUE(Two(GetParam(), vertex_rays, plate, {}, block, {}).world.contacts().empty());
     Two two(GetParam(), complete(), plate, {}, block, {});
     EXPECT_EQ(two.world.stats().separated_pairs, 1u);
     ASSERT_FALSE(two.world.contacts().empty());
@@ -464,8 +465,9 @@ TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
         const Pose a{{}, random.rotation()},
             b{(2 - 2 * overlap) * random.unit_vector(), random.rotation()};
         std::vector<double> rays, moved;
-        add_depth_ratios(Two(GetParam(), {}, ball, a, ball, b), rays);
-        add_depth_ratios(Two(GetParam(), {.reproject = true}, ball, a, ball, b), moved);
+        add_depth_ratios(Two(GetParam(), vertex_rays, ball, a, ball, b), rays);
+        add_depth_ratios(Two(GetParam(), {.coverage = Coverage::vertices}, ball, a, ball, b),
+                         moved);
         ASSERT_GT(moved.size(), 50u);
         EXPECT_EQ(moved.size(), rays.size());
         EXPECT_GT(quantile(rays, 0.5), 1 + overlap) << "inward rays are longer";
@@ -483,8 +485,8 @@ TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) 
         const MeshData mesh = scenes::make_scene(scene, {1}).meshes[1].data;
         double diameter = 0;
         for (Vec3f p : mesh.positions) diameter = std::max(diameter, 2 * length(to_double(p)));
-        Two plain(GetParam(), {}, mesh, {}, mesh, {}),
-            reprojecting(GetParam(), {.reproject = true}, mesh, {}, mesh, {});
+        Two plain(GetParam(), vertex_rays, mesh, {}, mesh, {}),
+            reprojecting(GetParam(), {.coverage = Coverage::vertices}, mesh, {}, mesh, {});
         for (const auto& [nearest, farthest] : {std::pair{0.05, 0.5}, {0.5, 1.0}}) {
             SCOPED_TRACE(scene + (" at " + std::to_string(nearest)));
             std::vector<double> rays, moved;
