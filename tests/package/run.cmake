@@ -31,7 +31,7 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package/consumer -B ${WORK}/build ${opti
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/with_bullet)
 run(${WORK}/build/two_boxes)
-if(NOT output MATCHES "vertex 0, depth 0.173")
+if(NOT output MATCHES "vertex 0, depth 0.100")
     message(FATAL_ERROR "the example printed\n${output}")
 endif()
 if(HOW STREQUAL install)

@@ -19,7 +19,7 @@ using testing::Not;
 class ValidateCommandTest : public AppTest {};
 
 TEST_F(ValidateCommandTest, FindsThatAllBackendsOfASceneAgree) {
-    for (const std::string how : {"", " --soft --coverage complete"}) {
+    for (const std::string how : {" --coverage vertices", " --soft --coverage complete"}) {
         const Outcome outcome = pierce("validate tori --count 4 --seconds 1.5 --every 10" + how +
                                        " --json " + path("validation.json"));
         ASSERT_EQ(outcome.code, 0) << outcome.text;
