@@ -5,6 +5,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/device/warp.hpp"
+#include "core/execute/stage_traits.hpp"
 #include "core/step/common/gather.hpp"
 #include "core/trace/tracer.hpp"
 #include "pierce/body.hpp"
