@@ -20,18 +20,18 @@ struct Four {
     static constexpr std::uint32_t count = 4;
 
 #if defined(PIERCE_FOUR_LANES)
-    using Lanes = float __attribute__((vector_size(16)));
+    using FourLanes = float __attribute__((vector_size(16)));
     using Bits = std::int32_t __attribute__((vector_size(16)));
 
-    Lanes lane;
+    FourLanes lane;
 
     Four() = default;
     Four(float all) : lane{all, all, all, all} {}
-    Four(Lanes lanes) : lane(lanes) {}
+    Four(FourLanes lanes) : lane(lanes) {}
 
     /// The four that lie at an address.
     static Four at(const void* address) {
-        Lanes lanes{};
+        FourLanes lanes{};
         std::memcpy(&lanes, address, sizeof lanes);
         return lanes;
     }
@@ -45,10 +45,10 @@ struct Four {
     friend Four max_of(Four a, Four b) { return a.lane > b.lane ? a.lane : b.lane; }
     friend Four min_of(Four a, Four b) { return a.lane < b.lane ? a.lane : b.lane; }
     friend Four abs_of(Four a) {
-        return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(a.lane) & 0x7fffffff);
+        return reinterpret_cast<FourLanes>(reinterpret_cast<Bits>(a.lane) & 0x7fffffff);
     }
     friend Four whole_part_of(Four a) {
-        return __builtin_convertvector(__builtin_convertvector(a.lane, Bits), Lanes);
+        return __builtin_convertvector(__builtin_convertvector(a.lane, Bits), FourLanes);
     }
     friend Four where(Four a, Four less_than, Four then, Four otherwise) {
         return a.lane < less_than.lane ? then.lane : otherwise.lane;
@@ -134,7 +134,8 @@ struct FourWords {
 #if defined(PIERCE_FOUR_LANES)
         Four::Bits lanes;
         std::memcpy(&lanes, word, sizeof lanes);
-        return __builtin_convertvector(lanes << (32 - first - bits) >> (32 - bits), Four::Lanes);
+        return __builtin_convertvector(lanes << (32 - first - bits) >> (32 - bits),
+                                       Four::FourLanes);
 #else
         return Four::of([&](std::uint32_t k) {
             return static_cast<float>(static_cast<std::int32_t>(word[k] << (32 - first - bits)) >>
@@ -154,13 +155,13 @@ struct FourVec3 {
 #if defined(PIERCE_FOUR_LANES)
     /// Four points, each in the first twelve of sixteen bytes, and the numbers after them.
     static FourVec3 gathered(const void* const (&at)[Four::count], Four& after) {
-        using Lanes = Four::Lanes;
-        const Lanes a = Four::at(at[0]).lane, b = Four::at(at[1]).lane, c = Four::at(at[2]).lane,
-                    d = Four::at(at[3]).lane;
-        const Lanes xy_of_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
-                    xy_of_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5),
-                    zw_of_ab = __builtin_shufflevector(a, b, 2, 6, 3, 7),
-                    zw_of_cd = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+        using FourLanes = Four::FourLanes;
+        const FourLanes a = Four::at(at[0]).lane, b = Four::at(at[1]).lane,
+                        c = Four::at(at[2]).lane, d = Four::at(at[3]).lane;
+        const FourLanes xy_of_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+                        xy_of_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5),
+                        zw_of_ab = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+                        zw_of_cd = __builtin_shufflevector(c, d, 2, 6, 3, 7);
         after = __builtin_shufflevector(zw_of_ab, zw_of_cd, 2, 3, 6, 7);
         return {__builtin_shufflevector(xy_of_ab, xy_of_cd, 0, 1, 4, 5),
                 __builtin_shufflevector(xy_of_ab, xy_of_cd, 2, 3, 6, 7),
