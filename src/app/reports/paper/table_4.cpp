@@ -47,7 +47,7 @@ void table_4(std::span<const Quality> qualities, Page& page) {
         "(dynamic BVH and GJK), response 1.2 ms and 6.6 ms (EPA), in all 61.0 ms and 77.0 ms.\n");
     page.line(
         "Means of the frames whose truth is known, milliseconds on one thread each, the same "
-        "motion for both; rays with their default settings. *Updating* has boxes, pairs and trees. "
+        "motion for both; rays of vertices alone. *Updating* has boxes, pairs and trees. "
         "The response is what it takes to hand contacts to Bullet's solver; of GJK/EPA it is EPA, "
         "and GImpact finds depths while it looks for pairs. Errors stand beside the times.\n");
     page.line(

@@ -21,10 +21,11 @@ enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): takes half to two thirds of the time of overlaps, and
                ///< misses overlaps that hold no vertex or are thinner than one ray, 2 to 5 % of the
                ///< pairs in piles (docs/accuracy.md)
-    complete,  ///< all its edges, too: takes 1.6 to 2.3 times as long as overlaps, and adds the
+    complete,  ///< all its edges, too: takes 1.6 to 2.4 times as long as overlaps, and adds the
                ///< places where edges alone cross in pairs that have contacts of vertices elsewhere
     overlaps,  ///< its vertices, the edges of pairs in which no vertex has a contact with a depth,
-               ///< and bodies inside one another: no pair that overlaps is missed
+               ///< and bodies inside one another: misses no pair of the piles; docs/trust.md
+               ///< lists the rare random pairs that it misses
 };
 
 /// How a world detects contacts. Every field has a default that suits any scale.
@@ -34,13 +35,13 @@ struct Settings {
 
     Coverage coverage = Coverage::overlaps;
     /// Contacts move from where their ray leaves the target to the closest point of its surface:
-    /// less depth, never more. Leaving this out saves 4 to 10 % of the time; depths are then 4 to 7
-    /// % too large and normals 16 to 20 degrees off the shortest way out in the median
-    /// (docs/accuracy.md).
+    /// less depth, never more. Leaving this out saves 4 to 6 % of the time of complete coverage;
+    /// depths are then 4 to 7 % too large and normals 16 to 20 degrees off the shortest way out in
+    /// the median (docs/accuracy.md).
     bool reproject = true;
 
-    /// Remembering nothing (Temporal::off) changes no contact and takes 1.1 to 1.4 times as long
-    /// while bodies fall, and three to five times as long once they rest.
+    /// Remembering nothing (Temporal::off) changes no contact; with vertices alone, it takes 1.1 to
+    /// 1.4 times as long over the motion of a pile, and three to five times once the pile rests.
     Temporal temporal = Temporal::certified;
     /// Temporal::certified remembers nothing for a while where that would cost more than it spares.
     bool may_rest = true;

@@ -363,8 +363,9 @@ private:
         const std::uint32_t count = batch.first_candidate;
         for (std::uint32_t k = 0; k < count; ++k) {
             const RaySource& other = batch.sources[batch.candidates[k]];
-            if (batch.keep[k] && other.start == RayStart::vertex && other.pair == from.pair &&
-                other.side == from.side && other.item == from.item)
+            // Only the item of this vertex may read or write that it is kept.
+            if (other.start == RayStart::vertex && other.pair == from.pair &&
+                other.side == from.side && other.item == from.item && batch.keep[k])
                 return k;
         }
         return no_record;
