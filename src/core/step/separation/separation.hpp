@@ -6,6 +6,7 @@
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
 #include "core/step/edges/late_chords.hpp"
+#include "core/step/edges/mark_candidate.hpp"
 #include "core/step/separation/separation_lists.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
