@@ -1,14 +1,18 @@
 #include "app/output/detection_json.hpp"
 
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace pierce::app {
 namespace {
 
 constexpr const char* temporal_names[] = {"off", "paper", "certified"};
-constexpr const char* coverage_names[] = {"vertices", "complete"};
+constexpr const char* coverage_names[] = {"vertices", "complete", "overlaps"};
 constexpr const char* found_names[] = {"full",     "walk",       "prediction", "self",      "near",
                                        "crossing", "remembered", "tangled",    "separation"};
+static_assert(std::size(temporal_names) == static_cast<std::size_t>(Temporal::certified) + 1);
+static_assert(std::size(coverage_names) == static_cast<std::size_t>(Coverage::overlaps) + 1);
+static_assert(std::size(found_names) == static_cast<std::size_t>(Found::separation) + 1);
 
 }  // namespace
 

@@ -110,6 +110,15 @@ struct TriangleRing {
                      ///< of the ring turns is below this times how far they move
 };
 
+/// A connected part of a surface by four of its vertices that, in the rest shape, are far from each
+/// other and from one plane, unless the part is flat: the first vertex, the one furthest from it,
+/// from the line through both, and from the plane through the three.
+struct MeshPart {
+    static constexpr std::uint32_t count = 4;
+
+    std::uint32_t vertex[count] = {};
+};
+
 /// All arrays of a mesh, each declared here once. They are views, vectors of their owner, or copies
 /// on a device.
 template <template <class> class Array>
@@ -133,7 +142,7 @@ struct MeshArrays {
                                            ///< constants::group_size each
     Array<BoxNode> box_nodes;     ///< a tree of boxes (box_nodes.hpp) around the rest shape
     Array<bvh::Leaf> leaves;      ///< all triangles, by ones and twos
-    Array<std::uint32_t> parts;   ///< one vertex of every connected part
+    Array<MeshPart> parts;        ///< of every connected part
     Array<Neighbors> neighbors;   ///< per triangle
     Array<TriangleRing> rings;    ///< per triangle; of the rest shape
     Array<float> star_clearance;  ///< per vertex; empty for a mesh that is not closed

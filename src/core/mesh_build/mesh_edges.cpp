@@ -1,6 +1,8 @@
 #include "core/mesh_build/mesh_edges.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/device/bits.hpp"
@@ -71,14 +73,34 @@ std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
     return features;
 }
 
-std::vector<std::uint32_t> parts_of(const MeshView& mesh) {
+std::vector<MeshPart> parts_of(const MeshView& mesh) {
     DisjointSets vertices = connected_vertices({mesh.triangles.begin(), mesh.triangles.end()},
                                                mesh.positions.size);
-    std::vector<std::uint32_t> parts;
-    for (const Triangle& t : mesh.triangles) parts.push_back(vertices.root(t.vertex[0]));
-    std::ranges::sort(parts);
-    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
-    return parts;
+    std::map<std::uint32_t, MeshPart> parts;
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t.vertex) {
+            const std::uint32_t root = vertices.root(v);
+            parts.try_emplace(root, MeshPart{{root, root, root, root}});
+        }
+    const auto place = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
+    // How far a vertex is from the first `k` of its part, up to a factor that they share.
+    const auto distance = [&](const MeshPart& part, std::uint32_t k, std::uint32_t v) {
+        const Vec3d first = place(part.vertex[0]), from = place(v) - first,
+                    second = place(part.vertex[1]) - first, third = place(part.vertex[2]) - first;
+        return k == 1   ? length_squared(from)
+               : k == 2 ? length_squared(cross(second, from))
+                        : std::fabs(dot(cross(second, third), from));
+    };
+    for (std::uint32_t k = 1; k < MeshPart::count; ++k)
+        for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
+            const auto part = parts.find(vertices.root(v));
+            if (part == parts.end()) continue;  // of no triangle
+            MeshPart& p = part->second;
+            if (distance(p, k, v) > distance(p, k, p.vertex[k])) p.vertex[k] = v;
+        }
+    std::vector<MeshPart> result;
+    for (const auto& [root, part] : parts) result.push_back(part);
+    return result;
 }
 
 }  // namespace pierce

@@ -14,7 +14,7 @@ std::vector<Edge> edges_of(const MeshView& mesh);
 /// The features of every triangle; reads the edges of `mesh`.
 std::vector<TriangleFeatures> features_of(const MeshView& mesh);
 
-/// One vertex of every connected part of the surface, in ascending order.
-std::vector<std::uint32_t> parts_of(const MeshView& mesh);
+/// Every connected part of the surface, in the order of their first vertices.
+std::vector<MeshPart> parts_of(const MeshView& mesh);
 
 }  // namespace pierce

@@ -26,7 +26,7 @@
 #include "core/step/solids/displacement.hpp"
 #include "core/step/solids/ray_gen.hpp"
 #include "core/step/solids/remember.hpp"
-#include "core/step/solids/reproject.hpp"
+#include "core/step/solids/reprojection.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/step/solids/walk.hpp"
 #include "core/step/step_lists.hpp"
@@ -50,7 +50,8 @@ public:
           tools_(executor, tracer),
           edges_(tools_),
           self_overlap_(tools_),
-          separation_(tools_),
+          reprojection_(tools_),
+          separation_(tools_, reprojection_),
           sheets_(tools_) {}
 
     /// Runs one step, up to its contacts. `stats` gets the stages' times here, and everything else
@@ -81,8 +82,8 @@ public:
         stage(StageId::classify, [&] { test_own_exits(scene); });
         stage(StageId::self_overlap,
               [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
+        stage(plan.reprojects ? StageId::reproject : StageId::separation, [&] { depths(scene); });
         stage(StageId::separation, [&] { separation(scene); });
-        stage(StageId::reproject, [&] { reproject(scene); });
         // Later stages change neither hits nor own rays.
         stage(StageId::statistics, [&] { executor_.beside([&] { count_rays(); }); });
         stage(StageId::contacts, [&] { contacts(scene); });
@@ -222,7 +223,7 @@ private:
         routes_.routes.clear();
         routes_.uncertain.clear();
         batch_.clear();
-        reprojected_.clear();
+        reprojection_.clear();
         exits_.clear();
         edges_.forget();
         sheets_.forget();
@@ -521,43 +522,16 @@ private:
                 .keep = view_of(batch_.keep)};
     }
 
-    /// Pairs that overlap without a contact so far.
-    void separation(const Scene& scene) {
-        separation_.separate(step_of_pairs(scene), edges_, batch_, routes_.routes);
+    // reproject: Contacts move to the closest point of the target's surface. Which pairs have a
+    // contact, and which have depth, is known from then on.
+    void depths(const Scene& scene) {
+        reprojection_.decide(step_of_pairs(scene), batch_, 0u, count_of(batch_.candidates),
+                             edges_.flat());
     }
 
-    /// Contacts move to the closest point of the target's surface.
-    void reproject(const Scene& scene) {
-        const Count count = count_of(batch_.candidates);
-        reprojected_.aimed.rays.resize(count);
-        reprojected_.aimed.hits.resize(count);
-        reprojected_.aimed.meetings.resize(count);
-        reprojected_.accepted.resize(count);
-        reprojected_.known.resize(count);
-        tools_.closest_between(scene.bodies, reprojected_.aimed.rays,
-                               stages::LimitToDepth{.bodies = scene.bodies,
-                                                    .rays = view_of(batch_.rays),
-                                                    .sources = view_of(batch_.sources),
-                                                    .hits = view_of(batch_.hits),
-                                                    .meetings = view_of(batch_.meetings),
-                                                    .candidates = view_of(batch_.candidates),
-                                                    .keep = view_of(batch_.keep),
-                                                    .limited = view_of(reprojected_.aimed.rays),
-                                                    .known = view_of(reprojected_.known),
-                                                    .pairs = view_of(pairs_.pairs),
-                                                    .all = scene.plan->settings.reproject},
-                               [&](View<const std::uint32_t> closest) {
-                                   return stages::MoveToClosest{
-                                       .bodies = scene.bodies,
-                                       .known = view_of(reprojected_.known),
-                                       .closest = closest,
-                                       .candidates = view_of(batch_.candidates),
-                                       .found = view_of(batch_.meetings),
-                                       .rays = view_of(reprojected_.aimed.rays),
-                                       .hits = view_of(reprojected_.aimed.hits),
-                                       .meetings = view_of(reprojected_.aimed.meetings),
-                                       .accepted = view_of(reprojected_.accepted)};
-                               });
+    // separation: Pairs that overlap without a contact so far.
+    void separation(const Scene& scene) {
+        separation_.separate(step_of_pairs(scene), edges_, batch_, routes_.routes);
     }
 
     // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
@@ -601,8 +575,8 @@ private:
                                 .chords = edges_.chords(),
                                 .sources = view_of(batch_.sources),
                                 .found_rays = batch_.results(),
-                                .aimed = reprojected_.aimed.results(),
-                                .accepted = view_of(reprojected_.accepted),
+                                .aimed = reprojection_.moved(),
+                                .accepted = reprojection_.accepted(),
                                 .candidates = view_of(batch_.candidates),
                                 .order = view_of(sort_.order),
                                 .keys = view_of(now_.contact_keys),
@@ -688,6 +662,7 @@ private:
     StepTools<E, T> tools_;
     EdgeChords<E, T> edges_;
     SelfOverlap<E, T> self_overlap_;
+    Reprojection<E, T> reprojection_;
     Separation<E, T> separation_;
     Sheets<E, T> sheets_;
 
@@ -698,7 +673,6 @@ private:
     RayBatch<E> batch_;
     RouteLists<E> routes_;
     ExitLists<E> exits_;
-    ReprojectLists<E> reprojected_;
     SortScratch<E> sort_;
     StepSums<E> sums_;
     Count traced_ = 0u;  ///< rays of vertices, of chords, and along velocities

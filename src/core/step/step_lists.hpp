@@ -148,19 +148,6 @@ struct ExitLists {
     }
 };
 
-/// Contacts on their way to the closest point.
-template <Executor E>
-struct ReprojectLists {
-    RayBatch<E> aimed;
-    typename E::template Buffer<std::uint32_t> known, accepted;
-
-    void clear() {
-        aimed.clear();
-        known.clear();
-        accepted.clear();
-    }
-};
-
 /// The sums of a step.
 template <Executor E>
 struct StepSums {

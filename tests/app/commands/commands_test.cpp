@@ -27,6 +27,22 @@ TEST_F(AppTest, ListsScenesAndPlans) {
     EXPECT_THAT(pierce("--version").text, HasSubstr("pierce 0."));
 }
 
+TEST_F(AppTest, WritesWithWhichSettingsItRan) {
+    const std::string run = "run tori --count 2 --seconds 0.02 --json " + path("run.json");
+    const auto settings = [&](const std::string& options) {
+        EXPECT_EQ(pierce(run + options).code, 0) << options;
+        return read("run.json")["settings"];
+    };
+    const json by_default = settings("");
+    EXPECT_EQ(by_default["coverage"], "overlaps");
+    EXPECT_EQ(by_default["temporal"], "certified");
+    EXPECT_EQ(by_default["reproject"], true);
+    for (const char* coverage : {"vertices", "overlaps", "complete"})
+        EXPECT_EQ(settings(std::string(" --coverage ") + coverage)["coverage"], coverage);
+    for (const char* temporal : {"off", "paper", "certified"})
+        EXPECT_EQ(settings(std::string(" --temporal ") + temporal)["temporal"], temporal);
+}
+
 TEST_F(AppTest, WritesAPictureOfEveryFrame) {
     ASSERT_EQ(pierce("run tori --count 2 --seconds 0.1 --record " + path("short")).code, 0);
     const std::string replay = "replay " + path("short") + " --json ";

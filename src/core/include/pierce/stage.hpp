@@ -21,8 +21,8 @@ enum class StageId : std::uint8_t {
     trace,
     classify,
     self_overlap,
-    separation,
     reproject,
+    separation,
     contacts,
     remember,
     statistics

@@ -10,14 +10,15 @@ namespace pierce::stages {
 /// What is known of pairs so far in a step: bits of a word per pair, which stages set and never
 /// clear.
 struct PairMarks {
-    static constexpr std::uint32_t reached = 1,  ///< something of one body is inside the other
-        in_contact = 2,                          ///< it has a contact
-        has_depth = 4,                           ///< it has a contact with a depth
-        edge_touches = 8,                        ///< an edge touches the other surface
-        edge_crosses = 16,                       ///< an edge may cross the other surface
-        moved_overlaps = 32,                     ///< an edge that was moved shows an overlap
-        separates = 64,                          ///< rays along its way apart are wanted
-        vertex_touches = 128;                    ///< a vertex has a contact without a depth
+    static constexpr std::uint32_t vertex_inside = 1,  ///< a vertex of one body is inside the other
+        in_contact = 2,                                ///< it has a contact
+        has_depth = 4,                                 ///< it has a contact with a depth
+        edge_touches = 8,                              ///< an edge touches the other surface
+        edge_crosses = 16,                             ///< an edge may cross the other surface
+        moved_overlaps = 32,                           ///< an edge that was moved shows an overlap
+        separates = 64,                                ///< rays along its way apart are wanted
+        vertex_touches = 128,                          ///< a vertex has a contact without a depth
+        holds_chord = 256;  ///< a part of an edge of one body is inside the other
 
     View<std::uint32_t> words;
 

@@ -308,8 +308,7 @@ struct ChordsOfStep {
     View<std::uint32_t> flat;
     PairMarks marks;
 
-    /// Writes a chord and returns the source of its ray. Something of its edge's body is inside the
-    /// other body.
+    /// Writes a chord and returns the source of its ray.
     PIERCE_HD RaySource write(std::uint32_t place, const FoundChord& f) const {
         const RaySource source = {.pair = f.directed / 2,
                                   .item = place,
@@ -318,7 +317,7 @@ struct ChordsOfStep {
         chords[place] = f.chord;
         sources[place] = source;
         flat[place] = no_record;
-        marks.set(source.pair, PairMarks::reached);
+        marks.set(source.pair, PairMarks::holds_chord);
         return source;
     }
 };

@@ -17,20 +17,9 @@
 #include "core/step/edges/touch_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_batch.hpp"
+#include "core/step/solids/step_of_pairs.hpp"
 
 namespace pierce {
-
-/// What the stages of edges and separation read of a step, and the marks that they set.
-template <Executor E>
-struct StepOfPairs {
-    const Scene& scene;
-    typename E::Count count;  ///< of pairs
-    View<const Pair> pairs;
-    View<const stages::DirectedPair> directed;  ///< two per pair, like the next one
-    View<const PairMemory> memory;              ///< empty if steps do not remember
-    View<const std::uint32_t> links;
-    stages::PairMarks marks;
-};
 
 /// Finds the parts of edges that are inside another body and adds a ray from the middle of each to
 /// a batch of rays.

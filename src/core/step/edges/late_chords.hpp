@@ -1,54 +1,44 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/step/common/pair_marks.hpp"
-#include "core/step/common/pairs.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
-#include "core/step/edges/mark_candidate.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/join_batch.hpp"
 #include "core/step/solids/ray_batch.hpp"
+#include "core/step/solids/reprojection.hpp"
 
 namespace pierce {
 
 namespace stages {
 
-/// Per candidate of late rays: decides whether it is a contact, joins the batch, and marks its
-/// pair.
+/// Per candidate of late rays: decides whether it is a contact, and joins the batch.
 struct JoinLate {
     TestOwnExit own_exit;
     JoinBatch batch;
-    PairMarks marks;
-    View<std::uint32_t> flat;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         own_exit(i);
-        const std::uint32_t candidate = batch.join(i, own_exit.candidates[i], own_exit.keep[i]);
-        MarkCandidate{.sources = batch.sources,
-                      .meetings = batch.meetings,
-                      .candidates = batch.candidates,
-                      .keep = batch.keep,
-                      .marks = marks,
-                      .flat = flat}(candidate);
+        batch.join(i, own_exit.candidates[i], own_exit.keep[i]);
     }
 };
 
 }  // namespace stages
 
 /// Looks for chords in pairs that have no contact with a depth so far, and takes their rays through
-/// trace and classify.
+/// trace, classify and reproject.
 template <Executor E, Tracer<E> T>
 class LateChords {
 public:
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
-    explicit LateChords(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
+    LateChords(StepTools<E, T>& tools, Reprojection<E, T>& reprojection)
+        : tools_(tools), executor_(tools.executor), reprojection_(reprojection) {}
 
     /// Adds their rays that start inside to the batch, as candidates.
     void find(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
@@ -71,7 +61,7 @@ public:
                                     .chords = edges.chords(),
                                     .sources = view_of(late_.sources)},
             late_.candidates, own_rays_, starts_inside_);
-        const auto found = count_of(late_.candidates);
+        const auto begin = count_of(batch.candidates), found = count_of(late_.candidates);
         if (executor_.is_empty(found)) return;
         late_.keep.resize(found);
         own_hits_.resize(found);
@@ -86,14 +76,14 @@ public:
                              .own_hits = view_of(own_hits_),
                              .starts_inside = view_of(starts_inside_),
                              .keep = view_of(late_.keep)},
-                .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_),
-                .marks = step.marks,
-                .flat = edges.flat()});
+                .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_)});
+        reprojection_.decide(step, batch, begin, found, edges.flat());
     }
 
 private:
     StepTools<E, T>& tools_;
     E& executor_;
+    Reprojection<E, T>& reprojection_;
     RayBatch<E> late_;
     Buffer<Route> late_routes_;
     Buffer<Ray> own_rays_;

@@ -6,12 +6,12 @@
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
 #include "core/step/edges/late_chords.hpp"
-#include "core/step/edges/mark_candidate.hpp"
 #include "core/step/separation/separation_lists.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/join_batch.hpp"
 #include "core/step/solids/ray_batch.hpp"
+#include "core/step/solids/reprojection.hpp"
 
 namespace pierce {
 
@@ -24,20 +24,13 @@ public:
     using Buffer = typename E::template Buffer<Item>;
     using Count = typename E::Count;
 
-    explicit Separation(StepTools<E, T>& tools)
-        : tools_(tools), executor_(tools.executor), late_chords_(tools) {}
+    Separation(StepTools<E, T>& tools, Reprojection<E, T>& reprojection)
+        : tools_(tools), executor_(tools.executor), late_chords_(tools, reprojection) {}
 
     /// Adds the rays of such pairs to `batch` and `routes`, those that start inside, as candidates
     /// that are contacts. Earlier candidates stay candidates.
     void separate(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
                   Buffer<Route>& routes) {
-        executor_.for_each(count_of(batch.candidates),
-                           stages::MarkCandidate{.sources = view_of(batch.sources),
-                                                 .meetings = view_of(batch.meetings),
-                                                 .candidates = view_of(batch.candidates),
-                                                 .keep = view_of(batch.keep),
-                                                 .marks = step.marks,
-                                                 .flat = edges.flat()});
         late_rays_ = 0u;
         if (!step.scene.plan->is_complete()) {
             late_chords_.find(step, edges, batch, routes);

@@ -17,10 +17,10 @@
 /// The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {
 
-/// True if a part that begins at a vertex of a directed pair's source may be inside the target;
-/// writes the ray that shows whether it is, long enough to leave the target.
-PIERCE_HD inline bool may_hold(View<const BodyView> bodies, const DirectedPair& d,
-                               std::uint32_t vertex, Ray& ray) {
+/// True if a vertex of a directed pair's source may be inside the target; writes the ray that shows
+/// whether it is, long enough to leave the target.
+PIERCE_HD inline bool may_be_inside(View<const BodyView> bodies, const DirectedPair& d,
+                                    std::uint32_t vertex, Ray& ray) {
     const BodyView& target = bodies[d.target];
     const Vec3d start = to_double(bodies[d.source].positions[vertex]);
     const Vec3d in_fit = d.to_fit.to_parent(start);
@@ -35,8 +35,10 @@ PIERCE_HD inline bool may_hold(View<const BodyView> bodies, const DirectedPair& 
     return !(free > 2 * target.touch);
 }
 
-/// Per directed pair with nothing inside so far: lists a ray from one vertex of each of its
-/// source's parts. Vertices that are certainly outside get none.
+/// Per directed pair that has no contact with a depth and no vertex inside: lists the rays from the
+/// vertices of each of its source's parts. Where surfaces do not cross, a part is inside if one of
+/// its vertices is, and not if one is outside; some may lie in the surface, and say nothing. A part
+/// with a vertex that is certainly outside gets no rays.
 struct AskParts {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -46,24 +48,33 @@ struct AskParts {
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
-        if (marks.any(i / 2, PairMarks::reached) || !bodies[d.target].is_solid() || d.is_self())
+        if (marks.any(i / 2, PairMarks::vertex_inside | PairMarks::has_depth) ||
+            !bodies[d.target].is_solid() || d.is_self())
             return 0;
         std::uint32_t count = 0;
-        Ray ray;
-        for (std::uint32_t v : bodies[d.source].mesh.parts) count += may_hold(bodies, d, v, ray);
+        for (const MeshPart& part : bodies[d.source].mesh.parts) count += may_hold(d, part);
         return count;
     }
-    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return MeshPart::count * found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, Ray* rays,
                          RaySource* sources) const {
         if (found == 0) return;
         const DirectedPair& d = directed[i];
-        for (std::uint32_t v : bodies[d.source].mesh.parts) {
-            Ray ray;
-            if (!may_hold(bodies, d, v, ray)) continue;
-            rays[place] = ray;
-            sources[place++] = {i / 2, v, static_cast<std::uint8_t>(i % 2)};
+        for (const MeshPart& part : bodies[d.source].mesh.parts) {
+            if (!may_hold(d, part)) continue;
+            for (std::uint32_t v : part.vertex) {
+                may_be_inside(bodies, d, v, rays[place]);
+                sources[place++] = {i / 2, part.vertex[0], static_cast<std::uint8_t>(i % 2)};
+            }
         }
+    }
+
+private:
+    PIERCE_HD bool may_hold(const DirectedPair& d, const MeshPart& part) const {
+        Ray ray;
+        for (std::uint32_t v : part.vertex)
+            if (!may_be_inside(bodies, d, v, ray)) return false;
+        return true;
     }
 };
 
@@ -79,15 +90,16 @@ struct NeedsMore {
         if (!marks.any(pair, PairMarks::has_depth) && marks.any(pair, PairMarks::edge_crosses))
             return true;
         const bool in_contact = marks.any(pair, PairMarks::in_contact);
-        if (!in_contact && marks.any(pair, PairMarks::edge_touches | PairMarks::reached))
+        if (!in_contact && marks.any(pair, PairMarks::edge_touches | PairMarks::vertex_inside |
+                                               PairMarks::holds_chord))
             return true;
-        if (marks.any(pair, PairMarks::reached)) return false;
         const AskParts parts{.bodies = bodies, .directed = directed, .marks = marks};
         return parts.find(2 * pair) + parts.find(2 * pair + 1) > 0;
     }
 };
 
-/// Per ray of a part: lists the parts that are inside, and marks their pairs.
+/// Per ray of a part: lists the parts that are inside, by their first vertices, and marks their
+/// pairs.
 struct FindContained {
     LeavesTarget leaves;
     View<const RaySource> sources;
@@ -96,10 +108,13 @@ struct FindContained {
     static constexpr bool in_order = true;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        // A part that begins on the surface touches it; that says nothing about where the part is.
-        if (!leaves(i) || !(leaves.way(i) > 0)) return false;
-        marks.set(sources[i].pair, PairMarks::separates);
-        return true;
+        if (i % MeshPart::count != 0) return false;
+        for (std::uint32_t k = i; k < i + MeshPart::count; ++k)
+            if (leaves(k) && leaves.way(k) > 0) {
+                marks.set(sources[i].pair, PairMarks::separates);
+                return true;
+            }
+        return false;
     }
     PIERCE_HD static std::uint32_t count(bool found) { return found; }
     PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place,
@@ -324,8 +339,8 @@ struct GenerateContainedRays {
 private:
     /// True for vertices that get a ray for the part they stand for.
     PIERCE_HD static bool is_part(const MeshView& mesh, std::uint32_t v) {
-        for (std::uint32_t part : mesh.parts)
-            if (part >= v) return part == v;
+        for (const MeshPart& part : mesh.parts)
+            if (part.vertex[0] >= v) return part.vertex[0] == v;
         return false;
     }
 };

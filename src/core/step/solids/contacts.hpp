@@ -118,7 +118,8 @@ struct FillContact {
     View<const RaySource> sources;
     RayResults found_rays;
     RayResults aimed;  ///< per candidate, re-projected; empty if that is not asked for
-    View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts
+    View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts; those that
+                                         ///< separation has added are not in this list
     View<const std::uint32_t> candidates, order;
     View<const std::uint64_t> keys;
     View<const Route> routes;  ///< empty if steps do not remember
@@ -140,7 +141,7 @@ struct FillContact {
             return sums_of(kept, first);
         }
         const std::uint32_t r = candidates[order[i]];
-        const bool moved = accepted.size > 0 && accepted[order[i]];
+        const bool moved = order[i] < accepted.size && accepted[order[i]];
         const RayResults& results = moved ? aimed : found_rays;
         const std::uint32_t place = moved ? order[i] : r;
         const Ray& ray = results.rays[place];

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
+#include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/step/solids/classify.hpp"
+#include "core/step/solids/mark_candidate.hpp"
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/trace/surface_walk.hpp"
@@ -12,12 +14,13 @@
 /// place where an inward ray leaves the target is never nearer than the closest point. No point of
 /// the surface is nearer than the closest point, so the way there is inside the target (R1). The
 /// way need not run through the vertex's own body. For bodies that touch in a few vertices it often
-/// does not, and the contact has passed R2 and R3 along its inward ray.
+/// does not, and the contact has passed R2 and R3 along its inward ray. A contact whose closest
+/// point is within the touch tolerance touches: it has no depth, however far its ray went.
 namespace pierce::stages {
 
-/// Per candidate: where to look for a closer point, if it is a contact that may move, and no
-/// further than the contact is deep. Nothing is to be looked for if the triangle that the ray hit
-/// is certainly the closest one.
+/// Per candidate from `begin` on: where to look for a closer point, if it is a contact that may
+/// move, and no further than the contact is deep. Nothing is to be looked for if the triangle that
+/// the ray hit is certainly the closest one.
 struct LimitToDepth {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -25,16 +28,17 @@ struct LimitToDepth {
     View<const Hit> hits;
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates, keep;
-    View<Ray> limited;
+    Number begin;
+    View<Ray> limited;          ///< per candidate from `begin` on, like the next one
     View<std::uint32_t> known;  ///< the closest triangle, if it is known
     View<const Pair> pairs;
     bool all = true;  ///< if false, only contacts of sheets, whose normals say nothing about the
                       ///< way out of another body
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t r = candidates[i];
+        const std::uint32_t candidate = begin + i, r = candidates[candidate];
         const Pair pair = pairs[sources[r].pair];
-        const bool may_move = keep[i] && !sources[r].separates && !pair.is_self() &&
+        const bool may_move = keep[candidate] && !sources[r].separates && !pair.is_self() &&
                               bodies[rays[r].target].is_solid() &&
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
         limited[i] = rays[r];
@@ -62,24 +66,35 @@ private:
     }
 };
 
-/// Per candidate: moves the ray's end to the closest point, unless that is no nearer than the
-/// contact, or in the surface.
+/// Per candidate from `begin` on: moves the ray's end to the closest point, unless that is no
+/// nearer than the contact, and marks its pair.
 struct MoveToClosest {
     View<const BodyView> bodies;
+    View<const Ray> limited;            ///< per candidate from `begin` on, like the next two
     View<const std::uint32_t> known;    ///< triangles of the target
     View<const std::uint32_t> closest;  ///< where none is known: within the limit
     View<const std::uint32_t> candidates;
     View<const Meeting> found;  ///< per ray
-    View<Ray> rays;
+    Number begin;
+    View<Ray> rays;  ///< per candidate, like the others
     View<Hit> hits;
     View<Meeting> meetings;
     View<std::uint32_t> accepted;
+    MarkCandidate mark;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        accepted[i] = 0;
+        const std::uint32_t candidate = begin + i;
+        const double depth = found[candidates[candidate]].t;
+        accepted[candidate] = moves(i, candidate, depth);
+        if (mark.marks.words.size > 0)
+            mark.mark(candidate, accepted[candidate] ? meetings[candidate].t : depth);
+    }
+
+private:
+    PIERCE_HD bool moves(std::uint32_t i, std::uint32_t candidate, double depth_of_ray) const {
         const std::uint32_t triangle = known[i] != no_triangle ? known[i] : closest[i];
-        if (triangle == no_triangle) return;
-        Ray& ray = rays[i];
+        if (triangle == no_triangle) return false;
+        Ray ray = limited[i];
         const Surface surface = bodies[ray.target].surface();
         const Triangle& t = surface.triangles[triangle];
         const Vec3d a = to_double(surface.positions[t.vertex[0]]),
@@ -87,12 +102,14 @@ struct MoveToClosest {
                     c = to_double(surface.positions[t.vertex[2]]);
         const Vec3d point = closest_point(ray.origin, surface, triangle), way = point - ray.origin;
         const double depth = length(way);
-        if (!(depth > ray.touch) || !(depth < found[candidates[i]].t) || is_degenerate(a, b, c))
-            return;
-        ray.direction = normalized(way);
-        hits[i] = {triangle};
-        meetings[i] = meeting_at(point, depth, a, b, c);
-        accepted[i] = 1;
+        if (!(depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
+        const bool touches = !(depth > ray.touch);
+        // Rounding decides where so short a way leads.
+        ray.direction = normalized(touches ? cross(b - a, c - a) : way);
+        rays[candidate] = ray;
+        hits[candidate] = {triangle};
+        meetings[candidate] = meeting_at(point, touches ? 0.0 : depth, a, b, c);
+        return true;
     }
 };
 

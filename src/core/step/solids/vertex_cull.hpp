@@ -89,9 +89,9 @@ struct DirectPair {
         directed[i] = d;
         // A pair in which nothing has moved keeps its contacts: nothing is to be looked for.
         if (marks.words.size > 0 && i % 2 == 0)
-            marks.begin(
-                i / 2,
-                d.still ? PairMarks::reached | PairMarks::in_contact | PairMarks::has_depth : 0u);
+            marks.begin(i / 2, d.still ? PairMarks::vertex_inside | PairMarks::in_contact |
+                                             PairMarks::has_depth
+                                       : 0u);
         return is_asked(source, target, d.is_self(), i % 2) ? block_count(source.mesh) : 0;
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }

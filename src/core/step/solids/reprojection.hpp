@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "core/device/view.hpp"
+#include "core/step/common/step_tools.hpp"
+#include "core/step/solids/mark_candidate.hpp"
+#include "core/step/solids/ray_batch.hpp"
+#include "core/step/solids/reproject.hpp"
+#include "core/step/solids/step_of_pairs.hpp"
+
+namespace pierce {
+
+/// Decides how deep candidates are: contacts move to the closest point of their target's surface,
+/// if the plan asks for that, and pairs are told what they have.
+template <Executor E, Tracer<E> T>
+class Reprojection {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+    using Count = typename E::Count;
+
+    explicit Reprojection(StepTools<E, T>& tools) : tools_(tools) {}
+
+    /// Takes the `count` candidates of `batch` from the `begin`-th on. Earlier ones stay as they
+    /// are.
+    void decide(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
+                const Count& count, View<std::uint32_t> flat) {
+        const stages::MarkCandidate mark{.sources = view_of(batch.sources),
+                                         .meetings = view_of(batch.meetings),
+                                         .candidates = view_of(batch.candidates),
+                                         .keep = view_of(batch.keep),
+                                         .begin = begin,
+                                         .marks = step.marks,
+                                         .flat = flat};
+        if (step.scene.plan->reprojects)
+            move(step, batch, begin, count, mark);
+        else
+            tools_.executor.for_each(count, mark);
+    }
+
+    /// The contacts that have moved: per candidate, and whether it has.
+    stages::RayResults moved() const { return aimed_.results(); }
+    View<const std::uint32_t> accepted() const { return view_of(accepted_); }
+
+    void clear() {
+        aimed_.clear();
+        accepted_.clear();
+    }
+
+private:
+    void move(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
+              const Count& count, const stages::MarkCandidate& mark) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        aimed_.rays.resize(begin + count);
+        aimed_.hits.resize(begin + count);
+        aimed_.meetings.resize(begin + count);
+        accepted_.resize(begin + count);
+        limited_.resize(count);
+        known_.resize(count);
+        tools_.closest_between(bodies, limited_,
+                               stages::LimitToDepth{.bodies = bodies,
+                                                    .rays = view_of(batch.rays),
+                                                    .sources = view_of(batch.sources),
+                                                    .hits = view_of(batch.hits),
+                                                    .meetings = view_of(batch.meetings),
+                                                    .candidates = view_of(batch.candidates),
+                                                    .keep = view_of(batch.keep),
+                                                    .begin = begin,
+                                                    .limited = view_of(limited_),
+                                                    .known = view_of(known_),
+                                                    .pairs = step.pairs,
+                                                    .all = step.scene.plan->settings.reproject},
+                               [&](View<const std::uint32_t> closest) {
+                                   return stages::MoveToClosest{
+                                       .bodies = bodies,
+                                       .limited = view_of(std::as_const(limited_)),
+                                       .known = view_of(std::as_const(known_)),
+                                       .closest = closest,
+                                       .candidates = view_of(batch.candidates),
+                                       .found = view_of(batch.meetings),
+                                       .begin = begin,
+                                       .rays = view_of(aimed_.rays),
+                                       .hits = view_of(aimed_.hits),
+                                       .meetings = view_of(aimed_.meetings),
+                                       .accepted = view_of(accepted_),
+                                       .mark = mark};
+                               });
+    }
+
+    StepTools<E, T>& tools_;
+    RayBatch<E> aimed_;
+    Buffer<std::uint32_t> accepted_;
+    Buffer<Ray> limited_;
+    Buffer<std::uint32_t> known_;
+};
+
+}  // namespace pierce
