@@ -139,6 +139,7 @@ private:
                                       .length
                                 : way_out();
         const bool is_shallow = most <= touch_;
+        counts_.unseen += !is_shallow && contacts_.empty();
         if (is_shallow || (most <= skin * touch_ && !an_edge_runs_inside())) {
             ++(is_shallow ? counts_.shallow : counts_.missed_skin);
             counts_.most_allowed = std::max(counts_.most_allowed, (convex ? most : least) / ulp_);
@@ -438,8 +439,8 @@ PairCounts& PairCounts::operator+=(const PairCounts& o) {
     for (const auto member :
          {&PairCounts::pairs, &PairCounts::overlapping, &PairCounts::deep, &PairCounts::found,
           &PairCounts::without_vertex, &PairCounts::missed, &PairCounts::missed_thin,
-          &PairCounts::missed_skin, &PairCounts::undecided, &PairCounts::shallow,
-          &PairCounts::invented, &PairCounts::near})
+          &PairCounts::missed_skin, &PairCounts::undecided, &PairCounts::unseen,
+          &PairCounts::shallow, &PairCounts::invented, &PairCounts::near})
         this->*member += o.*member;
     most_allowed = std::max(most_allowed, o.most_allowed);
     most_apart = std::max(most_apart, o.most_apart);

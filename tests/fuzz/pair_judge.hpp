@@ -54,8 +54,10 @@ struct PairCounts {
     std::uint64_t undecided = 0;    ///< perhaps: there is no proof, and no way out that is as short
     std::uint64_t missed_skin = 0;  ///< perhaps, but no deeper than sixteen touch tolerances, and
                                     ///< no edge is inside by more than one
+    std::uint64_t unseen = 0;       ///< of the four above, those without any contact
     std::uint64_t shallow = 0;      ///< within the touch tolerance
-    double most_allowed = 0;        ///< [ulp] how deep the deepest of the last two certainly is
+    double most_allowed = 0;        ///< [ulp] how deep the deepest of the shallow and those in the
+                                    ///< skin certainly is
     std::uint64_t invented = 0;     ///< with such a contact, but further apart than the touch
                                     ///< tolerance
     std::uint64_t near = 0;         ///< likewise, but apart by no more than that

@@ -339,7 +339,8 @@ private:
         const Count directed_count = 2 * count_of(pairs_.pairs);
         cull_.directed.resize(directed_count);
         cull_.block_offsets.resize(directed_count);
-        pairs_.marks.resize(scene.plan->misses_no_overlap() ? count_of(pairs_.pairs) : Count{0u});
+        const bool marks = scene.plan->misses_no_overlap() || scene.plan->reprojects;
+        pairs_.marks.resize(marks ? count_of(pairs_.pairs) : Count{0u});
         executor_.emit(ListId::pair_blocks, directed_count,
                        stages::DirectPair{.bodies = bodies,
                                           .pairs = view_of(pairs_.pairs),
@@ -577,6 +578,7 @@ private:
                                 .found_rays = batch_.results(),
                                 .aimed = reprojection_.moved(),
                                 .accepted = reprojection_.accepted(),
+                                .marks = {view_of(pairs_.marks)},
                                 .candidates = view_of(batch_.candidates),
                                 .order = view_of(sort_.order),
                                 .keys = view_of(now_.contact_keys),

@@ -366,7 +366,7 @@ struct JoinSeparated {
         batch.join(i, ray, is_deep || (!is_chord && before == no_record));
         if (!is_deep) return;
         if (before != no_record) batch.keep[before] = 0;
-        marks.set(from.pair, PairMarks::in_contact);
+        marks.set(from.pair, PairMarks::in_contact | PairMarks::has_depth);
         if (is_chord && flat[from.item] != no_record) batch.keep[flat[from.item]] = 0;
     }
 

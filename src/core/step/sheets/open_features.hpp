@@ -154,7 +154,7 @@ private:
     /// False if both ends are certainly on one side of the triangle's plane.
     PIERCE_HD static bool may_pierce(Vec3f p, Vec3f q, const QuickTriangle& face, float size) {
         const Vec3f n = face.end_normal();
-        const float room = made_up_along(n, size);
+        const float room = made_up_across(n, size);
         const float from = quick_dot(n, p - face.corner[0].end),
                     to = quick_dot(n, q - face.corner[0].end);
         return !(from > room && to > room) && !(from < -room && to < -room);

@@ -15,6 +15,15 @@ PIERCE_HD inline float made_up_of_four(float size) {
     return constants::quick_product_rounding * (size * size) * (size * size);
 }
 
+/// An upper bound of the error of float32 in heights along `n`, the cross product of two edges,
+/// over a plane that holds both of them, or of two parallel planes that hold one each. Let u be
+/// half an ulp. To what made_up_along() takes, this adds what the edges themselves reach along `n`,
+/// which is all that `n` says about parallel edges: a coordinate of `n` is off by 48 u size^2, and
+/// the coordinates of an edge are below 2 size. That is 288 u size^3 for each edge.
+PIERCE_HD inline float made_up_across(Vec3f n, float size) {
+    return made_up_along(n, size) + constants::quick_common_normal_rounding * (size * size * size);
+}
+
 /// True if some points are certainly further ahead of some others along `n` than `margin` [length].
 /// Let u be half an ulp. Each coordinate is off by u size, a dot product by 3 u size times the sum
 /// of n's sizes more, a difference of two by 2 u size: 10 u size in all, where made_up_along()
@@ -34,14 +43,14 @@ PIERCE_HD bool is_past(Vec3f n, const Vec3f (&points)[mine], const Vec3f (&behin
 /// The space over and under a triangle at the end of the step, as far as `margin` [length].
 struct QuickPrism {
     Vec3f at[3], normal, inward[3];
-    float margin = 0, size = 0, made_up = 0, made_up_along_normal = 0;
+    float margin = 0, size = 0, made_up = 0, made_up_height = 0;
     bool hides_places = false;  ///< places along its sides may be made up by rounding
 
     PIERCE_HD QuickPrism(Vec3f a, Vec3f b, Vec3f c, float reach, float largest)
         : at{a, b, c}, normal(quick_cross(b - a, c - a)), margin(reach), size(largest) {
         for (int k = 0; k < 3; ++k) inward[k] = quick_cross(normal, at[k == 2 ? 0 : k + 1] - at[k]);
         made_up = made_up_of_four(size);
-        made_up_along_normal = made_up_along(normal, size);
+        made_up_height = made_up_across(normal, size);
         hides_places = !(quick_dot(normal, normal) > constants::quick_hidden * made_up);
     }
 
@@ -50,7 +59,7 @@ struct QuickPrism {
         return !(quick_dot(inward[0], p - at[0]) < -made_up) &&
                !(quick_dot(inward[1], p - at[1]) < -made_up) &&
                !(quick_dot(inward[2], p - at[2]) < -made_up) &&
-               !is_beyond(margin, std::fabs(quick_dot(normal, p - at[0])) - made_up_along_normal,
+               !is_beyond(margin, std::fabs(quick_dot(normal, p - at[0])) - made_up_height,
                           normal) &&
                !(hides_places && is_past(p - at[0], {p}, at, margin, size));
     }
@@ -66,7 +75,7 @@ PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float m
     const Vec3f beside_e = quick_cross(e, n), beside_d = quick_cross(d, n);
     if (quick_dot(way, beside_e) < -made_up || quick_dot(r - q, beside_e) > made_up ||
         quick_dot(way, beside_d) < -made_up || quick_dot(s - p, beside_d) > made_up ||
-        is_beyond(margin, std::fabs(quick_dot(n, way)) - made_up_along(n, size), n))
+        is_beyond(margin, std::fabs(quick_dot(n, way)) - made_up_across(n, size), n))
         return false;
     if (quick_dot(n, n) > constants::quick_hidden * made_up) return true;
     // Nearly parallel segments, or a short one and a long one: rounding hides those places. What is

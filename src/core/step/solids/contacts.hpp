@@ -6,6 +6,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/step/common/count.hpp"
+#include "core/step/common/pair_marks.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/solids/classify.hpp"
@@ -120,6 +121,7 @@ struct FillContact {
     RayResults aimed;  ///< per candidate, re-projected; empty if that is not asked for
     View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts; those that
                                          ///< separation has added are not in this list
+    PairMarks marks;                     ///< if contacts are re-projected
     View<const std::uint32_t> candidates, order;
     View<const std::uint64_t> keys;
     View<const Route> routes;  ///< empty if steps do not remember
@@ -141,7 +143,8 @@ struct FillContact {
             return sums_of(kept, first);
         }
         const std::uint32_t r = candidates[order[i]];
-        const bool moved = order[i] < accepted.size && accepted[order[i]];
+        const bool moved = order[i] < accepted.size && accepted[order[i]] &&
+                           has_depth(order[i], sources[r].pair);
         const RayResults& results = moved ? aimed : found_rays;
         const std::uint32_t place = moved ? order[i] : r;
         const Ray& ray = results.rays[place];
@@ -197,6 +200,12 @@ struct FillContact {
     }
 
 private:
+    /// False for re-projected contacts without a depth in a pair that has no other contact with
+    /// one. Their rays show that the bodies overlap.
+    PIERCE_HD bool has_depth(std::uint32_t candidate, std::uint32_t pair) const {
+        return aimed.meetings[candidate].t > 0 || marks.any(pair, PairMarks::has_depth);
+    }
+
     /// A sheet's vertex belongs where it has come from: the ray ahead hits what it would meet, the
     /// ray behind what it has passed.
     PIERCE_HD static void of_velocity_ray(Contact& c, const RaySource& from, Vec3d p, Vec3d q,

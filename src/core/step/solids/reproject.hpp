@@ -15,7 +15,8 @@
 /// the surface is nearer than the closest point, so the way there is inside the target (R1). The
 /// way need not run through the vertex's own body. For bodies that touch in a few vertices it often
 /// does not, and the contact has passed R2 and R3 along its inward ray. A contact whose closest
-/// point is within the touch tolerance touches: it has no depth, however far its ray went.
+/// point is within the touch tolerance touches: it has no depth, however far its ray went. If its
+/// pair has no contact with a depth at all, as two boxes in one place, it stays as it is.
 namespace pierce::stages {
 
 /// Per candidate from `begin` on: where to look for a closer point, if it is a contact that may
