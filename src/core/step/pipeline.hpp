@@ -578,6 +578,7 @@ private:
                                 .found_rays = batch_.results(),
                                 .aimed = reprojection_.moved(),
                                 .accepted = reprojection_.accepted(),
+                                .decided = reprojection_.decided(),
                                 .marks = {view_of(pairs_.marks)},
                                 .candidates = view_of(batch_.candidates),
                                 .order = view_of(sort_.order),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
+#include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/device/whole.hpp"
 #include "core/mesh/mesh_view.hpp"
@@ -119,8 +120,8 @@ struct FillContact {
     View<const RaySource> sources;
     RayResults found_rays;
     RayResults aimed;  ///< per candidate, re-projected; empty if that is not asked for
-    View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts; those that
-                                         ///< separation has added are not in this list
+    View<const std::uint32_t> accepted;  ///< per candidate: the re-projected one counts
+    Number decided;                      ///< of how many candidates; separation adds others
     PairMarks marks;                     ///< if contacts are re-projected
     View<const std::uint32_t> candidates, order;
     View<const std::uint64_t> keys;
@@ -143,7 +144,7 @@ struct FillContact {
             return sums_of(kept, first);
         }
         const std::uint32_t r = candidates[order[i]];
-        const bool moved = order[i] < accepted.size && accepted[order[i]] &&
+        const bool moved = order[i] < decided && accepted[order[i]] &&
                            has_depth(order[i], sources[r].pair);
         const RayResults& results = moved ? aimed : found_rays;
         const std::uint32_t place = moved ? order[i] : r;

@@ -40,9 +40,11 @@ public:
             tools_.executor.for_each(count, mark);
     }
 
-    /// The contacts that have moved: per candidate, and whether it has.
+    /// The contacts that have moved: per candidate, whether it has, and of how many candidates that
+    /// is known.
     stages::RayResults moved() const { return aimed_.results(); }
     View<const std::uint32_t> accepted() const { return view_of(accepted_); }
+    Count decided() const { return count_of(accepted_); }
 
     void clear() {
         aimed_.clear();
