@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 
+#include "core/geometry/closest_points_of_segments.hpp"
 #include "fuzz/invariants.hpp"
 #include "fuzz/solid_surface.hpp"
 #include "pierce/constants.hpp"
@@ -352,6 +353,22 @@ private:
         return target.surface().has_plane_along(from, from - source.extent * out, touch);
     }
 
+    /// [length] How far the contact of an edge is from the shortest way between that edge and an
+    /// edge of the target.
+    static double off_ridge(const Contact& c, const Body& source, const Body& target, Vec3d start,
+                            Vec3d end) {
+        const Vec3d a = source.mesh.positions()[c.vertex], b = source.mesh.positions()[c.edge_end];
+        double off = HUGE_VAL;
+        for (const auto& ridge : target.edges()) {
+            const SegmentPlaces at = closest_points_of_segments(a, b, ridge[0], ridge[1]);
+            const Vec3d from = a + at.first * (b - a),
+                        to = ridge[0] + at.second * (ridge[1] - ridge[0]);
+            off = std::min(off, std::max({length(from - start), length(to - end),
+                                          std::fabs(length(to - from) - c.penetration_depth())}));
+        }
+        return off;
+    }
+
     void judge_contact(const Contact& c) {
         const bool from_a = c.source == Side::a;
         const Body &source = from_a ? a_ : b_, &target = from_a ? b_ : a_;
@@ -374,6 +391,13 @@ private:
             const double here = std::max(length(end - closest), length(-depth * normal - way));
             off = std::min(off, here);
             angle = std::min(angle, std::atan2(length(cross(-normal, way)), dot(-normal, way)));
+        }
+        const double to_ridge = c.is_edge() && c.reprojected
+                                    ? off_ridge(c, source, target, start, end)
+                                    : HUGE_VAL;
+        if (to_ridge <= touch_) {
+            ++counts_.ridges;
+            return;
         }
         const double depth_error = std::fabs(depth - (outside ? -distance : distance));
         off = std::max(off, depth_error);
@@ -440,7 +464,7 @@ PairCounts& PairCounts::operator+=(const PairCounts& o) {
          {&PairCounts::pairs, &PairCounts::overlapping, &PairCounts::deep, &PairCounts::found,
           &PairCounts::without_vertex, &PairCounts::missed, &PairCounts::missed_thin,
           &PairCounts::missed_skin, &PairCounts::undecided, &PairCounts::unseen,
-          &PairCounts::shallow, &PairCounts::invented, &PairCounts::near})
+          &PairCounts::shallow, &PairCounts::invented, &PairCounts::near, &PairCounts::ridges})
         this->*member += o.*member;
     most_allowed = std::max(most_allowed, o.most_allowed);
     most_apart = std::max(most_apart, o.most_apart);

@@ -62,6 +62,8 @@ struct PairCounts {
                                     ///< tolerance
     std::uint64_t near = 0;         ///< likewise, but apart by no more than that
     double most_apart = 0;          ///< [ulp] of these
+    std::uint64_t ridges = 0;  ///< contacts of edges on the shortest way to an edge of the other
+                               ///< body, exact to 8 ulp; not counted in `errors`
     std::array<std::array<EndingErrors, static_cast<std::size_t>(Ending::count)>, 2> errors;
     ///< of vertices, and of edges
 

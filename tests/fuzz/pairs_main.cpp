@@ -181,10 +181,11 @@ private:
                 "  missed: {} deeper, {} deeper but thin, {} in the skin, {} undecided; {} of "
                 "these "
                 "without any contact; {} within the touch tolerance; {:.3g} ulp at most\n"
-                "  invented: {}; {} nearer than the touch tolerance, {:.3g} ulp at most\n",
+                "  invented: {}; {} nearer than the touch tolerance, {:.3g} ulp at most\n"
+                "  edges to a ridge: {} contacts\n",
                 name_of(coverage), c.pairs, c.overlapping, c.deep, c.without_vertex, c.missed,
                 c.missed_thin, c.missed_skin, c.undecided, c.unseen, c.shallow, c.most_allowed,
-                c.invented, c.near, c.most_apart);
+                c.invented, c.near, c.most_apart, c.ridges);
             for (std::size_t of = 0; of < c.errors.size(); ++of)
                 for (std::size_t k = 0; k < c.errors[of].size(); ++k) {
                     const EndingErrors& e = c.errors[of][k];
@@ -204,7 +205,8 @@ private:
         std::ofstream out(options_.csv);
         out << "placement,coverage,pairs,overlapping,deep,without_vertex,missed,missed_thin,missed_"
                "skin,"
-               "undecided,unseen,shallow,most_allowed_ulp,invented,near,most_apart_ulp";
+               "undecided,unseen,shallow,most_allowed_ulp,invented,near,most_apart_ulp,edges_to_"
+               "ridge";
         for (const char* of : {"vertices", "edges"})
             for (std::size_t k = 0; k < static_cast<std::size_t>(Ending::count); ++k)
                 for (const char* what : {"contacts", "beyond", "in_plane", "most_ulp",
@@ -213,10 +215,11 @@ private:
                                        what);
         out << '\n';
         const auto row = [&](const char* placement, Coverage coverage, const PairCounts& c) {
-            out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.4g},{},{},{:.4g}", placement,
-                               name_of(coverage), c.pairs, c.overlapping, c.deep, c.without_vertex,
-                               c.missed, c.missed_thin, c.missed_skin, c.undecided, c.unseen,
-                               c.shallow, c.most_allowed, c.invented, c.near, c.most_apart);
+            out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.4g},{},{},{:.4g},{}",
+                               placement, name_of(coverage), c.pairs, c.overlapping, c.deep,
+                               c.without_vertex, c.missed, c.missed_thin, c.missed_skin,
+                               c.undecided, c.unseen, c.shallow, c.most_allowed, c.invented, c.near,
+                               c.most_apart, c.ridges);
             for (const auto& of : c.errors)
                 for (const EndingErrors& e : of)
                     out << fmt::format(",{},{},{},{:.4g},{:.4g},{:.4g}", e.contacts, e.beyond,

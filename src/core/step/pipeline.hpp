@@ -527,7 +527,7 @@ private:
     // contact, and which have depth, is known from then on.
     void depths(const Scene& scene) {
         reprojection_.decide(step_of_pairs(scene), batch_, 0u, count_of(batch_.candidates),
-                             edges_.flat());
+                             edges_.chords(), edges_.flat());
     }
 
     // separation: Pairs that overlap without a contact so far.

@@ -40,14 +40,21 @@ struct RaySource {
     std::uint8_t padding = 0;
 };
 
+/// The edge that two triangles of a target share: the one opposite to a corner of one of them.
+struct Ridge {
+    std::uint32_t triangle = no_triangle;  ///< no_triangle: there is none
+    std::uint32_t corner = 0;
+};
+
 /// A part of an edge inside the target, from one crossing of its surface to the next.
 struct Chord {
     std::uint32_t edge = 0;
     std::uint32_t ordinal = 0;  ///< which of the edge's chords in this pair
-    double middle = 0;  ///< where along the edge its middle is: 0 at the first vertex, 1 at the
-                        ///< second
-    double skin = 0;    ///< [length] if the edge only touches the target: its ray does not count
-                        ///< crossings up to here
+    double along = 0;  ///< where its ray starts, from 0 at the edge's first vertex to 1 at the
+                       ///< second: in its middle, or where it is closest to the ridge
+    double skin = 0;   ///< [length] if the edge only touches the target: its ray does not count
+                       ///< crossings up to here
+    Ridge ridge;
 };
 
 /// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from the

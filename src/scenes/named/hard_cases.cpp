@@ -185,7 +185,7 @@ void add_pairs(std::vector<HardCase>& cases) {
                        static_cast<double>(ridge),
                        {},
                        by_edges(1, 1, static_cast<double>(ridge), up),
-                       static_cast<double>(ridge) / sqrt2}},
+                       static_cast<double>(ridge)}},
                      {},
                      "vertices: nothing, none is inside; complete: depth 0.05 at both ridges",
                      ""});
@@ -210,8 +210,9 @@ void add_defects(std::vector<HardCase>& cases) {
     const Vec3d up{0, 0, 1}, down{0, 0, -1}, right{1, 0, 0}, center{0.5, 0.5, 0.5},
         at_defect{0.25, -0.25, 0.5};
     const MeshData layer = box({-4, -4, -0.125}, {4, 4, 0.125});
-    // Both tips' edges reach 5/48 into the layer along their rays, 1/48 of the root of 5 straight.
-    const double bowtie_depth = std::sqrt(5.0) / 48;
+    // So far a diagonal of the layer, along (1, 1, 0), is from an edge of each tip, along
+    // (-1/2, 3/4, 1), which it passes an eighth from the tip's corner.
+    const double bowtie_depth = 5 / (8 * std::sqrt(57.0));
     cases.push_back(
         {18,
          "bowtie_vertex",

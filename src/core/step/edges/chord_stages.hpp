@@ -8,6 +8,7 @@
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/near_edges.hpp"
+#include "core/step/edges/over_ridge.hpp"
 #include "core/step/edges/segment_gap.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
@@ -254,11 +255,25 @@ private:
         std::uint32_t ordinal = 0;
         double enter = 0;
         bool crossed = false, inside = false;
-        const auto add = [&](double end, Chords kind) {
+        std::uint32_t entered = no_triangle;
+        const auto add = [&](double end, Chords kind, std::uint32_t left) {
             if (!(end - enter > ray.touch)) return mark(item.directed);
-            const std::uint32_t chord = ordinal++;
+            Chord chord = {.edge = item.edge, .ordinal = ordinal++, .ridge = {}};
             if (wanted != Chords::all && wanted != kind) return;
-            see({item.edge, chord, clamp_to(0.5 * (enter + end) / ray.t_max, 0.0, 1.0), 0.0});
+            chord.along = clamp_to(0.5 * (enter + end) / ray.t_max, 0.0, 1.0);
+            if (kind == Chords::within && wanted == kind) {
+                const auto crossed_at = [&](std::uint32_t triangle, double t) {
+                    return CrossedTriangles(target, triangle, a + t * ray.direction);
+                };
+                const OverRidge over(target, placed, crossed_at(entered, enter),
+                                     crossed_at(left, end));
+                const double at = over.along * ray.t_max;
+                if (over.exists() && at - enter > ray.touch && end - at > ray.touch) {
+                    chord.along = over.along;
+                    chord.ridge = over.ridge;
+                }
+            }
+            see(chord);
         };
         for (;;) {
             const Hit hit = triangles.first_hit(ray);
@@ -266,14 +281,16 @@ private:
             if (hit.triangle == no_triangle) break;
             const Meeting m = meet(ray, target.surface(), hit.triangle);
             if (m.exit && (inside || !crossed))
-                add(min_of(m.t, ray.t_max), inside ? Chords::within : Chords::at_ends);
+                add(min_of(m.t, ray.t_max), inside ? Chords::within : Chords::at_ends,
+                    hit.triangle);
             crossed = true;
             inside = !m.exit;
             enter = m.t;
+            entered = hit.triangle;
             ray.t_min = m.t + ray.touch;
             if (!(ray.t_min < ray.t_max)) break;
         }
-        if (inside) add(ray.t_max, Chords::at_ends);
+        if (inside) add(ray.t_max, Chords::at_ends, no_triangle);
     }
 
     /// [length] How far to look for triangles that an edge may cross later; zero: not at all.
@@ -341,7 +358,7 @@ struct GenerateChordRays {
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
         const Edge& edge = source.mesh.edges[f.chord.edge];
-        const Vec3d start = point_on(source, edge, f.chord.middle);
+        const Vec3d start = point_on(source, edge, f.chord.along);
         const Vec3d direction = inward_direction(source, edge);
         Ray ray;
         ray.origin = d.to_space.to_parent(start);

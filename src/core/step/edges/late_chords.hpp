@@ -77,7 +77,7 @@ public:
                              .starts_inside = view_of(starts_inside_),
                              .keep = view_of(late_.keep)},
                 .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_)});
-        reprojection_.decide(step, batch, begin, found, edges.flat());
+        reprojection_.decide(step, batch, begin, found, edges.chords(), edges.flat());
     }
 
 private:

@@ -40,7 +40,7 @@ PIERCE_HD inline void write_inside_rays(View<const BodyView> bodies, const Direc
                                         Ray& into_source) {
     const BodyView& source = bodies[d.source];
     const Edge& edge = source.mesh.edges[chord.edge];
-    const Vec3d start = point_on(source, edge, chord.middle),
+    const Vec3d start = point_on(source, edge, chord.along),
                 direction = inward_direction(source, edge);
     const bool leads = length_squared(direction) > 0;
     into_target = into_source = {};

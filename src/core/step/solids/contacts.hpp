@@ -182,7 +182,7 @@ struct FillContact {
             const Edge& edge = source.mesh.edges[chord.edge];
             c.edge = chord.edge;
             c.chord = chord.ordinal;
-            c.along = chord.middle;
+            c.along = chord.along;
             c.vertex = edge.vertex[0];
             c.edge_end = edge.vertex[1];
         }

@@ -38,7 +38,7 @@ PIERCE_HD inline Vec3d start_of(const BodyView& source, const RaySource& from,
                                 View<const Chord> chords) {
     if (from.start == RayStart::vertex) return to_double(source.positions[from.item]);
     const Chord& chord = chords[from.item];
-    return point_on(source, source.mesh.edges[chord.edge], chord.middle);
+    return point_on(source, source.mesh.edges[chord.edge], chord.along);
 }
 
 /// How far a ray that starts in a body can get inside that body's box. Origin and direction in the

@@ -3,6 +3,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
+#include "core/geometry/closest_points_of_segments.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/mark_candidate.hpp"
@@ -17,7 +18,15 @@
 /// does not, and the contact has passed R2 and R3 along its inward ray. A contact whose closest
 /// point is within the touch tolerance touches: it has no depth, however far its ray went. If its
 /// pair has no contact with a depth at all, as two boxes in one place, it stays as it is.
+///
+/// A chord over a ridge ends on the ridge instead: to leave the target, its edge has to pass that
+/// ridge, which is further away than the faces beside it.
 namespace pierce::stages {
+
+/// The ridge that a ray's chord is over, if there is one.
+PIERCE_HD inline Ridge ridge_below(const RaySource& from, View<const Chord> chords) {
+    return from.start == RayStart::chord ? chords[from.item].ridge : Ridge{};
+}
 
 /// Per candidate from `begin` on: where to look for a closer point, if it is a contact that may
 /// move, and no further than the contact is deep. Nothing is to be looked for if the triangle that
@@ -33,6 +42,7 @@ struct LimitToDepth {
     View<Ray> limited;          ///< per candidate from `begin` on, like the next one
     View<std::uint32_t> known;  ///< the closest triangle, if it is known
     View<const Pair> pairs;
+    View<const Chord> chords;
     bool all = true;  ///< if false, only contacts of sheets, whose normals say nothing about the
                       ///< way out of another body
 
@@ -44,9 +54,11 @@ struct LimitToDepth {
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
         limited[i] = rays[r];
         limited[i].outward = 0;
+        const std::uint32_t over = ridge_below(sources[r], chords).triangle;
         const bool is_known = may_move &&
-                              is_closest(bodies[rays[r].target], rays[r].origin, hits[r].triangle);
-        known[i] = is_known ? hits[r].triangle : no_triangle;
+                              (over != no_triangle || is_closest(bodies[rays[r].target],
+                                                                 rays[r].origin, hits[r].triangle));
+        known[i] = !is_known ? no_triangle : over != no_triangle ? over : hits[r].triangle;
         limited[i].t_max = may_move && !is_known ? meetings[r].t : -1.0;
     }
 
@@ -67,13 +79,15 @@ private:
     }
 };
 
-/// Per candidate from `begin` on: moves the ray's end to the closest point, unless that is no
-/// nearer than the contact, and marks its pair.
+/// Per candidate from `begin` on: moves the ray's end to the ridge that its chord is over, or to
+/// the closest point, unless that is no nearer than the contact, and marks its pair.
 struct MoveToClosest {
     View<const BodyView> bodies;
     View<const Ray> limited;            ///< per candidate from `begin` on, like the next two
     View<const std::uint32_t> known;    ///< triangles of the target
     View<const std::uint32_t> closest;  ///< where none is known: within the limit
+    View<const RaySource> sources;
+    View<const Chord> chords;
     View<const std::uint32_t> candidates;
     View<const Meeting> found;  ///< per ray
     Number begin;
@@ -101,9 +115,21 @@ private:
         const Vec3d a = to_double(surface.positions[t.vertex[0]]),
                     b = to_double(surface.positions[t.vertex[1]]),
                     c = to_double(surface.positions[t.vertex[2]]);
-        const Vec3d point = closest_point(ray.origin, surface, triangle), way = point - ray.origin;
+        const Ridge ridge = ridge_below(sources[candidates[candidate]], chords);
+        const bool has_ridge = ridge.triangle != no_triangle;
+        const Vec3d from = ridge.corner == 0   ? b
+                           : ridge.corner == 1 ? c
+                                               : a,
+                    along = (ridge.corner == 0   ? c
+                             : ridge.corner == 1 ? a
+                                                 : b) -
+                            from;
+        const Vec3d point = has_ridge
+                                ? from + closest_place_on_segment(ray.origin, from, along) * along
+                                : closest_point(ray.origin, surface, triangle);
+        const Vec3d way = point - ray.origin;
         const double depth = length(way);
-        if (!(depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
+        if (!(has_ridge || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
         const bool touches = !(depth > ray.touch);
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);

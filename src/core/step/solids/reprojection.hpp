@@ -26,7 +26,7 @@ public:
     /// Takes the `count` candidates of `batch` from the `begin`-th on. Earlier ones stay as they
     /// are.
     void decide(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
-                const Count& count, View<std::uint32_t> flat) {
+                const Count& count, View<const Chord> chords, View<std::uint32_t> flat) {
         const stages::MarkCandidate mark{.sources = view_of(batch.sources),
                                          .meetings = view_of(batch.meetings),
                                          .candidates = view_of(batch.candidates),
@@ -35,7 +35,7 @@ public:
                                          .marks = step.marks,
                                          .flat = flat};
         if (step.scene.plan->reprojects)
-            move(step, batch, begin, count, mark);
+            move(step, batch, begin, count, chords, mark);
         else
             tools_.executor.for_each(count, mark);
     }
@@ -53,7 +53,7 @@ public:
 
 private:
     void move(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
-              const Count& count, const stages::MarkCandidate& mark) {
+              const Count& count, View<const Chord> chords, const stages::MarkCandidate& mark) {
         const View<const BodyView> bodies = step.scene.bodies;
         aimed_.rays.resize(begin + count);
         aimed_.hits.resize(begin + count);
@@ -73,6 +73,7 @@ private:
                                                     .limited = view_of(limited_),
                                                     .known = view_of(known_),
                                                     .pairs = step.pairs,
+                                                    .chords = chords,
                                                     .all = step.scene.plan->settings.reproject},
                                [&](View<const std::uint32_t> closest) {
                                    return stages::MoveToClosest{
@@ -80,6 +81,8 @@ private:
                                        .limited = view_of(std::as_const(limited_)),
                                        .known = view_of(std::as_const(known_)),
                                        .closest = closest,
+                                       .sources = view_of(batch.sources),
+                                       .chords = chords,
                                        .candidates = view_of(batch.candidates),
                                        .found = view_of(batch.meetings),
                                        .begin = begin,
