@@ -24,9 +24,11 @@ function(pierce_options target)
                                              $<$<BOOL:${PIERCE_WERROR}>:-Werror>>)
     # Clang's -Wconversion says more than GCC's: of indices that change from signed to unsigned.
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,Clang>:-Wno-sign-conversion>)
-    if(PIERCE_CHECKED_VIEWS)
-        target_compile_definitions(${target} PUBLIC PIERCE_CHECKED_VIEWS)
-    endif()
+    foreach(option PIERCE_CHECKED_VIEWS PIERCE_FUSED_PRODUCTS)
+        if(${option})
+            target_compile_definitions(${target} PUBLIC ${option})
+        endif()
+    endforeach()
     # The same rules on the device: no fused multiply-adds, division and square root rounded as IEEE 754 says.
     target_compile_options(${target} PRIVATE
         "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--expt-relaxed-constexpr;-fmad=false;-prec-div=true;-prec-sqrt=true;-ftz=false>"

@@ -8,7 +8,7 @@
 #include "pierce/host_device.hpp"
 #include "pierce/vec3.hpp"
 
-#if defined(__GNUC__) && !defined(__CUDACC__)
+#if defined(__GNUC__) && !defined(__CUDACC__) && !defined(PIERCE_FUSED_PRODUCTS)
 #define PIERCE_FOUR_LANES  // of one vector register
 #endif
 

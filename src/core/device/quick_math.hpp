@@ -41,6 +41,8 @@ PIERCE_HD inline float quick_clamp(float a) {
 PIERCE_HD inline float quick_fma(float a, float b, float c) {
 #if defined(__CUDA_ARCH__)
     return __fmaf_rn(a, b, c);
+#elif defined(PIERCE_FUSED_PRODUCTS)
+    return std::fma(a, b, c);
 #else
     return a * b + c;
 #endif

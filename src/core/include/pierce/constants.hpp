@@ -242,8 +242,8 @@ inline constexpr float grid_thinness = 0x1p-16f;
 /// (quick_triangle.hpp), with half as much to spare.
 inline constexpr float quick_normal_rounding = 0x1p-20f;
 
-/// The same of two edges along their common normal, or of a triangle, whose coordinates are relative
-/// to any place [largest coordinate to the third]: quick_prism.hpp, with three quarters as much to
+/// The same of two edges along their common normal, or of a triangle, with coordinates relative to
+/// any place [largest coordinate to the third]: quick_prism.hpp, with three quarters as much to
 /// spare.
 inline constexpr float quick_common_normal_rounding = 0x1p-14f;
 

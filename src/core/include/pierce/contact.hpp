@@ -38,9 +38,9 @@ struct alignas(16) Contact {
     Side source = Side::a;  ///< the body the vertex belongs to; the other one is the target
     bool grazing = false;   ///< the ray meets the triangle so flatly that the depth is uncertain
     Found found = Found::full;
-    bool reprojected = false;  ///< the contact ends at the closest point of the target's surface, or
-                               ///< of an edge at the closest point of the ridge over it, not at the
-                               ///< end of the inward ray
+    bool reprojected = false;  ///< the contact ends at the closest point of the target's surface,
+                               ///< or of an edge at the closest point of the ridge over it, not at
+                               ///< the end of the inward ray
     bool of_sheet = false;  ///< between surfaces that keep their thickness, whatever is inside or
                             ///< outside
     bool unknown_side = false;  ///< of a sheet: the way out is unknown, so the normal says nothing
