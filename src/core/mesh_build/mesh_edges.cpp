@@ -99,6 +99,7 @@ std::vector<MeshPart> parts_of(const MeshView& mesh) {
             if (distance(p, k, v) > distance(p, k, p.vertex[k])) p.vertex[k] = v;
         }
     std::vector<MeshPart> result;
+    result.reserve(parts.size());
     for (const auto& [root, part] : parts) result.push_back(part);
     return result;
 }

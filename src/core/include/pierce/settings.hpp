@@ -19,9 +19,9 @@ enum class Temporal : std::uint8_t {
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): takes half to two thirds of the time of overlaps, and
-               ///< misses overlaps that hold no vertex or are thinner than one ray, 2 to 5 % of the
-               ///< pairs in piles (docs/accuracy.md)
-    complete,  ///< all its edges, too: takes 1.6 to 2.4 times as long as overlaps, and adds the
+               ///< misses overlaps that hold no vertex or are thinner than one ray, up to 18 % of
+               ///< the pairs in piles (docs/accuracy.md)
+    complete,  ///< all its edges, too: takes 1.4 to 2.5 times as long as overlaps, and adds the
                ///< places where edges alone cross in pairs that have contacts of vertices elsewhere
     overlaps,  ///< its vertices, the edges of pairs in which no vertex has a contact with a depth,
                ///< and bodies inside one another: misses no pair of the piles; docs/trust.md
@@ -35,7 +35,7 @@ struct Settings {
 
     Coverage coverage = Coverage::overlaps;
     /// Contacts move from where their ray leaves the target to the closest point of its surface:
-    /// less depth, never more. Leaving this out saves 4 to 6 % of the time of complete coverage;
+    /// less depth, never more. Leaving this out saves 2 to 6 % of the time of complete coverage;
     /// depths are then 4 to 7 % too large and normals 16 to 20 degrees off the shortest way out in
     /// the median (docs/accuracy.md).
     bool reproject = true;
