@@ -340,8 +340,8 @@ private:
 
     static Ending ending_of(const Contact& c) {
         if (c.found == Found::separation) return Ending::separation;
-        if (c.reprojected) return Ending::reprojected;
-        return c.penetration_depth() > 0 ? Ending::unmoved : Ending::touching;
+        if (!(c.penetration_depth() > 0)) return Ending::touching;
+        return c.reprojected ? Ending::reprojected : Ending::unmoved;
     }
 
     /// True if the inward ray of a vertex lies in the plane of one of the target's faces.
