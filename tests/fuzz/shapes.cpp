@@ -105,8 +105,12 @@ void append(MeshData& mesh, const MeshData& more) {
         mesh.triangles.push_back({{t.vertex[0] + begin, t.vertex[1] + begin, t.vertex[2] + begin}});
 }
 
-/// Every triangle with vertices of its own.
+/// Every triangle with vertices of its own. A mesh that names vertices it does not have stays as it
+/// is.
 MeshData torn(const MeshData& mesh) {
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t corner : t.vertex)
+            if (corner >= mesh.positions.size()) return mesh;
     MeshData m;
     for (const Triangle& t : mesh.triangles) {
         const auto v = static_cast<std::uint32_t>(m.positions.size());
