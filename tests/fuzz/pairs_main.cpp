@@ -179,8 +179,7 @@ private:
                 "{}: {} pairs, {} overlap, {} of these deeper than the touch tolerance, {} without "
                 "a vertex\n"
                 "  missed: {} deeper, {} deeper but thin, {} in the skin, {} undecided; {} of "
-                "these "
-                "without any contact; {} within the touch tolerance; {:.3g} ulp at most\n"
+                "these without any contact; {} within the touch tolerance; {:.3g} ulp at most\n"
                 "  invented: {}; {} nearer than the touch tolerance, {:.3g} ulp at most\n"
                 "  edges to a ridge: {} contacts\n",
                 name_of(coverage), c.pairs, c.overlapping, c.deep, c.without_vertex, c.missed,

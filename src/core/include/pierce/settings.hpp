@@ -34,10 +34,10 @@ struct Settings {
     double open_body_range = constants::open_body_range;
 
     Coverage coverage = Coverage::overlaps;
-    /// Contacts move from where their ray leaves the target to the closest point of its surface:
-    /// less depth, never more. Leaving this out saves 2 to 6 % of the time of complete coverage;
-    /// depths are then 4 to 7 % too large and normals 16 to 20 degrees off the shortest way out in
-    /// the median (docs/accuracy.md).
+    /// Contacts move from where their ray leaves the target to the closest point of its surface,
+    /// which is never deeper, and those of edges over a ridge to that ridge. Leaving this out saves
+    /// 2 to 6 % of the time of complete coverage; depths are then 4 to 7 % too large and normals 16
+    /// to 20 degrees off the shortest way out in the median (docs/accuracy.md).
     bool reproject = true;
 
     /// Remembering nothing (Temporal::off) changes no contact; with vertices alone, it takes 1.1 to
