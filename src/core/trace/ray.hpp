@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/trace/ridge.hpp"
 #include "pierce/ids.hpp"
 #include "pierce/vec3.hpp"
 
@@ -38,12 +39,6 @@ struct RaySource {
     bool separates = false;  ///< its direction is not inward, but the one in which the two bodies
                              ///< separate soonest
     std::uint8_t padding = 0;
-};
-
-/// The edge that two triangles of a target share: the one opposite to a corner of one of them.
-struct Ridge {
-    std::uint32_t triangle = no_triangle;  ///< no_triangle: there is none
-    std::uint32_t corner = 0;
 };
 
 /// A part of an edge inside the target, from one crossing of its surface to the next.

@@ -55,7 +55,7 @@ struct OverRidge {
             for (std::uint32_t k = 0; k < left.count; ++k)
                 look(target, edge, entered.triangle[i], left.triangle[k], least);
     }
-    PIERCE_HD bool exists() const { return ridge.triangle != no_triangle; }
+    PIERCE_HD bool exists() const { return ridge.exists(); }
 
 private:
     /// There is no ridge if the triangles share no edge, or if the way to it meets it in an end.
@@ -69,11 +69,10 @@ private:
                 corner = k;
             }
         if (apart != 1) return;
-        const Vec3d from = to_double(target.positions[t.vertex[corner == 2 ? 0 : corner + 1]]),
-                    to = to_double(target.positions[t.vertex[corner == 0 ? 2 : corner - 1]]);
-        const SegmentPlaces places = closest_points_of_segments(edge.a, edge.b, from, to);
-        const double distance = length(edge.a + places.first * (edge.b - edge.a) - from -
-                                       places.second * (to - from));
+        const RidgeEnds ends(target.surface(), {entered, corner});
+        const SegmentPlaces places = closest_points_of_segments(edge.a, edge.b, ends.from, ends.to);
+        const double distance = length(edge.a + places.first * (edge.b - edge.a) - ends.from -
+                                       places.second * (ends.to - ends.from));
         if (!(places.second > 0 && places.second < 1) || (exists() && !(distance < least))) return;
         least = distance;
         ridge = {entered, corner};

@@ -54,11 +54,11 @@ struct LimitToDepth {
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
         limited[i] = rays[r];
         limited[i].outward = 0;
-        const std::uint32_t over = ridge_below(sources[r], chords).triangle;
+        const Ridge ridge = ridge_below(sources[r], chords);
         const bool is_known = may_move &&
-                              (over != no_triangle || is_closest(bodies[rays[r].target],
-                                                                 rays[r].origin, hits[r].triangle));
-        known[i] = !is_known ? no_triangle : over != no_triangle ? over : hits[r].triangle;
+                              (ridge.exists() || is_closest(bodies[rays[r].target], rays[r].origin,
+                                                            hits[r].triangle));
+        known[i] = !is_known ? no_triangle : ridge.exists() ? ridge.triangle : hits[r].triangle;
         limited[i].t_max = may_move && !is_known ? meetings[r].t : -1.0;
     }
 
@@ -106,6 +106,11 @@ struct MoveToClosest {
     }
 
 private:
+    PIERCE_HD static Vec3d closest_on(const RidgeEnds& ridge, Vec3d point) {
+        const Vec3d along = ridge.to - ridge.from;
+        return ridge.from + closest_place_on_segment(point, ridge.from, along) * along;
+    }
+
     PIERCE_HD bool moves(std::uint32_t i, std::uint32_t candidate, double depth_of_ray) const {
         const std::uint32_t triangle = known[i] != no_triangle ? known[i] : closest[i];
         if (triangle == no_triangle) return false;
@@ -116,20 +121,11 @@ private:
                     b = to_double(surface.positions[t.vertex[1]]),
                     c = to_double(surface.positions[t.vertex[2]]);
         const Ridge ridge = ridge_below(sources[candidates[candidate]], chords);
-        const bool has_ridge = ridge.triangle != no_triangle;
-        const Vec3d from = ridge.corner == 0   ? b
-                           : ridge.corner == 1 ? c
-                                               : a,
-                    along = (ridge.corner == 0   ? c
-                             : ridge.corner == 1 ? a
-                                                 : b) -
-                            from;
-        const Vec3d point = has_ridge
-                                ? from + closest_place_on_segment(ray.origin, from, along) * along
-                                : closest_point(ray.origin, surface, triangle);
+        const Vec3d point = ridge.exists() ? closest_on(RidgeEnds(surface, ridge), ray.origin)
+                                           : closest_point(ray.origin, surface, triangle);
         const Vec3d way = point - ray.origin;
         const double depth = length(way);
-        if (!(has_ridge || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
+        if (!(ridge.exists() || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
         const bool touches = !(depth > ray.touch);
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);
