@@ -54,7 +54,9 @@ private:
             if (auto failure = judge_contact(c)) return failure;
         for (const Surface& s : surfaces_)
             for (const Surface& t : surfaces_)
-                if (auto failure = judge_vertices(s, t)) return failure;
+                if (auto failure = model_.settings().inside_is_contact() ? judge_inside(s, t)
+                                                                         : judge_vertices(s, t))
+                    return failure;
         for (const Surface& s : surfaces_)
             if (auto failure = judge_self(s)) return failure;
         return std::nullopt;
@@ -200,12 +202,46 @@ private:
         return -normalized(outward);
     }
 
+    /// Every vertex inside another solid is in contact with it.
+    std::optional<Failure> judge_inside(const Surface& source, const Surface& target) {
+        if (&source == &target || !is_pair(source, target) || !source.proper ||
+            source.body->collision.sheet || !is_solid(target) || !overlap(source.box, target.box))
+            return std::nullopt;
+        std::set<std::uint32_t> found;
+        bool separates = false;
+        for (const Contact& c : contacts_) {
+            const bool from_a = c.source == Side::a;
+            if (c.of_sheet || (from_a ? c.a : c.b) != source.body->id ||
+                (from_a ? c.b : c.a) != target.body->id)
+                continue;
+            if (!c.is_edge()) found.insert(c.vertex);
+            separates = separates || c.found == Found::separation;
+        }
+        // A way apart that runs in a face of the target may not show that its start is inside.
+        if (separates) return std::nullopt;
+        const std::vector<test::SolidVec> inward = inward_directions(source);
+        for (const Triangle& t : source.triangles)
+            for (std::uint32_t v : t.vertex) {
+                const Vec3d p = source.points[v];
+                if (found.contains(v) || !target.box.contains(p) ||
+                    target.distance(p) <= source.touch + target.touch || !target.holds(p))
+                    continue;
+                const auto& d = inward[v];
+                const Vec3d way{static_cast<double>(d.x), static_cast<double>(d.y),
+                                static_cast<double>(d.z)};
+                ++counts_.expected_contacts;
+                if (!target.has_plane_along(p, p + way, source.touch))
+                    return Failure{"truth: a vertex inside is in contact",
+                                   describe(source, target) + " vertex " + std::to_string(v)};
+            }
+        return std::nullopt;
+    }
+
     /// Vertices of solids, by definition.
     std::optional<Failure> judge_vertices(const Surface& source, const Surface& target) {
         if (&source == &target || !is_pair(source, target) || !is_solid(source) ||
             !is_solid(target))
             return std::nullopt;
-        if (model_.settings().reproject) return std::nullopt;
         if (!overlap(source.box, target.box)) return std::nullopt;
         const std::vector<test::SolidVec> inward = inward_directions(source);
         const test::Expected expected = test::expected_contacts(solid(source, target), inward,

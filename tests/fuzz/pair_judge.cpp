@@ -95,6 +95,8 @@ public:
     std::vector<Failure> run() {
         ++counts_.pairs;
         judge_overlap();
+        judge_vertices(a_, b_);
+        judge_vertices(b_, a_);
         for (const Contact& c : contacts_) judge_contact(c);
         return std::move(failures_);
     }
@@ -347,10 +349,33 @@ private:
     /// True if the inward ray of a vertex lies in the plane of one of the target's faces.
     static bool ray_in_plane(const Contact& c, const Body& source, const Body& target) {
         if (c.is_edge() || c.found == Found::separation) return false;
-        const Vec3d from = source.mesh.positions()[c.vertex];
-        const Vec3d out = source.surface().outward_directions()[c.vertex];
+        return ray_in_plane(c.vertex, source, target);
+    }
+    static bool ray_in_plane(std::uint32_t vertex, const Body& source, const Body& target) {
+        const Vec3d from = source.mesh.positions()[vertex];
+        const Vec3d out = source.surface().outward_directions()[vertex];
         const double touch = constants::touch_tolerance * source.extent;
         return target.surface().has_plane_along(from, from - source.extent * out, touch);
+    }
+
+    /// Every vertex inside the target is in contact with it.
+    void judge_vertices(const Body& source, const Body& target) {
+        for (std::uint32_t v : source.mesh.vertices()) {
+            const Vec3d p = source.mesh.positions()[v];
+            if (!target.mesh.box().contains(p) || target.mesh.where(p) != Where::inside) continue;
+            const double distance = target.mesh.nearest(p).distance;
+            if (distance <= touch_ || ray_in_plane(v, source, target)) continue;
+            ++counts_.vertices_inside;
+            const bool found = std::ranges::any_of(contacts_, [&](const Contact& c) {
+                return !c.is_edge() && c.vertex == v &&
+                       (c.source == Side::a ? &a_ : &b_) == &source;
+            });
+            if (found) continue;
+            ++counts_.vertices_missed;
+            fail("a vertex inside has no contact",
+                 "vertex " + std::to_string(v) + " of body " +
+                     std::to_string(source.body->id.index) + ", " + in_ulp(distance) + " inside");
+        }
     }
 
     /// [length] How far the contact of an edge is from the shortest way between that edge and an
@@ -464,7 +489,8 @@ PairCounts& PairCounts::operator+=(const PairCounts& o) {
          {&PairCounts::pairs, &PairCounts::overlapping, &PairCounts::deep, &PairCounts::found,
           &PairCounts::without_vertex, &PairCounts::missed, &PairCounts::missed_thin,
           &PairCounts::missed_skin, &PairCounts::undecided, &PairCounts::unseen,
-          &PairCounts::shallow, &PairCounts::invented, &PairCounts::near, &PairCounts::ridges})
+          &PairCounts::shallow, &PairCounts::invented, &PairCounts::near, &PairCounts::ridges,
+          &PairCounts::vertices_inside, &PairCounts::vertices_missed})
         this->*member += o.*member;
     most_allowed = std::max(most_allowed, o.most_allowed);
     most_apart = std::max(most_apart, o.most_apart);

@@ -64,6 +64,9 @@ struct PairCounts {
     double most_apart = 0;          ///< [ulp] of these
     std::uint64_t ridges = 0;  ///< contacts of edges on the shortest way to an edge of the other
                                ///< body, exact to 8 ulp; not counted in `errors`
+    std::uint64_t vertices_inside = 0;  ///< vertices deeper in the other body than the touch
+                                        ///< tolerance, but for those whose ray runs in a plane
+    std::uint64_t vertices_missed = 0;  ///< of these, those without a contact
     std::array<std::array<EndingErrors, static_cast<std::size_t>(Ending::count)>, 2> errors;
     ///< of vertices, and of edges
 

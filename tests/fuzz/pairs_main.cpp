@@ -181,10 +181,11 @@ private:
                 "  missed: {} deeper, {} deeper but thin, {} in the skin, {} undecided; {} of "
                 "these without any contact; {} within the touch tolerance; {:.3g} ulp at most\n"
                 "  invented: {}; {} nearer than the touch tolerance, {:.3g} ulp at most\n"
-                "  edges to a ridge: {} contacts\n",
+                "  edges to a ridge: {} contacts\n"
+                "  vertices inside: {}, {} of these without a contact\n",
                 name_of(coverage), c.pairs, c.overlapping, c.deep, c.without_vertex, c.missed,
                 c.missed_thin, c.missed_skin, c.undecided, c.unseen, c.shallow, c.most_allowed,
-                c.invented, c.near, c.most_apart, c.ridges);
+                c.invented, c.near, c.most_apart, c.ridges, c.vertices_inside, c.vertices_missed);
             for (std::size_t of = 0; of < c.errors.size(); ++of)
                 for (std::size_t k = 0; k < c.errors[of].size(); ++k) {
                     const EndingErrors& e = c.errors[of][k];
@@ -205,7 +206,7 @@ private:
         out << "placement,coverage,pairs,overlapping,deep,without_vertex,missed,missed_thin,missed_"
                "skin,"
                "undecided,unseen,shallow,most_allowed_ulp,invented,near,most_apart_ulp,edges_to_"
-               "ridge";
+               "ridge,vertices_inside,vertices_missed";
         for (const char* of : {"vertices", "edges"})
             for (std::size_t k = 0; k < static_cast<std::size_t>(Ending::count); ++k)
                 for (const char* what : {"contacts", "beyond", "in_plane", "most_ulp",
@@ -214,11 +215,11 @@ private:
                                        what);
         out << '\n';
         const auto row = [&](const char* placement, Coverage coverage, const PairCounts& c) {
-            out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.4g},{},{},{:.4g},{}",
+            out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.4g},{},{},{:.4g},{},{},{}",
                                placement, name_of(coverage), c.pairs, c.overlapping, c.deep,
                                c.without_vertex, c.missed, c.missed_thin, c.missed_skin,
                                c.undecided, c.unseen, c.shallow, c.most_allowed, c.invented, c.near,
-                               c.most_apart, c.ridges);
+                               c.most_apart, c.ridges, c.vertices_inside, c.vertices_missed);
             for (const auto& of : c.errors)
                 for (const EndingErrors& e : of)
                     out << fmt::format(",{},{},{},{:.4g},{:.4g},{:.4g}", e.contacts, e.beyond,

@@ -625,7 +625,10 @@ private:
                                                          .uncertain = view_of(routes_.uncertain),
                                                          .prolonged = view_of(routes_.full_rays)});
         tools_.update(scene.bodies, routes_.full_rays);
-        tools_.trace(scene.bodies, routes_.full_rays, routes_.full_hits);
+        if (scene.plan->settings.inside_is_contact())
+            routes_.full_hits.clear();
+        else
+            tools_.trace(scene.bodies, routes_.full_rays, routes_.full_hits);
         executor_.for_each(uncertain,
                            stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits),
                                                       view_of(routes_.full_rays)});

@@ -24,9 +24,10 @@ namespace {
 /// Answers with the step's own functors, for bodies as the last step left them.
 class Explainer {
 public:
-    Explainer(Backend& backend, View<const BodyView> bodies, std::uint32_t source,
-              std::uint32_t target, std::uint32_t vertex)
+    Explainer(Backend& backend, const Settings& settings, View<const BodyView> bodies,
+              std::uint32_t source, std::uint32_t target, std::uint32_t vertex)
         : backend_(backend),
+          only_inside_(settings.inside_is_contact()),
           bodies_(bodies),
           source_(bodies[source]),
           target_(bodies[target]),
@@ -41,7 +42,7 @@ public:
 
     Explanation answer() {
         if (pair_fails() || is_culled()) return result_;
-        const Ray ray = stages::vertex_ray(bodies_, directed_, vertex_);
+        const Ray ray = stages::vertex_ray(bodies_, directed_, vertex_, only_inside_);
         if (length_squared(ray.direction) == 0) return because(Reason::no_direction);
         trace(ray);
         return result_;
@@ -94,7 +95,8 @@ private:
         return hit;
     }
 
-    /// Applies R1 to R3. The ray is as long as the target, to see what lies beyond the ray's range.
+    /// Applies R1 and, where they matter, R2 and R3. The ray is as long as the target, to see what
+    /// lies beyond the ray's range.
     void trace(Ray ray) {
         const double range = ray.t_max;
         ray.t_max = target_.fit_box.extent();
@@ -108,6 +110,10 @@ private:
         result_.triangle = hit.triangle;
         if (!rules::starts_inside(meeting)) {
             because(Reason::entry_first);
+            return;
+        }
+        if (only_inside_) {
+            because(Reason::contact);
             return;
         }
         if (!source_.mesh.closed) {
@@ -149,6 +155,7 @@ private:
     }
 
     Backend& backend_;
+    bool only_inside_;
     View<const BodyView> bodies_;
     const BodyView& source_;
     const BodyView& target_;
@@ -190,7 +197,8 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
         return explain_sheet(views[body.index], views[other.index], vertex,
                              std::max(collision_of(body).thickness, collision_of(other).thickness),
                              of_vertex);
-    Explanation result = Explainer(*state_->backend, views, body.index, other.index, vertex)
+    Explanation result = Explainer(*state_->backend, state_->plan.settings, views, body.index,
+                                   other.index, vertex)
                              .answer();
 
     const BodyId a = std::min(body, other), b = std::max(body, other);
@@ -219,9 +227,9 @@ const char* how_found(Found found) {
         case Found::prediction:
             return ", found by a walk to a predicted triangle";
         case Found::separation:
-            return ", measured along the direction in which the two separate soonest, as the pair "
-                   "has no contact along an "
-                   "inward ray";
+            return ", measured along the direction in which the two separate soonest, as its body "
+                   "is inside the other one as a whole, or the pair has no other contact with a "
+                   "depth";
         case Found::self:
         case Found::near:
         case Found::crossing:

@@ -191,7 +191,8 @@ void World::State::make_plan() {
     // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
     // nothing about the way out.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
-    plan.traces_own_exits = plan.casts_rays && (plan.deforming_bodies > 0 || plan.is_complete());
+    plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
+                            (plan.deforming_bodies > 0 || plan.is_complete());
     list_stages(plan);
     resting_plan = plan;
     resting_plan.settings.temporal = Temporal::off;

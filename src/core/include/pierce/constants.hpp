@@ -96,6 +96,10 @@ inline constexpr std::int64_t half_turn = std::int64_t{1} << 40;
 /// turns; the angles of open fans lie in between.
 inline constexpr std::int64_t crossing_weight = half_turn / 2;
 
+/// The direction of a ray that only tells whether its origin is inside, where none is better: it
+/// lies in no plane that meshes often have. Not of length 1.
+inline constexpr double any_direction[3] = {3, 5, 7};
+
 /// A hit whose ray meets the face at a smaller sine than this is flagged as grazing [1]: its depth
 /// changes a thousand times faster than the vertex moves.
 inline constexpr double grazing_sine = 1e-3;

@@ -19,7 +19,7 @@ struct Plan {
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool casts_rays = false;  ///< some body has an inside in which others are looked for, or is
                               ///< looked for in itself by rays along velocities
-    bool traces_own_exits = false;   ///< contacts of deforming sources need a second ray
+    bool traces_own_exits = false;   ///< contacts need a second ray, into their own body
     bool meets_itself = false;       ///< some solid is looked for in itself
     bool sheets = false;             ///< some body is a sheet
     std::uint32_t feature_bits = 0;  ///< bits of the largest number of a vertex, edge or triangle

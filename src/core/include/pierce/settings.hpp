@@ -30,14 +30,16 @@ enum class Coverage : std::uint8_t {
 
 /// How a world detects contacts. Every field has a default that suits any scale.
 struct Settings {
-    /// Rays of bodies without an inside reach this far [mean edge length of the body's mesh].
+    /// Rays of bodies without an inside reach this far [mean edge length of the body's mesh], unless
+    /// every vertex inside is in contact.
     double open_body_range = constants::open_body_range;
 
     Coverage coverage = Coverage::overlaps;
-    /// Contacts move from where their ray leaves the target to the closest point of its surface,
-    /// which is never deeper, and those of edges over a ridge to that ridge. Leaving this out saves
-    /// 2 to 6 % of the time of complete coverage; depths are then 4 to 7 % too large and normals 16
-    /// to 20 degrees off the shortest way out in the median (docs/accuracy.md).
+    /// Every vertex inside another body is in contact with the closest point of its surface, and an
+    /// edge over a ridge with that ridge. Leaving this out saves 2 to 6 % of the time of complete
+    /// coverage; depths are then 4 to 7 % too large and normals 16 to 20 degrees off the shortest
+    /// way out in the median, and vertices whose ray leaves their own body first have no contact
+    /// (docs/accuracy.md). Temporal::paper keeps that last rule.
     bool reproject = true;
 
     /// Remembering nothing (Temporal::off) changes no contact; with vertices alone, it takes 1.1 to
@@ -56,6 +58,9 @@ struct Settings {
     /// edge length].
     double walk_threshold = constants::walk_threshold;
 
+    /// True if every vertex inside another body is in contact with it; otherwise its inward ray
+    /// must leave the other body before its own, too (rules R2 and R3).
+    PIERCE_HD bool inside_is_contact() const { return reproject && temporal != Temporal::paper; }
     /// True if contacts of pairs in which nothing moves are kept without another look.
     PIERCE_HD bool keeps_contacts() const { return temporal == Temporal::certified; }
 };

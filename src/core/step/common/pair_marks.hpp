@@ -20,6 +20,11 @@ struct PairMarks {
         vertex_touches = 128,                          ///< a vertex has a contact without a depth
         holds_chord = 256;  ///< a part of an edge of one body is inside the other
 
+    /// A vertex of this side's body is inside the other one by more than the touch tolerance.
+    PIERCE_HD static constexpr std::uint32_t deep(std::uint32_t side) { return 512u << side; }
+    /// A vertex of this side's body only touches the other one.
+    PIERCE_HD static constexpr std::uint32_t shallow(std::uint32_t side) { return 2048u << side; }
+
     View<std::uint32_t> words;
 
     PIERCE_HD void begin(std::uint32_t pair, std::uint32_t bits) const { words[pair] = bits; }

@@ -50,33 +50,40 @@ public:
                                                               late_, late_routes_);
         const auto count = count_of(late_.rays);
         tools_.trace_between(bodies, late_.rays, late_.hits, generate, NoStage{});
-        executor_.emit(
-            ListId::late_candidates, count,
-            stages::GenerateOwnRays{.inside_target = {.bodies = bodies,
-                                                      .rays = view_of(late_.rays),
-                                                      .hits = view_of(late_.hits),
-                                                      .routes = {},
-                                                      .meetings = view_of(late_.meetings)},
-                                    .pairs = step.pairs,
-                                    .chords = edges.chords(),
-                                    .sources = view_of(late_.sources)},
-            late_.candidates, own_rays_, starts_inside_);
+        const bool own_exits = !step.scene.plan->settings.inside_is_contact();
+        const stages::TestInside inside{.bodies = bodies,
+                                        .rays = view_of(late_.rays),
+                                        .hits = view_of(late_.hits),
+                                        .routes = {},
+                                        .meetings = view_of(late_.meetings)};
+        own_rays_.clear();
+        if (own_exits)
+            executor_.emit(ListId::late_candidates, count,
+                           stages::GenerateOwnRays{.inside_target = inside,
+                                                   .pairs = step.pairs,
+                                                   .chords = edges.chords(),
+                                                   .sources = view_of(late_.sources)},
+                           late_.candidates, own_rays_, starts_inside_);
+        else
+            executor_.emit(ListId::late_candidates, count, inside, late_.candidates);
         const auto begin = count_of(batch.candidates), found = count_of(late_.candidates);
         if (executor_.is_empty(found)) return;
         late_.keep.resize(found);
-        own_hits_.resize(found);
-        tools_.trace_between(
-            bodies, own_rays_, own_hits_, NoStage{},
-            stages::JoinLate{
-                .own_exit = {.bodies = bodies,
-                             .rays = view_of(late_.rays),
-                             .meetings = view_of(late_.meetings),
-                             .candidates = view_of(late_.candidates),
-                             .own_rays = view_of(own_rays_),
-                             .own_hits = view_of(own_hits_),
-                             .starts_inside = view_of(starts_inside_),
-                             .keep = view_of(late_.keep)},
-                .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_)});
+        own_hits_.resize(count_of(own_rays_));
+        const stages::JoinLate join{
+            .own_exit = {.bodies = bodies,
+                         .rays = view_of(late_.rays),
+                         .meetings = view_of(late_.meetings),
+                         .candidates = view_of(late_.candidates),
+                         .own_rays = view_of(own_rays_),
+                         .own_hits = view_of(own_hits_),
+                         .starts_inside = view_of(starts_inside_),
+                         .keep = view_of(late_.keep)},
+            .batch = room_in(batch, routes, step.scene.plan->remembers(), found, late_)};
+        if (own_exits)
+            tools_.trace_between(bodies, own_rays_, own_hits_, NoStage{}, join);
+        else
+            executor_.for_each(found, join);
         reprojection_.decide(step, batch, begin, found, edges.chords(), edges.flat());
     }
 

@@ -40,7 +40,10 @@ public:
         executor_.when_any(
             step.count,
             stages::NeedsMore{
-                .bodies = step.scene.bodies, .directed = step.directed, .marks = step.marks},
+                .bodies = step.scene.bodies,
+                .directed = step.directed,
+                .marks = step.marks,
+                .inside_is_contact = step.scene.plan->settings.inside_is_contact()},
             [&] {
                 edges.add_chords_at_ends(step);
                 separate_stranded(step, edges, batch, routes);
@@ -67,7 +70,11 @@ private:
         const View<const BodyView> bodies = step.scene.bodies;
         executor_.emit(
             ListId::parts, 2 * step.count,
-            stages::AskParts{.bodies = bodies, .directed = step.directed, .marks = step.marks},
+            stages::AskParts{
+                .bodies = bodies,
+                .directed = step.directed,
+                .marks = step.marks,
+                .inside_is_contact = step.scene.plan->settings.inside_is_contact()},
             parts_.rays, parts_.sources);
         executor_.emit(ListId::stranded_chords, edges.chord_count(),
                        stages::FindStrandedChords{.bodies = bodies,

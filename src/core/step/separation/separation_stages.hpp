@@ -38,17 +38,20 @@ PIERCE_HD inline bool may_be_inside(View<const BodyView> bodies, const DirectedP
 /// Per directed pair that has no contact with a depth and no vertex inside: lists the rays from the
 /// vertices of each of its source's parts. Where surfaces do not cross, a part is inside if one of
 /// its vertices is, and not if one is outside; some may lie in the surface, and say nothing. A part
-/// with a vertex that is certainly outside gets no rays.
+/// with a vertex that is certainly outside gets no rays. If each vertex inside is a contact already,
+/// only parts are left all of whose vertices lie in the surface.
 struct AskParts {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     PairMarks marks;
+    bool inside_is_contact = false;
 
     static constexpr bool in_order = true;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
         if (marks.any(i / 2, PairMarks::vertex_inside | PairMarks::has_depth) ||
+            (inside_is_contact && !marks.any(i / 2, PairMarks::vertex_touches)) ||
             !bodies[d.target].is_solid() || d.is_self())
             return 0;
         std::uint32_t count = 0;
@@ -84,6 +87,7 @@ struct NeedsMore {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     PairMarks marks;
+    bool inside_is_contact = false;
 
     PIERCE_HD bool operator()(std::uint32_t pair) const {
         if (directed[2 * pair].is_self()) return false;
@@ -93,7 +97,10 @@ struct NeedsMore {
         if (!in_contact && marks.any(pair, PairMarks::edge_touches | PairMarks::vertex_inside |
                                                PairMarks::holds_chord))
             return true;
-        const AskParts parts{.bodies = bodies, .directed = directed, .marks = marks};
+        const AskParts parts{.bodies = bodies,
+                             .directed = directed,
+                             .marks = marks,
+                             .inside_is_contact = inside_is_contact};
         return parts.find(2 * pair) + parts.find(2 * pair + 1) > 0;
     }
 };

@@ -41,6 +41,12 @@ PIERCE_HD inline Vec3d start_of(const BodyView& source, const RaySource& from,
     return point_on(source, source.mesh.edges[chord.edge], chord.along);
 }
 
+/// The unit direction of a ray that only tells whether its origin is inside.
+PIERCE_HD inline Vec3d any_direction() {
+    return normalized(Vec3d{constants::any_direction[0], constants::any_direction[1],
+                            constants::any_direction[2]});
+}
+
 /// How far a ray that starts in a body can get inside that body's box. Origin and direction in the
 /// body's space.
 PIERCE_HD inline double box_range(const BodyView& body, Vec3d origin, Vec3d direction) {
@@ -63,10 +69,16 @@ PIERCE_HD inline double range_in_boxes(const BodyView& source, const BodyView& t
     return min_of(target.fit_box.extent(), box_range(source, origin, direction));
 }
 
+/// How far a ray has to go to be outside of the target for certain. Its origin in the target's
+/// space.
+PIERCE_HD inline double range_through(const BodyView& target, Vec3d origin) {
+    const Vec3d in_fit = target.motion == Motion::deforming ? target.fit.to_local(origin) : origin;
+    return target.fit_box.extent() + target.fit_box.distance(in_fit) + target.touch;
+}
+
 /// How far an inward ray from `vertex` may go before it leaves its own body for certain.
 PIERCE_HD inline double inward_range(const BodyView& source, const BodyView& target,
                                      std::uint32_t vertex, Vec3d direction) {
-    if (source.collision.sheet) return target.fit_box.extent();
     if (!source.mesh.closed) return source.range;
     if (source.motion != Motion::deforming) return source.mesh.own_exit[vertex];
     return range_in_boxes(source, target, to_double(source.positions[vertex]), direction);
@@ -89,17 +101,24 @@ PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, b
     return ray;
 }
 
-/// The inward ray of a vertex into the other body of its pair; if the vertex has no direction, a
-/// ray that hits nothing.
-PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d,
-                                std::uint32_t v) {
+/// The inward ray of a vertex into the other body of its pair. If the vertex has no direction, the
+/// ray hits nothing; but where the ray only tells whether the vertex is inside (`only_inside`), any
+/// direction does.
+PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d, std::uint32_t v,
+                                bool only_inside) {
     const BodyView& source = bodies[d.source];
-    const Vec3d direction = inward_direction(source, v);
+    const BodyView& target = bodies[d.target];
+    const Vec3d inward = inward_direction(source, v);
+    const bool has_direction = length_squared(inward) > 0,
+               through = !d.is_self() && (only_inside || source.collision.sheet);
+    const Vec3d direction = has_direction || !through ? inward : any_direction();
     Ray ray;
     ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
     ray.direction = d.to_space.rotation * direction;
-    ray.t_max = length_squared(direction) > 0 ? inward_range(source, bodies[d.target], v, direction)
-                                              : -1.0;
+    if (through)
+        ray.t_max = range_through(target, ray.origin);
+    else
+        ray.t_max = has_direction ? inward_range(source, target, v, direction) : -1.0;
     ray.target = d.target;
     ray.touch = d.touch;
     if (d.is_self()) {
@@ -150,7 +169,7 @@ struct GenerateRay {
             rays[i] = velocity_ray(bodies[d.source], d, sources[i].side == 1, sources[i].item);
             return;
         }
-        Ray ray = vertex_ray(bodies, d, sources[i].item);
+        Ray ray = vertex_ray(bodies, d, sources[i].item, settings.inside_is_contact());
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)
             ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]),

@@ -4,6 +4,7 @@
 #include "core/device/view.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
+#include "core/step/solids/ray_gen.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/step/solids/walk.hpp"
 #include "core/trace/closest_search.hpp"
@@ -82,7 +83,8 @@ struct IsUncertain {
 };
 
 /// Per uncertain vertex: its ray, as long as the target's box. If that ray meets nothing either, no
-/// surface lies between the vertex and the far outside.
+/// surface lies between the vertex and the far outside. Rays that only tell whether they start
+/// inside are that long already.
 struct ProlongRay {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -91,9 +93,7 @@ struct ProlongRay {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         Ray ray = rays[slots[uncertain[i]]];
-        const BodyView& target = bodies[ray.target];
-        const Vec3d in_fit = target.fit.to_local(target.space.to_parent(ray.origin));
-        ray.t_max = target.fit_box.extent() + target.fit_box.distance(in_fit) + target.touch;
+        ray.t_max = range_through(bodies[ray.target], ray.origin);
         ray.outward = 0;
         prolonged[i] = ray;
     }
@@ -103,7 +103,7 @@ struct ProlongRay {
 /// something, there is no proof and nothing to look for.
 struct LimitToCertificate {
     View<const BodyView> bodies;
-    View<const Hit> hits;
+    View<const Hit> hits;  ///< empty if no ray was to be prolonged
     View<Ray> prolonged;
 
     static constexpr bool is_cheap = true;
@@ -111,7 +111,7 @@ struct LimitToCertificate {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const double limit = constants::certificate_limit *
                              bodies[prolonged[i].target].mesh.mean_edge_length;
-        prolonged[i].t_max = hits[i].triangle == no_triangle ? limit : -1.0;
+        prolonged[i].t_max = hits.size == 0 || hits[i].triangle == no_triangle ? limit : -1.0;
     }
 };
 

@@ -80,7 +80,7 @@ private:
 };
 
 /// Per candidate from `begin` on: moves the ray's end to the ridge that its chord is over, or to
-/// the closest point, unless that is no nearer than the contact, and marks its pair.
+/// the closest point, unless that is no nearer than the contact.
 struct MoveToClosest {
     View<const BodyView> bodies;
     View<const Ray> limited;            ///< per candidate from `begin` on, like the next two
@@ -95,14 +95,12 @@ struct MoveToClosest {
     View<Hit> hits;
     View<Meeting> meetings;
     View<std::uint32_t> accepted;
-    MarkCandidate mark;
+    ContainedBodies contained;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t candidate = begin + i;
-        const double depth = found[candidates[candidate]].t;
-        accepted[candidate] = moves(i, candidate, depth);
-        if (mark.marks.words.size > 0)
-            mark.mark(candidate, accepted[candidate] ? meetings[candidate].t : depth);
+        const std::uint32_t candidate = begin + i, r = candidates[candidate];
+        accepted[candidate] = moves(i, candidate, found[r].t);
+        contained.note(sources[r], (accepted[candidate] ? meetings[candidate] : found[r]).t > 0);
     }
 
 private:

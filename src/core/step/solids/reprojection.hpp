@@ -25,19 +25,29 @@ public:
 
     /// Takes the `count` candidates of `batch` from the `begin`-th on. Earlier ones stay as they
     /// are.
-    void decide(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
+    void decide(const StepOfPairs<E>& step, RayBatch<E>& batch, const Count& begin,
                 const Count& count, View<const Chord> chords, View<std::uint32_t> flat) {
-        const stages::MarkCandidate mark{.sources = view_of(batch.sources),
+        const Plan& plan = *step.scene.plan;
+        const stages::ContainedBodies
+            contained{.bodies = step.scene.bodies,
+                      .pairs = step.pairs,
+                      .sources = view_of(batch.sources),
+                      .candidates = view_of(batch.candidates),
+                      .marks = step.marks,
+                      .are_asked_for = plan.misses_no_overlap() &&
+                                       plan.settings.inside_is_contact()};
+        if (plan.reprojects) move(step, batch, begin, count, chords, contained);
+        tools_.executor.for_each(
+            count, stages::MarkCandidate{.sources = view_of(batch.sources),
                                          .meetings = view_of(batch.meetings),
                                          .candidates = view_of(batch.candidates),
                                          .keep = view_of(batch.keep),
+                                         .moved = view_of(aimed_.meetings),
+                                         .accepted = view_of(accepted_),
+                                         .contained = contained,
                                          .begin = begin,
                                          .marks = step.marks,
-                                         .flat = flat};
-        if (step.scene.plan->reprojects)
-            move(step, batch, begin, count, chords, mark);
-        else
-            tools_.executor.for_each(count, mark);
+                                         .flat = flat});
     }
 
     /// The contacts that have moved: per candidate, whether it has, and of how many candidates that
@@ -53,7 +63,8 @@ public:
 
 private:
     void move(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
-              const Count& count, View<const Chord> chords, const stages::MarkCandidate& mark) {
+              const Count& count, View<const Chord> chords,
+              const stages::ContainedBodies& contained) {
         const View<const BodyView> bodies = step.scene.bodies;
         aimed_.rays.resize(begin + count);
         aimed_.hits.resize(begin + count);
@@ -90,7 +101,7 @@ private:
                                        .hits = view_of(aimed_.hits),
                                        .meetings = view_of(aimed_.meetings),
                                        .accepted = view_of(accepted_),
-                                       .mark = mark};
+                                       .contained = contained};
                                });
     }
 
