@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <map>
 
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/closest_points_of_segments.hpp"
@@ -451,7 +453,7 @@ TEST_P(CoverageTest, BodiesInsideEachOther) {
 TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointOrTheRidge) {
     test::Random random(77);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
-    std::size_t moved = 0, ridges = 0;
+    std::size_t moved = 0, ridges = 0, compared = 0;
     for (int i = 0; i < 60 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
         const Pose a{random.in_box(0.5), random.rotation()},
@@ -460,10 +462,10 @@ TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointOrTheRidge) {
                        second = test::random_closed_mesh(random);
         Two plain(GetParam(), complete(), first, a, second, b, i % 2 == 0);
         Two two(GetParam(), complete(true), first, a, second, b, i % 2 == 0);
-        ASSERT_EQ(two.world.contacts().size(), plain.world.contacts().size());
-        for (std::size_t k = 0; k < plain.world.contacts().size(); ++k) {
-            const Contact &c = two.world.contacts()[k], &before = plain.world.contacts()[k];
-            EXPECT_EQ(c.feature(), before.feature());
+        std::map<std::uint64_t, double> depth_of_ray;
+        for (const Contact& c : plain.world.contacts())
+            if (c.found != Found::separation) depth_of_ray[c.feature()] = c.penetration_depth();
+        for (const Contact& c : two.world.contacts()) {
             if (!c.reprojected) continue;
             ++moved;
             const std::size_t source = c.source == Side::a ? 0 : 1, target = 1 - source;
@@ -472,7 +474,10 @@ TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointOrTheRidge) {
                 ++ridges;
                 continue;
             }
-            EXPECT_LE(c.penetration_depth(), before.penetration_depth());
+            if (const auto before = depth_of_ray.find(c.feature()); before != depth_of_ray.end()) {
+                ++compared;
+                EXPECT_LE(c.penetration_depth(), before->second);
+            }
             const Vec3d p = source == 0 ? c.point_a : c.point_b,
                         q = source == 0 ? c.point_b : c.point_a;
             const double closest = distance_to_surface(p, two.data[target], two.pose[target]);
@@ -483,6 +488,7 @@ TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointOrTheRidge) {
         }
     }
     EXPECT_GT(moved, 1000u);
+    EXPECT_GT(compared, 500u);
     EXPECT_GT(ridges, 100u);
     EXPECT_GT(moved, 2 * ridges) << "not every contact may be one to a ridge";
 }
@@ -531,7 +537,7 @@ TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) 
                 add_depth_ratios(reprojecting, moved);
             }
             ASSERT_GE(moved.size(), 100u);
-            EXPECT_EQ(moved.size(), rays.size());
+            EXPECT_GT(moved.size(), rays.size()) << "some rays leave their own body first";
             EXPECT_GT(quantile(rays, 0.5), 1.02) << "inward rays are longer";
             EXPECT_GT(moved.front(), 1 - 1e-4);
             EXPECT_LT(moved.back(), 1 + 1e-4);

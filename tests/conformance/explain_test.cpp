@@ -39,6 +39,7 @@ TEST_P(ExplainTest, AgreesWithContactsAndWithInsideAndOutside) {
         Settings settings;
         settings.temporal = i % 4 == 0 ? Temporal::off : Temporal::certified;
         settings.coverage = i % 3 == 0 ? Coverage::complete : Coverage::vertices;
+        settings.reproject = i % 5 != 0;
         World world(GetParam().make(), settings);
         MeshData shape[2];
         Pose pose[2];

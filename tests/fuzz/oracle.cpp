@@ -168,7 +168,8 @@ private:
             if (!target->holds(from))
                 return Failure{"truth: a contact starts inside its target", to_text(c)};
         }
-        const bool in_own = is_solid(*source) && !c.reprojected && c.found != Found::separation;
+        const bool in_own = is_solid(*source) && !c.reprojected && c.found != Found::separation &&
+                            !model_.settings().inside_is_contact();
         for (double at : {0.25, 0.5, 0.75}) {
             const Vec3d p = from + at * (to - from);
             if (target->distance(p) > target->touch + source->touch) {

@@ -85,7 +85,8 @@ int show_plan(const RunOptions& options) {
                    ? "one static tree per mesh, one refitted tree per deforming body"
                    : "one static tree per mesh, built once");
     fmt::print("classify  {}\n",
-               plan.traces_own_exits
+               plan.settings.inside_is_contact() ? "every vertex inside is in contact"
+               : plan.traces_own_exits
                    ? "own exits traced for contacts of deforming sources and of edges"
                    : "own exits looked up: they were traced once per mesh");
     fmt::print("remembers {}\n", !plan.remembers() ? "nothing: every step stands alone"

@@ -13,7 +13,8 @@ PIERCE_HD inline bool is_degenerate(Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d ab = b - a, bc = c - b, ca = a - c;
     const double longest = max_of(length_squared(ab),
                                   max_of(length_squared(bc), length_squared(ca)));
-    return !(length(cross(ab, ca)) > constants::degenerate_area * longest);
+    const double least = constants::degenerate_area * longest;
+    return !(length_squared(cross(ab, ca)) > least * least);
 }
 
 /// A ray prepared for the triangle test: the axis it runs along most becomes the third, and a shear

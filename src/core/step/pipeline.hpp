@@ -339,8 +339,9 @@ private:
         const Count directed_count = 2 * count_of(pairs_.pairs);
         cull_.directed.resize(directed_count);
         cull_.block_offsets.resize(directed_count);
-        const bool marks = scene.plan->misses_no_overlap() || scene.plan->reprojects;
-        pairs_.marks.resize(marks ? count_of(pairs_.pairs) : Count{0u});
+        const bool asks = scene.plan->misses_no_overlap() || scene.plan->reprojects;
+        pairs_.marks.resize(asks ? count_of(pairs_.pairs) : Count{0u});
+        pairs_.deep.resize(asks ? 2 * count_of(pairs_.pairs) : Count{0u});
         executor_.emit(ListId::pair_blocks, directed_count,
                        stages::DirectPair{.bodies = bodies,
                                           .pairs = view_of(pairs_.pairs),
@@ -350,7 +351,7 @@ private:
                                           .settings = scene.plan->settings,
                                           .directed = view_of(cull_.directed),
                                           .begins = view_of(cull_.block_offsets),
-                                          .marks = {view_of(pairs_.marks)}},
+                                          .marks = marks()},
                        cull_.blocks);
         const bool records = scene.plan->remembers();
         if (records) now_.blocks.resize(count_of(cull_.blocks));
@@ -390,6 +391,7 @@ private:
         const Count count = count_of(batch_.sources);
         batch_.rays.resize(count);
         batch_.hits.resize(count);
+        batch_.meetings.resize(count);
         executor_.for_each(count, stages::GenerateRay{.bodies = scene.bodies,
                                                       .directed = view_of(cull_.directed),
                                                       .sources = view_of(batch_.sources),
@@ -397,6 +399,7 @@ private:
                                                       .records = view_of(now_.vertices),
                                                       .rays = view_of(batch_.rays),
                                                       .hits = view_of(batch_.hits),
+                                                      .meetings = view_of(batch_.meetings),
                                                       .routes = view_of(routes_.routes)});
     }
 
@@ -428,6 +431,8 @@ private:
                                                      view_of(routes_.full_rays)});
     }
 
+    stages::PairMarks marks() { return {view_of(pairs_.marks), view_of(pairs_.deep)}; }
+
     StepOfPairs<E> step_of_pairs(const Scene& scene) {
         return {.scene = scene,
                 .count = count_of(pairs_.pairs),
@@ -435,7 +440,7 @@ private:
                 .directed = view_of(cull_.directed),
                 .memory = view_of(now_.directed),
                 .links = view_of(pairs_.links),
-                .marks = {view_of(pairs_.marks)}};
+                .marks = marks()};
     }
 
     // edges: Which parts of edges are inside the other body, and a ray for each.
@@ -527,7 +532,8 @@ private:
     // contact, and which have depth, is known from then on.
     void depths(const Scene& scene) {
         reprojection_.decide(step_of_pairs(scene), batch_, 0u, count_of(batch_.candidates),
-                             edges_.chords(), edges_.flat());
+                             edges_.chords(), edges_.flat(),
+                             view_of(std::as_const(routes_.routes)));
     }
 
     // separation: Pairs that overlap without a contact so far.
@@ -579,7 +585,7 @@ private:
                                 .aimed = reprojection_.moved(),
                                 .accepted = reprojection_.accepted(),
                                 .decided = reprojection_.decided(),
-                                .marks = {view_of(pairs_.marks)},
+                                .marks = marks(),
                                 .candidates = view_of(batch_.candidates),
                                 .order = view_of(sort_.order),
                                 .keys = view_of(now_.contact_keys),
@@ -590,6 +596,8 @@ private:
                                 .last_ages = view_of(last_.ages),
                                 .last_contacts = view_of(std::as_const(last_.contacts)),
                                 .records = view_of(now_.vertices),
+                                .looks = scene.plan->settings.temporal == Temporal::certified &&
+                                         scene.plan->settings.inside_is_contact(),
                                 .ages = view_of(now_.ages),
                                 .contacts = view_of(now_.contacts)},
             sums_.contacts);

@@ -21,8 +21,8 @@ enum class Found : std::uint8_t {
                  ///< each other
     tangled,  ///< of a sheet: an edge runs through a triangle, and the step in which that began is
               ///< unknown
-    separation,  ///< measured along the direction in which the two separate soonest, as the pair
-                 ///< has no contact along an inward ray
+    separation,  ///< measured along the direction in which the two separate soonest, as one is
+                 ///< inside the other as a whole, or the pair has no other contact with a depth
 };
 
 /// Which of a contact's two bodies the ray started from.

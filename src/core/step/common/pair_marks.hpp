@@ -8,7 +8,7 @@
 namespace pierce::stages {
 
 /// What is known of pairs so far in a step: bits of a word per pair, which stages set and never
-/// clear.
+/// clear, and counts.
 struct PairMarks {
     static constexpr std::uint32_t vertex_inside = 1,  ///< a vertex of one body is inside the other
         in_contact = 2,                                ///< it has a contact
@@ -18,16 +18,18 @@ struct PairMarks {
         moved_overlaps = 32,                           ///< an edge that was moved shows an overlap
         separates = 64,                                ///< rays along its way apart are wanted
         vertex_touches = 128,                          ///< a vertex has a contact without a depth
-        holds_chord = 256;  ///< a part of an edge of one body is inside the other
-
-    /// A vertex of this side's body is inside the other one by more than the touch tolerance.
-    PIERCE_HD static constexpr std::uint32_t deep(std::uint32_t side) { return 512u << side; }
-    /// A vertex of this side's body only touches the other one.
-    PIERCE_HD static constexpr std::uint32_t shallow(std::uint32_t side) { return 2048u << side; }
+        holds_chord = 256,  ///< a part of an edge of one body is inside the other
+        contained = 512,    ///< one body is inside the other as a whole
+        runs_inside = 1024;  ///< a vertex only touches, but its ray runs inside
 
     View<std::uint32_t> words;
+    View<std::uint32_t> deep;  ///< two per pair: how many vertices of the body of each side are
+                               ///< inside the other one by more than the touch tolerance
 
-    PIERCE_HD void begin(std::uint32_t pair, std::uint32_t bits) const { words[pair] = bits; }
+    PIERCE_HD void begin(std::uint32_t pair, std::uint32_t bits) const {
+        words[pair] = bits;
+        deep[2 * pair] = deep[2 * pair + 1] = 0;
+    }
     PIERCE_HD bool any(std::uint32_t pair, std::uint32_t bits) const {
         return (words[pair] & bits) != 0;
     }

@@ -189,6 +189,7 @@ enum class Route : std::uint32_t {
     walk,    ///< from its record
     full,    ///< a ray through the target's tree
     walked,  ///< the walk found the answer
+    looked,  ///< a look from its record found the closest point
     kept,    ///< nothing has moved: its pair's contacts stay as they were
 };
 

@@ -46,6 +46,9 @@ public:
 
     PIERCE_HD std::uint32_t count() const { return count_; }
     PIERCE_HD std::uint32_t first() const { return triangles_[0]; }
+    PIERCE_HD std::uint32_t operator[](std::uint32_t k) const { return triangles_[k]; }
+    /// True if all of them are at hand.
+    PIERCE_HD bool are_listed() const { return count_ <= most; }
 
     /// [length] How far away all of them are, or all but one, at least; the limit if further.
     PIERCE_HD double gap() const { return gap_; }
@@ -113,6 +116,61 @@ private:
     std::uint32_t count_ = 0;
     std::uint32_t triangles_[most];
     NearTriangles near_;
+};
+
+/// The crossings of a ray along an edge with its triangles, in their order, if each is inside its
+/// triangle and further than the touch tolerance from the others and from the ray's ends. Then they
+/// are what a search for one after the other finds.
+class CleanCrossings {
+public:
+    static constexpr std::uint32_t most = 4;
+
+    PIERCE_HD CleanCrossings(const EdgeTriangles& triangles, const Ray& ray,
+                             const Surface& surface) {
+        const ShearedRay line(ray.origin, ray.direction);
+        hold_ = triangles.are_listed();
+        for (std::uint32_t k = 0; hold_ && k < triangles.count(); ++k) {
+            const Triangle& t = surface.triangles[triangles[k]];
+            add(triangles[k],
+                cross_triangle(line, to_double(surface.positions[t.vertex[0]]),
+                               to_double(surface.positions[t.vertex[1]]),
+                               to_double(surface.positions[t.vertex[2]])),
+                ray);
+        }
+        for (std::uint32_t k = 1; k < count_; ++k) hold_ &= t_[k] > t_[k - 1] + ray.touch;
+    }
+
+    PIERCE_HD bool hold() const { return hold_; }
+    PIERCE_HD std::uint32_t count() const { return count_; }
+    PIERCE_HD double t(std::uint32_t k) const { return t_[k]; }
+    PIERCE_HD bool is_exit(std::uint32_t k) const { return is_exit_[k]; }
+    PIERCE_HD std::uint32_t triangle(std::uint32_t k) const { return triangle_[k]; }
+
+private:
+    PIERCE_HD void add(std::uint32_t triangle, const Crossing& crossing, const Ray& ray) {
+        if (crossing.kind == Crossing::none) return;
+        const bool is_clean = crossing.kind == Crossing::transversal && crossing.weight[0] > 0 &&
+                              crossing.weight[1] > 0 && crossing.weight[2] > 0;
+        if (is_clean && (crossing.t < -ray.touch || crossing.t > ray.t_max + ray.touch)) return;
+        hold_ = is_clean && count_ < most && crossing.t > ray.touch &&
+                crossing.t < ray.t_max - ray.touch;
+        if (!hold_) return;
+        std::uint32_t k = count_++;
+        for (; k > 0 && crossing.t < t_[k - 1]; --k) {
+            t_[k] = t_[k - 1];
+            triangle_[k] = triangle_[k - 1];
+            is_exit_[k] = is_exit_[k - 1];
+        }
+        t_[k] = crossing.t;
+        triangle_[k] = triangle;
+        is_exit_[k] = crossing.sign > 0;
+    }
+
+    std::uint32_t count_ = 0;
+    double t_[most];
+    std::uint32_t triangle_[most];
+    bool is_exit_[most];
+    bool hold_ = true;
 };
 
 /// Which chords of an edge are wanted.
@@ -204,6 +262,7 @@ private:
         // An executor may call find() twice: the second call reads what the first one has noted.
         if (wanted == Chords::at_ends && item.crosses == no_triangle) return;
         const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
+        if (is_known && is_in_front(target, item.crosses, placed)) return;
         if (!is_known) {
             const SegmentProof proof = proof_of(target, placed);
             const bool once = wanted == Chords::within && proof.prefers_once();
@@ -275,22 +334,40 @@ private:
             }
             see(chord);
         };
-        for (;;) {
+        const auto cross = [&](double t, bool exit, std::uint32_t triangle) {
+            if (exit && (inside || !crossed))
+                add(min_of(t, ray.t_max), inside ? Chords::within : Chords::at_ends, triangle);
+            crossed = true;
+            inside = !exit;
+            enter = t;
+            entered = triangle;
+        };
+        const CleanCrossings clean(triangles, ray, target.surface());
+        for (std::uint32_t k = 0; k < clean.count() && clean.hold(); ++k)
+            cross(clean.t(k), clean.is_exit(k), clean.triangle(k));
+        while (!clean.hold()) {
             const Hit hit = triangles.first_hit(ray);
             if (hit.grazed) mark(item.directed);
             if (hit.triangle == no_triangle) break;
             const Meeting m = meet(ray, target.surface(), hit.triangle);
-            if (m.exit && (inside || !crossed))
-                add(min_of(m.t, ray.t_max), inside ? Chords::within : Chords::at_ends,
-                    hit.triangle);
-            crossed = true;
-            inside = !m.exit;
-            enter = m.t;
-            entered = hit.triangle;
+            cross(m.t, m.exit, hit.triangle);
             ray.t_min = m.t + ray.touch;
             if (!(ray.t_min < ray.t_max)) break;
         }
         if (inside) add(ray.t_max, Chords::at_ends, no_triangle);
+    }
+
+    /// True if both ends of an edge are certainly in front of a triangle's plane. If the edge can
+    /// cross no other triangle, none of it is inside.
+    PIERCE_HD static bool is_in_front(const BodyView& target, std::uint32_t triangle,
+                                      const PlacedEdge& edge) {
+        const Triangle& t = target.mesh.triangles[triangle];
+        const Vec3d a = to_double(target.positions[t.vertex[0]]);
+        const Vec3d normal = cross(to_double(target.positions[t.vertex[1]]) - a,
+                                   to_double(target.positions[t.vertex[2]]) - a);
+        const double lost = constants::double_rounding * length(normal) *
+                            (target.fit_box.extent() + length(edge.a - a) + length(edge.b - a));
+        return min_of(dot(normal, edge.a - a), dot(normal, edge.b - a)) > lost;
     }
 
     /// [length] How far to look for triangles that an edge may cross later; zero: not at all.

@@ -68,7 +68,8 @@ public:
     /// For pairs that have no contact with a depth so far: appends the chords that hold an end of
     /// their edge. In other pairs these ends are in contact already, or near something that is.
     void add_chords_at_ends(const StepOfPairs<E>& step) {
-        const stages::IsCrossed is_crossed{step.marks};
+        const stages::IsCrossed is_crossed{step.marks,
+                                           step.scene.plan->settings.inside_is_contact()};
         if constexpr (!E::traits.joins_stages) {
             const Count pairs = tools_.list(ListId::crossed_pairs, step.count, is_crossed,
                                             scratch_.places);

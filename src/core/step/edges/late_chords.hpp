@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
@@ -84,7 +85,8 @@ public:
             tools_.trace_between(bodies, own_rays_, own_hits_, NoStage{}, join);
         else
             executor_.for_each(found, join);
-        reprojection_.decide(step, batch, begin, found, edges.chords(), edges.flat());
+        reprojection_.decide(step, batch, begin, found, edges.chords(), edges.flat(),
+                             view_of(std::as_const(routes)));
     }
 
 private:

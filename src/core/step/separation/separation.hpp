@@ -86,7 +86,9 @@ private:
         executor_.emit(ListId::stranded_vertices, count_of(batch.candidates),
                        stages::FindStrandedVertices{.pairs = step.pairs,
                                                     .sources = view_of(batch.sources),
+                                                    .meetings = view_of(batch.meetings),
                                                     .candidates = view_of(batch.candidates),
+                                                    .keep = view_of(batch.keep),
                                                     .marks = step.marks},
                        apart_.vertices);
         inside_tests_ = count_of(parts_.rays);

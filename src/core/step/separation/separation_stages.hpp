@@ -91,7 +91,9 @@ struct NeedsMore {
 
     PIERCE_HD bool operator()(std::uint32_t pair) const {
         if (directed[2 * pair].is_self()) return false;
-        if (!marks.any(pair, PairMarks::has_depth) && marks.any(pair, PairMarks::edge_crosses))
+        if (marks.any(pair, PairMarks::contained) ||
+            (!marks.any(pair, PairMarks::has_depth) &&
+             marks.any(pair, PairMarks::edge_crosses | PairMarks::runs_inside)))
             return true;
         const bool in_contact = marks.any(pair, PairMarks::in_contact);
         if (!in_contact && marks.any(pair, PairMarks::edge_touches | PairMarks::vertex_inside |
@@ -130,18 +132,24 @@ struct FindContained {
     }
 };
 
-/// Per candidate: lists vertices that are inside although their pair has no contact, and marks
-/// their pairs.
+/// Per candidate: lists vertices of bodies that are inside as a whole, vertices that are inside
+/// although their pair has no contact, and, of pairs without a depth, vertices that touch and whose
+/// rays run inside. Marks their pairs.
 struct FindStrandedVertices {
     View<const Pair> pairs;
     View<const RaySource> sources;
-    View<const std::uint32_t> candidates;
+    View<const Meeting> meetings;
+    View<const std::uint32_t> candidates, keep;
     PairMarks marks;
 
     PIERCE_HD bool find(std::uint32_t i) const {
         const RaySource& from = sources[candidates[i]];
-        if (from.start != RayStart::vertex || marks.any(from.pair, PairMarks::in_contact) ||
-            pairs[from.pair].is_self())
+        const bool is_contained = !keep[i] && marks.any(from.pair, PairMarks::contained),
+                   runs_inside = marks.any(from.pair, PairMarks::runs_inside) &&
+                                 !marks.any(from.pair, PairMarks::has_depth) &&
+                                 meetings[candidates[i]].t > 0;
+        if (from.start != RayStart::vertex || pairs[from.pair].is_self() ||
+            (!is_contained && !runs_inside && marks.any(from.pair, PairMarks::in_contact)))
             return false;
         marks.set(from.pair, PairMarks::separates);
         return true;

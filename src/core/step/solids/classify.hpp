@@ -75,7 +75,7 @@ struct RelateToLayer {
 };
 
 /// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates,
-/// and writes how they leave the target. Walks have met their triangle already; contacts that are
+/// and writes how they leave the target. Walks and looks have met their triangle already; contacts that are
 /// kept are not looked at.
 struct TestInside {
     View<const BodyView> bodies;
@@ -87,6 +87,7 @@ struct TestInside {
     PIERCE_HD bool find(std::uint32_t i) const {
         if (routes.size > 0 && routes[i] == Route::kept) return false;
         if (hits[i].triangle == no_triangle || hits[i].predicted) return false;
+        if (routes.size > 0 && routes[i] == Route::looked) return true;
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
         // A ray into a sheet is one of its own, and needs no inside.

@@ -132,6 +132,7 @@ struct FillContact {
     View<const std::uint32_t> last_ages;
     View<const Contact> last_contacts;  ///< where some are kept
     View<VertexRecord> records;         ///< empty if steps do not remember
+    bool looks = false;                 ///< steps look from last step's triangles
     View<std::uint32_t> ages;
     View<Contact> contacts;
 
@@ -172,10 +173,12 @@ struct FillContact {
         c.b = ids[pair.b];
         c.source = static_cast<Side>(from.side);
         c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
+        const bool looked = routes.size > 0 && routes[r] == Route::looked;
         if (routes.size > 0 && routes[r] == Route::walked) c.found = found[r];
+        if (looked) c.found = Found::walk;
         if (pair.is_self()) c.found = Found::self;
         if (from.separates) c.found = Found::separation;
-        c.reprojected = moved;
+        c.reprojected = moved || looked;
         c.vertex = from.item;
         if (from.start == RayStart::chord) {
             const Chord& chord = chords[from.item];
@@ -196,6 +199,8 @@ struct FillContact {
         if (target.collision.sheet) of_velocity_ray(c, from, p_world, q_world, direction, m.t);
         c.age = ages[i] = age(from, r);
         if (r < records.size) records[r].contact = i;
+        // The next step looks from the closest triangle.
+        if (r < records.size && moved && looks) records[r].triangle = triangle;
         write_whole(contacts[i], c);
         return sums_of(c, first);
     }

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/body/body_view.hpp"
+#include "core/device/atomics.hpp"
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/step/common/pair_marks.hpp"
@@ -18,44 +19,24 @@ namespace pierce::stages {
 struct ContainedBodies {
     View<const BodyView> bodies;
     View<const Pair> pairs;
-    View<const RaySource> sources;
-    View<const std::uint32_t> candidates;  ///< those of vertices come first, by pair and side
-    PairMarks marks;                       ///< where vertices are told
+    PairMarks marks;
     bool are_asked_for = false;
 
-    /// Tells the pair of a vertex whether that is inside or only touches.
+    /// Counts a vertex that is inside, if it is.
     PIERCE_HD void note(const RaySource& from, bool is_deep) const {
-        if (are_asked_for && from.start == RayStart::vertex)
-            marks.set(from.pair, is_deep ? PairMarks::deep(from.side)
-                                         : PairMarks::shallow(from.side));
+        if (are_asked_for && is_deep && from.start == RayStart::vertex)
+            atomic_count(marks.deep[2 * from.pair + from.side], 1);
     }
 
     /// True for a vertex of a contained body. note() must know all vertices.
-    PIERCE_HD bool hold(std::uint32_t candidate) const {
-        const RaySource& from = sources[candidates[candidate]];
-        if (!are_asked_for || from.start != RayStart::vertex ||
-            marks.any(from.pair, PairMarks::shallow(from.side) | PairMarks::deep(1 - from.side)))
-            return false;
+    PIERCE_HD bool hold(const RaySource& from) const {
+        if (!are_asked_for || from.start != RayStart::vertex) return false;
+        const std::uint32_t inside = marks.deep[2 * from.pair + from.side],
+                            of_other = marks.deep[2 * from.pair + 1 - from.side];
+        if (inside == 0 || of_other > 0) return false;
         const Pair pair = pairs[from.pair];
         const BodyView& source = bodies[pair.source(from.side)];
-        const std::uint32_t all = source.mesh.patch_vertices.size;
-        // Of a row that long, the place half of it before this one or behind it is a part.
-        if (!source.is_solid() || pair.is_self() ||
-            (!are_together(candidate, candidate - all / 2) &&
-             !are_together(candidate, candidate + all / 2)))
-            return false;
-        std::uint32_t first = candidate, end = candidate + 1;
-        while (are_together(candidate, first - 1)) --first;
-        while (are_together(candidate, end)) ++end;
-        return end - first == all;
-    }
-
-private:
-    /// True if both are vertices of one body in one pair. The second one may be any number.
-    PIERCE_HD bool are_together(std::uint32_t candidate, std::uint32_t other) const {
-        if (other >= candidates.size) return false;
-        const RaySource &from = sources[candidates[candidate]], &to = sources[candidates[other]];
-        return to.start == RayStart::vertex && to.pair == from.pair && to.side == from.side;
+        return inside == source.mesh.patch_vertices.size && source.is_solid() && !pair.is_self();
     }
 };
 
@@ -79,17 +60,21 @@ struct MarkCandidate {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t candidate = begin + i;
-        if (contained.hold(candidate)) keep[candidate] = 0;
         if (marks.words.size == 0) return;
         const RaySource& from = sources[candidates[candidate]];
+        const bool is_contained = contained.hold(from);
+        if (is_contained) keep[candidate] = 0;
         const bool has_moved = accepted.size > 0 && accepted[candidate];
-        const double depth = has_moved ? moved[candidate].t : meetings[candidates[candidate]].t;
+        const double of_ray = meetings[candidates[candidate]].t,
+                     depth = has_moved ? moved[candidate].t : of_ray;
         const bool is_deep = depth > 0, is_vertex = from.start == RayStart::vertex;
-        const std::uint32_t bits = (is_deep && is_vertex ? PairMarks::vertex_inside : 0u) |
+        const std::uint32_t bits = (is_contained ? PairMarks::contained : 0u) |
+                                   (is_deep && is_vertex ? PairMarks::vertex_inside : 0u) |
                                    (keep[candidate] ? PairMarks::in_contact : 0u) |
                                    (keep[candidate] && is_deep ? PairMarks::has_depth : 0u) |
                                    (keep[candidate] && !is_deep && is_vertex
-                                        ? PairMarks::vertex_touches
+                                        ? PairMarks::vertex_touches |
+                                              (of_ray > 0 ? PairMarks::runs_inside : 0u)
                                         : 0u);
         if (bits != 0) marks.set(from.pair, bits);
         if (keep[candidate] && !is_deep && !is_vertex) flat[from.item] = candidate;

@@ -7,7 +7,9 @@
 #include "core/mesh/vertex_normal.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/solids/directed_pair.hpp"
+#include "core/step/solids/look.hpp"
 #include "core/step/solids/vertex_cull.hpp"
+#include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
 /// ray_gen: one ray per vertex left, along its inward normal.
@@ -145,16 +147,18 @@ PIERCE_HD inline double displacement(const VertexRecord& record, const BodyView&
     return length(to_fit * (now - origin) - to_double(record.seen_offset));
 }
 
-/// Per vertex left: its ray and, if steps remember, what becomes of it: a walk from its record, or
-/// a full ray.
+/// Per vertex left: its ray and, if steps remember, what becomes of it: a look or a walk from its
+/// record, or a full ray. A look that finds the vertex inside writes the way to the closest point
+/// as its ray, and where that ends; one that finds it outside notes for how long.
 struct GenerateRay {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const RaySource> sources;
     Settings settings;
-    View<const VertexRecord> records;
+    View<VertexRecord> records;
     View<Ray> rays;
     View<Hit> hits;
+    View<Meeting> meetings;
     View<Route> routes;  ///< empty if steps do not remember
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -169,6 +173,8 @@ struct GenerateRay {
             rays[i] = velocity_ray(bodies[d.source], d, sources[i].side == 1, sources[i].item);
             return;
         }
+        if (settings.temporal == Temporal::certified && settings.inside_is_contact() && look(i, d))
+            return;
         Ray ray = vertex_ray(bodies, d, sources[i].item, settings.inside_is_contact());
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)
@@ -179,6 +185,33 @@ struct GenerateRay {
     }
 
 private:
+    /// True if a look from the vertex's record tells whether it is inside.
+    PIERCE_HD bool look(std::uint32_t i, const DirectedPair& d) const {
+        const BodyView& target = bodies[d.target];
+        VertexRecord& record = records[i];
+        if (record.triangle == no_triangle || d.is_self() || !target.is_simple()) return false;
+        const Vec3d point = d.to_space.to_parent(
+            to_double(bodies[d.source].positions[sources[i].item]));
+        const Look look(target, record.triangle, point, d.touch);
+        if (look.seen == Look::outside) {
+            routes[i] = Route::skip;
+            record.expiry = d.odometer + static_cast<float>(look.free);
+        } else if (look.seen == Look::inside) {
+            routes[i] = Route::looked;
+            Ray ray;
+            ray.origin = point;
+            ray.direction = normalized(look.closest - point);
+            ray.t_max = look.depth;
+            ray.target = d.target;
+            ray.touch = d.touch;
+            rays[i] = ray;
+            hits[i] = {record.triangle};
+            meetings[i] = meeting_at(look.closest, look.depth, look.corner[0], look.corner[1],
+                                     look.corner[2]);
+        }
+        return look.seen != Look::nothing;
+    }
+
     /// How far to look outward for a triangle to walk on from.
     PIERCE_HD double search_range(const DirectedPair& d, const VertexRecord& record) const {
         const BodyView& target = bodies[d.target];

@@ -6,6 +6,7 @@
 #include "core/geometry/closest_points_of_segments.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/step/solids/classify.hpp"
+#include "core/step/solids/look.hpp"
 #include "core/step/solids/mark_candidate.hpp"
 #include "core/trace/closest_search.hpp"
 #include "core/trace/meeting.hpp"
@@ -30,13 +31,14 @@ PIERCE_HD inline Ridge ridge_below(const RaySource& from, View<const Chord> chor
 
 /// Per candidate from `begin` on: where to look for a closer point, if it is a contact that may
 /// move, and no further than the contact is deep. Nothing is to be looked for if the triangle that
-/// the ray hit is certainly the closest one.
+/// the ray hit is certainly the closest one, or a look has found the closest point already.
 struct LimitToDepth {
     View<const BodyView> bodies;
     View<const Ray> rays;
     View<const RaySource> sources;
     View<const Hit> hits;
     View<const Meeting> meetings;
+    View<const Route> routes;  ///< empty if steps do not remember
     View<const std::uint32_t> candidates, keep;
     Number begin;
     View<Ray> limited;          ///< per candidate from `begin` on, like the next one
@@ -48,6 +50,11 @@ struct LimitToDepth {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t candidate = begin + i, r = candidates[candidate];
+        if (routes.size > 0 && routes[r] == Route::looked) {
+            known[i] = no_triangle;
+            limited[i].t_max = -1.0;
+            return;
+        }
         const Pair pair = pairs[sources[r].pair];
         const bool may_move = keep[candidate] && !sources[r].separates && !pair.is_self() &&
                               bodies[rays[r].target].is_solid() &&
@@ -65,22 +72,15 @@ struct LimitToDepth {
 private:
     PIERCE_HD static bool is_closest(const BodyView& target, Vec3d point, std::uint32_t triangle) {
         const Triangle& t = target.mesh.triangles[triangle];
-        const Vec3d a = to_double(target.positions[t.vertex[0]]),
-                    b = to_double(target.positions[t.vertex[1]]),
-                    c = to_double(target.positions[t.vertex[2]]);
-        const Vec3d normal = cross(b - a, c - a), p = point - a;
-        const double squared = length_squared(normal);
-        const double second = dot(normal, cross(p, c - a)) / squared,
-                     third = dot(normal, cross(b - a, p)) / squared;
-        const double weight[3] = {1 - second - third, second, third};
-        return is_only_near(target.mesh.rings[triangle], weight,
-                            std::fabs(dot(normal, p)) / std::sqrt(squared), target.deviation,
-                            target.touch);
+        return OverTriangle(point, to_double(target.positions[t.vertex[0]]),
+                            to_double(target.positions[t.vertex[1]]),
+                            to_double(target.positions[t.vertex[2]]))
+            .is_closest(target, triangle);
     }
 };
 
 /// Per candidate from `begin` on: moves the ray's end to the ridge that its chord is over, or to
-/// the closest point, unless that is no nearer than the contact.
+/// the closest point, unless a search has found none that is nearer than the contact.
 struct MoveToClosest {
     View<const BodyView> bodies;
     View<const Ray> limited;            ///< per candidate from `begin` on, like the next two
@@ -111,6 +111,7 @@ private:
 
     PIERCE_HD bool moves(std::uint32_t i, std::uint32_t candidate, double depth_of_ray) const {
         const std::uint32_t triangle = known[i] != no_triangle ? known[i] : closest[i];
+        const bool is_known = known[i] != no_triangle;
         if (triangle == no_triangle) return false;
         Ray ray = limited[i];
         const Surface surface = bodies[ray.target].surface();
@@ -123,7 +124,7 @@ private:
                                            : closest_point(ray.origin, surface, triangle);
         const Vec3d way = point - ray.origin;
         const double depth = length(way);
-        if (!(ridge.exists() || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
+        if (!(is_known || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
         const bool touches = !(depth > ray.touch);
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);

@@ -24,19 +24,18 @@ public:
     explicit Reprojection(StepTools<E, T>& tools) : tools_(tools) {}
 
     /// Takes the `count` candidates of `batch` from the `begin`-th on. Earlier ones stay as they
-    /// are.
+    /// are. `routes` of all rays of `batch`; empty if steps do not remember.
     void decide(const StepOfPairs<E>& step, RayBatch<E>& batch, const Count& begin,
-                const Count& count, View<const Chord> chords, View<std::uint32_t> flat) {
+                const Count& count, View<const Chord> chords, View<std::uint32_t> flat,
+                View<const Route> routes) {
         const Plan& plan = *step.scene.plan;
         const stages::ContainedBodies
             contained{.bodies = step.scene.bodies,
                       .pairs = step.pairs,
-                      .sources = view_of(batch.sources),
-                      .candidates = view_of(batch.candidates),
                       .marks = step.marks,
                       .are_asked_for = plan.misses_no_overlap() &&
                                        plan.settings.inside_is_contact()};
-        if (plan.reprojects) move(step, batch, begin, count, chords, contained);
+        if (plan.reprojects) move(step, batch, begin, count, chords, routes, contained);
         tools_.executor.for_each(
             count, stages::MarkCandidate{.sources = view_of(batch.sources),
                                          .meetings = view_of(batch.meetings),
@@ -63,7 +62,7 @@ public:
 
 private:
     void move(const StepOfPairs<E>& step, const RayBatch<E>& batch, const Count& begin,
-              const Count& count, View<const Chord> chords,
+              const Count& count, View<const Chord> chords, View<const Route> routes,
               const stages::ContainedBodies& contained) {
         const View<const BodyView> bodies = step.scene.bodies;
         aimed_.rays.resize(begin + count);
@@ -78,6 +77,7 @@ private:
                                                     .sources = view_of(batch.sources),
                                                     .hits = view_of(batch.hits),
                                                     .meetings = view_of(batch.meetings),
+                                                    .routes = routes,
                                                     .candidates = view_of(batch.candidates),
                                                     .keep = view_of(batch.keep),
                                                     .begin = begin,
