@@ -238,7 +238,7 @@ TEST_P(CoverageTest, OverlapsAreThoseOfCompleteCoverageWithoutEdgesBesideVertice
     test::Random random(77);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     int by_vertices = 0, by_edges = 0, fewer = 0, separated = 0;
-    for (int i = 0; i < 120 && !HasFailure(); ++i) {
+    for (int i = 0; i < 180 && !HasFailure(); ++i) {
         SCOPED_TRACE("pair " + std::to_string(i));
         const double spread = random.uniform(0.2, 1.1);
         MeshData first = test::random_closed_mesh(random),

@@ -83,6 +83,7 @@ constexpr Count counts[] = {
     {"reprojected", "reprojected", &FrameResult::reprojected, false},
     {"certified", "certified", &FrameResult::certified, false},
     {"rested", "rested", &FrameResult::rested, false},
+    {"looks", "looks", &FrameResult::looks, false},
     {"walks", "walks", &FrameResult::walks, false},
     {"walk steps", "walk_steps", &FrameResult::walk_steps, false},
     {"lost walks", "lost_walks", &FrameResult::lost_walks, false},

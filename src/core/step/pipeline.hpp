@@ -134,8 +134,10 @@ public:
         stats.walks = executor_.number(count_of(routes_.walks));
         stats.walk_steps = walks.steps;
         stats.lost_walks = walks.lost;
-        if (plan.settings.temporal == Temporal::certified)
+        if (plan.settings.temporal == Temporal::certified) {
             stats.certified = executor_.read(sums_.skipped);
+            stats.looks = executor_.read(sums_.looked);
+        }
         stats.predictions = executor_.read(sums_.predicted);
         stats.full_passes = executor_.read(sums_.full_passes);
         stats.proofs = executor_.number(count_of(routes_.uncertain));
@@ -235,7 +237,7 @@ private:
             executor_.for_each(scene.bodies.size,
                                stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
-        if (scene.plan->misses_no_overlap()) executor_.beside([&] { edges_.measure_boxes(scene); });
+        if (scene.plan->misses_no_overlap()) edges_.measure_boxes_early(scene);
         now_.bodies.clear();
         if (!scene.plan->remembers()) return;
         now_.bodies.resize(scene.bodies.size);
@@ -659,6 +661,9 @@ private:
                          sums_.walks);
         executor_.reduce(count_of(routes_.routes), stages::CountSkipped{view_of(routes_.routes)},
                          sums_.skipped);
+        if (plan.settings.temporal == Temporal::certified)
+            executor_.reduce(count_of(routes_.routes),
+                             stages::CountLooked{view_of(routes_.routes)}, sums_.looked);
         executor_.reduce(count_of(now_.vertices), stages::CountPredicted{view_of(now_.vertices)},
                          sums_.predicted);
         executor_.reduce(count_of(pairs_.pairs), stages::CountFullPass{view_of(now_.directed)},

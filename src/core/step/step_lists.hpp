@@ -157,7 +157,7 @@ struct StepSums {
 
     Sum<stages::ContactSums> contacts, sheet_contacts;
     Sum<stages::WalkSums> walks;
-    Sum<std::uint32_t> hits{}, own_rays{}, skipped{}, predicted{}, full_passes{};
+    Sum<std::uint32_t> hits{}, own_rays{}, skipped{}, looked{}, predicted{}, full_passes{};
 };
 
 }  // namespace pierce

@@ -9,9 +9,10 @@ namespace {
 
 /// True if the vertices that need no full ray are so many that memory pays.
 bool pays(const StepStats& stats, bool deforms) {
-    const double spared = static_cast<double>(stats.certified) + stats.walks - stats.lost_walks,
+    const double spared = static_cast<double>(stats.certified) + stats.looks + stats.walks -
+                          stats.lost_walks,
                  rays = static_cast<double>(stats.rays) - std::min(stats.rays, stats.chords),
-                 looked_at = rays + stats.certified + stats.walks;
+                 looked_at = rays + stats.certified + stats.looks + stats.walks;
     return spared >=
            (deforms ? constants::memory_share_deforming : constants::memory_share) * looked_at;
 }

@@ -210,9 +210,8 @@ void add_defects(std::vector<HardCase>& cases) {
     const Vec3d up{0, 0, 1}, down{0, 0, -1}, right{1, 0, 0}, center{0.5, 0.5, 0.5},
         at_defect{0.25, -0.25, 0.5};
     const MeshData layer = box({-4, -4, -0.125}, {4, 4, 0.125});
-    // So far a diagonal of the layer, along (1, 1, 0), is from an edge of each tip, along
-    // (-1/2, 3/4, 1), which it passes an eighth from the tip's corner.
-    const double bowtie_depth = 5 / (8 * std::sqrt(57.0));
+    // So far the corner that both tips share is from either side of the layer.
+    const double bowtie_depth = 0.125;
     cases.push_back(
         {18,
          "bowtie_vertex",
@@ -234,10 +233,11 @@ void add_defects(std::vector<HardCase>& cases) {
          {{bowtie(false), MeshDefect::bowtie_vertex, 1},
           {bowtie(false), MeshDefect::no_inward_direction, 1},
           {bowtie(true), MeshDefect::bowtie_vertex, 1}},
-         "no contact at the tip, whose normals cancel; complete: the layer's edges",
+         "along inward rays no contact at the tip, whose normals cancel; by default the tip is "
+         "0.125 deep",
          "the exact answer has a normal and a ray for each of the two fans: Pierce's vertices have "
-         "one normal, and "
-         "the mesh check names those with two fans"});
+         "one normal, the mesh check names those with two fans, and by default a vertex needs no "
+         "normal to be in contact with the closest point"});
     cases.push_back({19,
                      "no_visible_cone",
                      {},
@@ -253,7 +253,8 @@ void add_defects(std::vector<HardCase>& cases) {
                      "triangles, but leads inside",
                      "the exact answer flags the apex and sends a ray for each triangle; Pierce "
                      "flags a vertex only if the "
-                     "direction against its normal leaves the solid"});
+                     "direction against its normal leaves the solid, and by default that direction "
+                     "does not matter"});
     const double third = static_cast<double>(1.0f / 3.0f), height = static_cast<double>(0.98f);
     const Vec3f place{1.0f / 3.0f, 0.25f, 0.98f};
     cases.push_back(

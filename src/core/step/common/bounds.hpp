@@ -206,12 +206,13 @@ struct JoinBounds {
 struct MeasureNode {
     View<const BodyView> bodies;
     View<const NodeItem> items;
-    View<const View<BoxNode>> nodes;  ///< per body
+    View<const View<BoxNode>> nodes;    ///< per body
+    View<const std::uint32_t> wanted;  ///< per body; empty: all of them are
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const NodeItem item = items[Sixteen<QuickBox>::group_of(i)];
         const BodyView& body = bodies[item.body];
-        if (!body.active) return;
+        if (!body.active || (wanted.size > 0 && !wanted[item.body])) return;
         measure_node(body.mesh, body.positions, BoxLevels(body.mesh.triangles.size), item.node,
                      nodes[item.body]);
     }

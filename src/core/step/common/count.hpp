@@ -98,6 +98,17 @@ struct CountSkipped {
     }
 };
 
+/// 1 for a vertex that a look has found inside.
+struct CountLooked {
+    View<const Route> routes;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
+        return routes[i] == Route::looked;
+    }
+};
+
 /// 1 for a vertex that is expected to enter the other body.
 struct CountPredicted {
     View<const VertexRecord> records;

@@ -32,16 +32,11 @@ public:
 
     explicit EdgeChords(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
 
-    /// Boxes around the triangles of deforming bodies.
-    void measure_boxes(const Scene& scene) {
-        for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
-            const std::uint32_t begin = scene.level_begin[level];
-            const std::uint32_t count = scene.level_begin[level + 1] - begin;
-            executor_.for_each(executor_.in_sixteens(count),
-                               stages::MeasureNode{.bodies = scene.bodies,
-                                                   .items = {scene.node_items.data + begin, count},
-                                                   .nodes = scene.box_nodes});
-        }
+    /// Boxes around the triangles of deforming bodies, before it is known which pairs are asked, if
+    /// that costs nothing.
+    void measure_boxes_early(const Scene& scene) {
+        if constexpr (E::traits.overlaps_updates)
+            executor_.beside([&] { measure_boxes(scene, {}); });
     }
 
     /// Finds the chords within edges, the parts of edges inside the other body of their pair. Makes
@@ -118,6 +113,28 @@ public:
     void recall() { std::swap(now_, last_); }
 
 private:
+    void measure_boxes(const Scene& scene, View<const std::uint32_t> wanted) {
+        for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
+            const std::uint32_t begin = scene.level_begin[level];
+            const std::uint32_t count = scene.level_begin[level + 1] - begin;
+            executor_.for_each(executor_.in_sixteens(count),
+                               stages::MeasureNode{.bodies = scene.bodies,
+                                                   .items = {scene.node_items.data + begin, count},
+                                                   .nodes = scene.box_nodes,
+                                                   .wanted = wanted});
+        }
+    }
+
+    /// The boxes of bodies in pairs that are asked, if they were not measured early.
+    void measure_boxes_asked(const StepOfPairs<E>& step, const stages::PairsAsked& asked) {
+        if constexpr (E::traits.overlaps_updates) return executor_.join();
+        if (step.scene.node_items.size == 0) return;
+        executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
+        executor_.for_each(step.count,
+                           stages::MarkAsked{step.pairs, asked, view_of(scratch_.wanted)});
+        measure_boxes(step.scene, view_of(std::as_const(scratch_.wanted)));
+    }
+
     /// Finds the chords within edges.
     void look_within(const StepOfPairs<E>& step, std::uint32_t unless) {
         const bool remembers = step.scene.plan->remembers();
@@ -223,7 +240,7 @@ private:
     void cull(const StepOfPairs<E>& step, const stages::PairsAsked& asked) {
         const View<const BodyView> bodies = step.scene.bodies;
         const bool remembers = step.scene.plan->remembers();
-        executor_.join();  // boxes may have been measured beside the stages before
+        measure_boxes_asked(step, asked);
         executor_.emit(ListId::edge_blocks, 2 * step.count,
                        stages::ListEdgeBlocks{.bodies = bodies,
                                               .directed = step.directed,

@@ -52,6 +52,21 @@ struct PairsAsked {
     PIERCE_HD bool operator()(std::uint32_t pair) const { return !marks.any(pair, unless); }
 };
 
+/// Per pair that is asked: marks both bodies.
+struct MarkAsked {
+    View<const Pair> pairs;
+    PairsAsked asked;
+    View<std::uint32_t> wanted;  ///< per body
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (!asked(i)) return;
+        atomic_mark(wanted[pairs[i].a]);
+        atomic_mark(wanted[pairs[i].b]);
+    }
+};
+
 /// Per directed pair: whether the near edges of the last step are still those that may meet the
 /// target. How long those of this step will be, ExpireNearEdges knows.
 struct RecallNearEdges {

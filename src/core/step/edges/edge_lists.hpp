@@ -61,7 +61,7 @@ struct ChordLists {
 /// Free again after every use.
 template <Executor E>
 struct EdgeScratch {
-    typename E::template Buffer<std::uint32_t> places, deep;
+    typename E::template Buffer<std::uint32_t> places, deep, wanted;
     typename E::template Buffer<Ray> rays;
     typename E::template Buffer<Hit> hits;
 };
