@@ -73,10 +73,11 @@ public:
         places_.resize((n + emitted_chunk - 1) / emitted_chunk + 1);
         const auto chunks = static_cast<std::uint32_t>(places_.size() - 1);
         share(chunks, 1, [&](std::uint32_t chunk) {
+            const std::uint32_t begin = chunk * emitted_chunk,
+                                end = min_of(begin + emitted_chunk, n);
+            find_all(finder, begin, end, found + begin);
             std::uint32_t sum = 0;
-            for (std::uint32_t i = chunk * emitted_chunk;
-                 i < min_of((chunk + 1) * emitted_chunk, n); ++i)
-                sum += finder.count(*new (found + i) Seen(finder.find(i)));
+            for (std::uint32_t i = begin; i < end; ++i) sum += finder.count(found[i]);
             places_[chunk + 1] = sum;
         });
         places_[0] = 0;
