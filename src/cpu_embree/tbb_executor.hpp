@@ -68,20 +68,21 @@ public:
         using Seen = decltype(finder.find(0));
         static_assert(std::is_trivially_copyable_v<Seen> &&
                       alignof(Seen) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
-        found_.resize(n * sizeof(Seen));
+        found_.renew(n * sizeof(Seen));
         Seen* const found = reinterpret_cast<Seen*>(found_.data());
         places_.resize((n + emitted_chunk - 1) / emitted_chunk + 1);
         const auto chunks = static_cast<std::uint32_t>(places_.size() - 1);
         share(chunks, 1, [&](std::uint32_t chunk) {
+            const std::uint32_t begin = chunk * emitted_chunk,
+                                end = min_of(begin + emitted_chunk, n);
+            find_all(finder, begin, end, found + begin);
             std::uint32_t sum = 0;
-            for (std::uint32_t i = chunk * emitted_chunk;
-                 i < min_of((chunk + 1) * emitted_chunk, n); ++i)
-                sum += finder.count(*new (found + i) Seen(finder.find(i)));
+            for (std::uint32_t i = begin; i < end; ++i) sum += finder.count(found[i]);
             places_[chunk + 1] = sum;
         });
         places_[0] = 0;
         std::partial_sum(places_.begin(), places_.end(), places_.begin());
-        (lists.resize(places_.back()), ...);
+        (lists.renew(places_.back()), ...);
         share(chunks, 1, [&](std::uint32_t chunk) {
             std::uint32_t place = places_[chunk];
             for (std::uint32_t i = chunk * emitted_chunk;

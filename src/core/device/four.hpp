@@ -18,6 +18,7 @@ namespace pierce {
 /// a compiler does not find by itself in longer computations.
 struct Four {
     static constexpr std::uint32_t count = 4;
+    static constexpr std::uint32_t all_bits = (1u << count) - 1;  ///< a bit for each lane
 
 #if defined(PIERCE_FOUR_LANES)
     using FourLanes = float __attribute__((vector_size(16)));
@@ -35,6 +36,9 @@ struct Four {
         std::memcpy(&lanes, address, sizeof lanes);
         return lanes;
     }
+
+    /// Puts the four at an address.
+    void put(void* address) const { std::memcpy(address, &lane, sizeof lane); }
 
     friend Four operator+(Four a, Four b) { return a.lane + b.lane; }
     friend Four operator-(Four a, Four b) { return a.lane - b.lane; }
@@ -54,12 +58,26 @@ struct Four {
         return a.lane < less_than.lane ? then.lane : otherwise.lane;
     }
     /// A bit for each lane in which a is greater.
-    friend std::uint32_t greater(Four a, Four b) {
-        const Bits bits = (a.lane > b.lane) & Bits{1, 2, 4, 8};
+    friend std::uint32_t greater(Four a, Four b) { return sign_bits(a.lane > b.lane); }
+
+    /// Four whole numbers that lie at an address.
+    static Bits bits_at(const void* address) {
+        Bits bits{};
+        std::memcpy(&bits, address, sizeof bits);
+        return bits;
+    }
+    /// The sign bits of four whole numbers that are 0 or -1, side by side.
+    static std::uint32_t sign_bits(Bits truths) {
+#if defined(__SSE__)
+        return static_cast<std::uint32_t>(
+            __builtin_ia32_movmskps(reinterpret_cast<FourLanes>(truths)));
+#else
+        const Bits bits = truths & Bits{1, 2, 4, 8};
         std::uint64_t half[2];
         std::memcpy(half, &bits, sizeof half);
         const std::uint64_t both = half[0] | half[1];
         return static_cast<std::uint32_t>(both | both >> 32);
+#endif
     }
 #else
     float lane[count];
@@ -118,6 +136,8 @@ struct Four {
         return one < other ? one : other;
     }
 
+    PIERCE_HD friend Vec3f first_three(Four a) { return {a[0], a[1], a[2]}; }
+
     PIERCE_HD float operator[](std::uint32_t k) const { return lane[k]; }
     PIERCE_HD void set(std::uint32_t k, float value) { lane[k] = value; }
 };
@@ -153,11 +173,13 @@ struct FourVec3 {
     PIERCE_HD static FourVec3 all(Vec3f v) { return {v.x, v.y, v.z}; }
 
 #if defined(PIERCE_FOUR_LANES)
-    /// Four points, each in the first twelve of sixteen bytes, and the numbers after them.
-    static FourVec3 gathered(const void* const (&at)[Four::count], Four& after) {
+    /// Four points, each in the first twelve of sixteen bytes, and the numbers after them. The
+    /// addresses are no array: GCC 12 would compute them in vector registers, by way of memory.
+    static FourVec3 gathered(const void* at_a, const void* at_b, const void* at_c, const void* at_d,
+                             Four& after) {
         using FourLanes = Four::FourLanes;
-        const FourLanes a = Four::at(at[0]).lane, b = Four::at(at[1]).lane,
-                        c = Four::at(at[2]).lane, d = Four::at(at[3]).lane;
+        const FourLanes a = Four::at(at_a).lane, b = Four::at(at_b).lane, c = Four::at(at_c).lane,
+                        d = Four::at(at_d).lane;
         const FourLanes xy_of_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
                         xy_of_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5),
                         zw_of_ab = __builtin_shufflevector(a, b, 2, 6, 3, 7),

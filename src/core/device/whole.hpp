@@ -38,6 +38,14 @@ PIERCE_HD T read_whole(const T& at) {
 #endif
 }
 
+/// Begins to read what will be needed soon. A GPU has other threads to run while one waits.
+template <class T>
+PIERCE_HD void read_ahead([[maybe_unused]] const T& at) {
+#if defined(__GNUC__) && !defined(__CUDA_ARCH__)
+    __builtin_prefetch(&at);
+#endif
+}
+
 template <class T>
 PIERCE_HD void write_whole(T& at, const T& value) {
 #if defined(__CUDA_ARCH__)

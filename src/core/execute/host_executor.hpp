@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -11,8 +12,8 @@
 
 namespace pierce {
 
-/// Leaves the new elements of a vector uninitialized: every element is written before a stage reads
-/// it.
+/// Leaves the new elements of a vector uninitialized, also those of types that say with what they
+/// begin: every element is written before a stage reads it.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
     template <class U>
@@ -21,7 +22,7 @@ struct UninitializedAllocator : std::allocator<T> {
     };
     template <class U>
     void construct(U* p) noexcept {
-        ::new (static_cast<void*>(p)) U;
+        if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(p)) U;
     }
     template <class U, class... Args>
     void construct(U* p, Args&&... args) {
@@ -29,8 +30,25 @@ struct UninitializedAllocator : std::allocator<T> {
     }
 };
 
+/// A list in memory of the host. Where it grows, it grows by more than is asked for, because counts
+/// go up and down from step to step.
 template <class T>
-using HostBuffer = std::vector<T, UninitializedAllocator<T>>;
+class HostBuffer : public std::vector<T, UninitializedAllocator<T>> {
+    using List = std::vector<T, UninitializedAllocator<T>>;
+
+public:
+    using List::List;
+
+    void resize(std::size_t count) {
+        if (count > List::capacity()) List::reserve(count + count / 4);
+        List::resize(count);
+    }
+    /// The same where all items are written anew: what the list held is not copied.
+    void renew(std::size_t count) {
+        List::clear();
+        resize(count);
+    }
+};
 
 template <class T>
 std::uint32_t count_of(const HostBuffer<T>& buffer) {

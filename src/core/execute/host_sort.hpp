@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -9,15 +11,33 @@
 namespace pierce {
 
 /// The stable sort of every host executor. Nearly sorted keys, such as those of contacts, are
-/// sorted by insertion. Others are sorted by bytes, least significant first, without the bytes in
-/// which all keys agree. The object keeps its memory from call to call.
+/// sorted by insertion. Of others, the leading bits are often in order, as lists are made pair by
+/// pair: each run of keys that agree in these bits is sorted for itself, in the cache, by bytes,
+/// least significant first, without the bytes in which all its keys agree. The object keeps its
+/// memory from call to call.
 class HostSort {
 public:
     void operator()(View<std::uint64_t> keys, View<std::uint32_t> values) {
-        if (!insert(keys, values)) sort_bytes(keys, values);
+        if (insert(keys, values)) return;
+        const int bits = bits_out_of_order(keys);
+        const auto leading = [&](std::uint32_t i) { return bits < 64 ? keys[i] >> bits : 0; };
+        for (std::uint32_t begin = 0, end = 1; begin < keys.size; begin = end++) {
+            while (end < keys.size && leading(end) == leading(begin)) ++end;
+            const View<std::uint64_t> run{keys.data + begin, end - begin};
+            const View<std::uint32_t> its_values{values.data + begin, end - begin};
+            if (!insert(run, its_values)) sort_bytes(run, its_values, (bits + 7) / 8);
+        }
     }
 
 private:
+    /// How many of the lowest bits have to be sorted: without them, the keys are in order.
+    static int bits_out_of_order(View<std::uint64_t> keys) {
+        std::uint64_t differing = 0;
+        for (std::uint32_t i = 1; i < keys.size; ++i)
+            if (keys[i - 1] > keys[i]) differing |= keys[i - 1] ^ keys[i];
+        return static_cast<int>(std::bit_width(differing));
+    }
+
     /// Sorts by insertion. Gives up when that takes more than a few moves per key; the order is
     /// still stable then.
     static bool insert(View<std::uint64_t> keys, View<std::uint32_t> values) {
@@ -38,19 +58,24 @@ private:
         return true;
     }
 
-    void sort_bytes(View<std::uint64_t> keys, View<std::uint32_t> values) {
-        std::uint32_t counts[bytes][digits] = {};
-        items_.resize(keys.size);
-        sorted_.resize(keys.size);
+    /// Sorts by the lowest `bytes` bytes.
+    void sort_bytes(View<std::uint64_t> keys, View<std::uint32_t> values, int bytes) {
+        std::uint32_t counts[most_bytes][digits];
+        for (int b = 0; b < bytes; ++b) std::fill_n(counts[b], digits, 0u);
+        if (items_.size() < keys.size) {
+            items_.resize(keys.size);
+            sorted_.resize(keys.size);
+        }
         for (std::uint32_t i = 0; i < keys.size; ++i) {
             items_[i] = {keys[i], values[i]};
             for (int b = 0; b < bytes; ++b) ++counts[b][digit(keys[i], b)];
         }
         for (int b = 0; b < bytes; ++b) {
-            if (keys.size == 0 || counts[b][digit(keys[0], b)] == keys.size) continue;
+            if (counts[b][digit(keys[0], b)] == keys.size) continue;
             std::uint32_t place = 0;
             for (std::uint32_t& count : counts[b]) place += std::exchange(count, place);
-            for (const Item& item : items_) sorted_[counts[b][digit(item.key, b)]++] = item;
+            for (std::uint32_t i = 0; i < keys.size; ++i)
+                sorted_[counts[b][digit(items_[i].key, b)]++] = items_[i];
             items_.swap(sorted_);
         }
         for (std::uint32_t i = 0; i < keys.size; ++i) {
@@ -60,7 +85,7 @@ private:
     }
 
     static constexpr std::uint32_t moves_per_key = 4;
-    static constexpr int bytes = 8;
+    static constexpr int most_bytes = 8;
     static constexpr int digits = 256;
     static std::uint32_t digit(std::uint64_t key, int byte) {
         return static_cast<std::uint32_t>(key >> (8 * byte) & 0xff);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
 
 #include "pierce/host_device.hpp"
 
@@ -46,6 +47,17 @@ constexpr bool has_rooms() {
         return Stage::has_rooms;
     else
         return false;
+}
+
+/// Puts what a stage finds for the items from `begin` to `end` where `found` points to. A stage may
+/// have a function of its own for that, `find_all(begin, end, found)`, where on the host items take
+/// less time together than one by one. It may leave out what a later stage would leave out, too.
+template <class F, class Found>
+void find_all(const F& finder, std::uint32_t begin, std::uint32_t end, Found* found) {
+    if constexpr (requires { finder.find_all(begin, end, found); })
+        finder.find_all(begin, end, found);
+    else
+        for (std::uint32_t i = begin; i < end; ++i) new (found + (i - begin)) Found(finder.find(i));
 }
 
 /// What select() lists for an item that is wanted: the item, or `listed(item)` if the test has that

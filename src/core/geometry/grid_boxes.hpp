@@ -2,12 +2,11 @@
 
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 
 #include "core/device/four.hpp"
-#include "core/device/loops.hpp"
 #include "core/device/quick_math.hpp"
+#include "core/device/sixteen_bytes.hpp"
 #include "core/device/whole.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/quick_vec3.hpp"
@@ -42,10 +41,17 @@ struct alignas(16) QuickBox {
     /// Grown by `margin` on every side, and a little more.
     PIERCE_HD QuickBox inflated(float margin) const {
         QuickBox box;
+#if defined(PIERCE_FOUR_LANES)
+        const Four low = Four::at(&lower) - margin, high = Four::at(&upper) + margin,
+                   ulp = std::numeric_limits<float>::epsilon();
+        (low - abs_of(low) * ulp).put(&box.lower);
+        (high + abs_of(high) * ulp).put(&box.upper);
+#else
         for (int axis = 0; axis < 3; ++axis) {
             box.lower[axis] = not_above(lower[axis] - margin);
             box.upper[axis] = not_below(upper[axis] + margin);
         }
+#endif
         return box;
     }
 };
@@ -99,8 +105,11 @@ struct alignas(16) BoxSteps {
 #if defined(PIERCE_FOUR_LANES)
     /// The steps of an end of a box along all axes, plus `more`.
     Four::Bits at_end(const Vec3f& end, std::uint32_t more) const {
-        const Four share = (Four::at(&end) - Four::at(&origin)) * Four::at(&per_length),
-                   sum = Four(static_cast<float>(last)) * min_of(max_of(share, 0), 1) +
+        return at_shares((Four::at(&end) - Four::at(&origin)) * Four::at(&per_length), more);
+    }
+    /// The steps at four shares of the way to the last step, plus `more`.
+    static Four::Bits at_shares(Four shares, std::uint32_t more) {
+        const Four sum = Four(static_cast<float>(last)) * min_of(max_of(shares, 0), 1) +
                          Four(whole_numbers + static_cast<float>(more));
         return reinterpret_cast<Four::Bits>(sum.lane) - std::bit_cast<std::int32_t>(whole_numbers);
     }
@@ -121,7 +130,38 @@ struct alignas(16) GridBoxes {
         PIERCE_HD void set(std::uint32_t k, std::uint32_t byte) {
             reinterpret_cast<unsigned char*>(word)[k] = static_cast<unsigned char>(byte);
         }
+        PIERCE_HD std::uint32_t get(std::uint32_t k) const {
+            return reinterpret_cast<const unsigned char*>(word)[k];
+        }
     };
+
+    static constexpr std::uint32_t top_bit = 0x80;
+
+#if defined(PIERCE_FOUR_LANES)
+    /// Ranges of steps: one along each axis, or four along one.
+    class StepRanges {
+    public:
+        /// `begins`: one more than the first steps; `ends`: the last steps.
+        StepRanges(Four::Bits begins, Four::Bits ends)
+            : begins_(in_every_byte(begins)), ends_(in_every_byte(ends | int{top_bit})) {}
+
+        /// In the top bits, which of sixteen ranges overlap the range `k`.
+        template <int k>
+        SixteenBytes overlap(const Row& lower, const Row& upper) const {
+            return (SixteenBytes::of(__builtin_shufflevector(ends_, ends_, k, k, k, k)) -
+                    SixteenBytes::at(&lower)) &
+                   (SixteenBytes::at(&upper) -
+                    SixteenBytes::of(__builtin_shufflevector(begins_, begins_, k, k, k, k)));
+        }
+
+    private:
+        static Four::Bits in_every_byte(Four::Bits steps) {
+            steps |= steps << 8;
+            return steps | steps << 16;
+        }
+        Four::Bits begins_, ends_;
+    };
+#endif
 
     Row lower[3], upper[3];
     BoxSteps steps;
@@ -151,8 +191,7 @@ struct alignas(16) GridBoxes {
     }
 
 private:
-    static constexpr std::uint32_t top_bit = 0x80, every_byte = 0x01010101,
-                                   top_bits = top_bit * every_byte;
+    static constexpr std::uint32_t every_byte = 0x01010101, top_bits = top_bit * every_byte;
 
     template <std::uint32_t count>
     PIERCE_HD std::uint32_t near(const QuickBox (&box)[count]) const {
@@ -177,36 +216,24 @@ private:
         for (std::uint32_t b = 0; b < count; ++b)
             for (int w = 0; w < 4; ++w)
                 mask |= top_bits_together(hits[b].word[w]) << (constants::group_size * b + 4 * w);
-#else
-        // The same with bytes in vector registers: complete coverage of falling tori takes 5 %
-        // less.
+#elif defined(PIERCE_FOUR_LANES)
+        // The same with bytes in a vector register.
         for (std::uint32_t b = 0; b < count; ++b) {
-            unsigned char hits[constants::group_size];
-            for (unsigned char& hit : hits) hit = top_bit;
-#if defined(PIERCE_FOUR_LANES)
-            const Four::Bits lows = grid.at_end(box[b].lower, 1),
-                             highs = grid.at_end(box[b].upper, 0);
-#endif
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto* const begin = reinterpret_cast<const unsigned char*>(lower[axis].word);
-                const auto* const end = reinterpret_cast<const unsigned char*>(upper[axis].word);
-#if defined(PIERCE_FOUR_LANES)
-                const auto low = static_cast<unsigned char>(lows[axis]),
-                           high = static_cast<unsigned char>(highs[axis] | int{top_bit});
-#else
-                const auto low = static_cast<unsigned char>(grid.at(box[b].lower[axis], axis, 1)),
-                           high = static_cast<unsigned char>(grid.at(box[b].upper[axis], axis, 0) |
-                                                             top_bit);
-#endif
-                PIERCE_VECTOR_LOOP
-                for (std::uint32_t k = 0; k < constants::group_size; ++k)
-                    hits[k] &= static_cast<unsigned char>((high - begin[k]) & (end[k] - low));
-            }
-            std::uint64_t word[2];
-            std::memcpy(word, hits, sizeof word);
-            for (std::uint32_t w = 0; w < 2; ++w)
-                mask |= top_bits_together(word[w]) << (constants::group_size * b + 8 * w);
+            const StepRanges ranges(grid.at_end(box[b].lower, 1), grid.at_end(box[b].upper, 0));
+            const SixteenBytes hits = ranges.overlap<0>(lower[0], upper[0]) &
+                                      ranges.overlap<1>(lower[1], upper[1]) &
+                                      ranges.overlap<2>(lower[2], upper[2]);
+            mask |= hits.top_bits() << (constants::group_size * b);
         }
+#else
+        for (std::uint32_t b = 0; b < count; ++b)
+            for (std::uint32_t k = 0; k < constants::group_size; ++k) {
+                bool hit = true;
+                for (int axis = 0; axis < 3; ++axis)
+                    hit &= lower[axis].get(k) <= grid.at(box[b].upper[axis], axis, 0) &&
+                           (upper[axis].get(k) & ~top_bit) >= grid.at(box[b].lower[axis], axis, 1);
+                mask |= std::uint32_t{hit} << (constants::group_size * b + k);
+            }
 #endif
         return mask;
     }
@@ -215,9 +242,6 @@ private:
     /// not overlap.
     PIERCE_HD static std::uint32_t top_bits_together(std::uint32_t bits) {
         return (bits >> 7) * 0x10204080u >> 28;
-    }
-    PIERCE_HD static std::uint32_t top_bits_together(std::uint64_t bits) {
-        return static_cast<std::uint32_t>((bits >> 7) * 0x0102040810204080u >> 56);
     }
 };
 static_assert(sizeof(GridBoxes) == 128);

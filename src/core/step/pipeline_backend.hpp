@@ -27,14 +27,16 @@ public:
     void step(const Scene& scene, StepStats& stats) override {
         executor_->run([&] { pipeline_.step(scene, stats); });
         pipeline_.report(*scene.plan, stats);
-        has_sheets_ = scene.plan->sheets;
-        if (!has_sheets_) return;
         const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
+        contacts_.clear();
+        if (others.empty() || of_sheets.empty()) return;
         contacts_.assign(others.begin(), others.end());
         contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());
     }
     View<const Contact> contacts() const override {
-        return has_sheets_ ? view_of(contacts_) : view_of(pipeline_.contacts());
+        if (!contacts_.empty()) return view_of(contacts_);
+        return pipeline_.contacts().empty() ? view_of(pipeline_.sheet_contacts())
+                                            : view_of(pipeline_.contacts());
     }
     View<const Pair> pairs() const override { return view_of(pipeline_.pairs()); }
 
@@ -64,8 +66,7 @@ private:
     std::unique_ptr<E> executor_;
     std::unique_ptr<T> tracer_;
     Pipeline<E, T> pipeline_;
-    bool has_sheets_ = false;
-    std::vector<Contact> contacts_;  ///< all contacts, if some are those of sheets
+    std::vector<Contact> contacts_;  ///< all contacts, if some are those of sheets and some are not
 };
 
 }  // namespace pierce

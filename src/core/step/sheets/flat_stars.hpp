@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/device/four.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/separating_direction.hpp"
 #include "core/step/sheets/sheet_bounds.hpp"
@@ -15,11 +16,21 @@ struct alignas(16) FlatCorners {
 
     /// True if another triangle of the same body shares such a vertex with this one.
     PIERCE_HD bool shares_one(const FlatCorners& other) const {
+#if defined(PIERCE_FOUR_LANES)
+        // The others go round, so that each meets each; the padding meets itself.
+        const Four::Bits mine = Four::bits_at(vertex), others = Four::bits_at(other.vertex);
+        const Four::Bits same = (mine == others) |
+                                (mine == __builtin_shufflevector(others, others, 1, 2, 0, 3)) |
+                                (mine == __builtin_shufflevector(others, others, 2, 0, 1, 3));
+        constexpr auto nothing = static_cast<std::int32_t>(no_vertex);
+        return (Four::sign_bits(same & (mine != nothing)) & 7) != 0;
+#else
         bool shares = false;
         for (std::uint32_t v : vertex)
             shares |= v != no_vertex &&
                       (v == other.vertex[0] || v == other.vertex[1] || v == other.vertex[2]);
         return shares;
+#endif
     }
 };
 

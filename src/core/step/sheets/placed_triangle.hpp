@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/device/four.hpp"
 #include "core/device/quick_math.hpp"
 #include "core/geometry/grid_boxes.hpp"
 #include "core/geometry/quick_vec3.hpp"
@@ -18,6 +19,18 @@ struct PlacedTriangle {
 
     PIERCE_HD QuickBox box() const {
         QuickBox all;
+#if defined(PIERCE_FOUR_LANES)
+        if (triangle == no_triangle) return all;
+        Four lower = row(start[0]), upper = lower;
+        for (const Vec3f* at : {&start[1], &start[2], &end[0], &end[1], &end[2]}) {
+            lower = min_of(row(*at), lower);
+            upper = max_of(row(*at), upper);
+        }
+        // Whole rows, whatever then is in the padding: they are read as rows again.
+        lower.put(&all.lower);
+        upper.put(&all.upper);
+        return all;
+#endif
         for (int c = 0; c < 3 && triangle != no_triangle; ++c) {
             all.extend(start[c]);
             all.extend(end[c]);
@@ -28,6 +41,11 @@ struct PlacedTriangle {
         const Vec3d a = to_double(end[0]);
         return cross(to_double(end[1]) - a, to_double(end[2]) - a);
     }
+
+#if defined(PIERCE_FOUR_LANES)
+    /// A corner, and after it what lies behind it in memory.
+    static Four row(const Vec3f& corner) { return Four::at(&corner); }
+#endif
 };
 
 /// A placed triangle as most of culling sees it: its corners at the end of the step, and their mean
@@ -46,6 +64,20 @@ struct alignas(16) DriftingTriangle {
     DriftingTriangle() = default;
     PIERCE_HD explicit DriftingTriangle(const PlacedTriangle& t)
         : corner{{t.end[0]}, {t.end[1]}, {t.end[2]}}, own(t.own) {
+#if defined(PIERCE_FOUR_LANES)
+        const auto row = [](const Vec3f& at) { return PlacedTriangle::row(at); };
+        Four furthest = 0, largest = 0, motion[3], mean = 0;
+        for (int k = 0; k < 3; ++k) {
+            motion[k] = row(t.end[k]) - row(t.start[k]);
+            mean = mean + Four(1.0f / 3) * motion[k];
+            largest = max_of(abs_of(row(t.end[k]) - row(t.end[0])),
+                             max_of(abs_of(row(t.start[k]) - row(t.end[0])), largest));
+        }
+        for (int k = 0; k < 3; ++k) furthest = max_of(abs_of(motion[k] - mean), furthest);
+        drift = first_three(mean);
+        corner[0].more = largest_of(first_three(furthest));
+        corner[1].more = largest_of(first_three(largest));
+#else
         float furthest = 0, largest = 0;
         Vec3f motion[3];
         for (int k = 0; k < 3; ++k) {
@@ -57,6 +89,7 @@ struct alignas(16) DriftingTriangle {
         for (int k = 0; k < 3; ++k) furthest = quick_max(largest_of(motion[k] - drift), furthest);
         corner[0].more = furthest;
         corner[1].more = largest;
+#endif
     }
 
     /// An upper bound of how far a coordinate of a corner's motion is from that of the mean motion.

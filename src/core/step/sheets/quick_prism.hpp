@@ -65,6 +65,15 @@ struct QuickPrism {
     }
 };
 
+/// True if one of two nearly parallel segments, or a short and a long one, is further away than
+/// `margin` [length]: what is beside the longer one lies ahead across it.
+PIERCE_HD inline bool are_far_beside(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float margin, float size) {
+    const Vec3f d = q - p, e = s - r, way = r - p;
+    const float dd = quick_dot(d, d), ee = quick_dot(e, e);
+    return ee > dd ? is_past(e * (quick_dot(e, way) / ee) - way, {p, q}, {r, s}, margin, size)
+                   : is_past(way - d * (quick_dot(d, way) / dd), {r, s}, {p, q}, margin, size);
+}
+
 /// False if the closest points of two segments' lines are certainly not within both segments, or
 /// certainly further apart than `margin` [length].
 PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float margin, float size) {
@@ -78,11 +87,8 @@ PIERCE_HD inline bool may_cross_over(Vec3f p, Vec3f q, Vec3f r, Vec3f s, float m
         is_beyond(margin, std::fabs(quick_dot(n, way)) - made_up_across(n, size), n))
         return false;
     if (quick_dot(n, n) > constants::quick_hidden * made_up) return true;
-    // Nearly parallel segments, or a short one and a long one: rounding hides those places. What is
-    // beside the longer one lies ahead across it.
-    const float dd = quick_dot(d, d), ee = quick_dot(e, e);
-    return ee > dd ? !is_past(e * (quick_dot(e, way) / ee) - way, {p, q}, {r, s}, margin, size)
-                   : !is_past(way - d * (quick_dot(d, way) / dd), {r, s}, {p, q}, margin, size);
+    // Rounding hides those places.
+    return !are_far_beside(p, q, r, s, margin, size);
 }
 
 }  // namespace pierce::stages

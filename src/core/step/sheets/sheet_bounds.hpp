@@ -8,6 +8,8 @@
 #include "core/geometry/moving_point.hpp"
 #include "core/geometry/sixteen_boxes.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/sheets/four_reach.hpp"
+#include "core/step/sheets/group_heights.hpp"
 #include "core/step/sheets/placed_triangle.hpp"
 #include "core/step/sheets/slab.hpp"
 #include "pierce/body.hpp"
@@ -156,8 +158,8 @@ struct Parts {
 
 static_assert(constants::group_size == Sixteen<QuickBox>::count);
 
-/// Per group: its triangles over the step as culling sees them, their boxes, and the slab and the
-/// box around them.
+/// Per group: its triangles over the step as culling sees them, their boxes and heights, and the
+/// slab and the box around them.
 struct PlaceGroups {
     SheetBodies bodies;
     Interleaved<DriftingTriangle> drifting;
@@ -165,6 +167,7 @@ struct PlaceGroups {
     View<GridBoxes> packed;
     View<Slab> slabs;
     View<QuickBox> boxes;
+    View<GroupHeights> heights;  ///< empty where nobody reads them
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t group = Sixteen<PlacedTriangle>::group_of(i),
@@ -179,24 +182,35 @@ struct PlaceGroups {
         });
         triangles.each([&](std::uint32_t k, const PlacedTriangle& p) {
             drifting.write(first + k, DriftingTriangle(p));
-            write_whole(triangle_boxes[first + k], p.box());
         });
-        own_boxes.each([&](std::uint32_t k, QuickBox& box) { box = triangles.at(k).box(); });
+        own_boxes.each([&](std::uint32_t k, QuickBox& box) {
+            box = triangles.at(k).box();
+            write_whole(triangle_boxes[first + k], box);
+        });
         const QuickBox box = box_around(own_boxes);
         pack(packed[group], own_boxes, box);
-        const Slab slab = box.empty() ? Slab{} : slab_around(triangles, box);
+        const Slab slab = box.empty() ? Slab{} : slab_around(triangles, box, group);
         if (!Sixteen<PlacedTriangle>::is_first()) return;
         write_whole(boxes[group], box);
         write_whole(slabs[group], slab);
     }
 
 private:
-    PIERCE_HD static Slab slab_around(const Sixteen<PlacedTriangle>& triangles,
-                                      const QuickBox& box) {
+    PIERCE_HD Slab slab_around(const Sixteen<PlacedTriangle>& triangles, const QuickBox& box,
+                               [[maybe_unused]] std::uint32_t group) const {
         const SlabFrame frame(triangles.joined<Vec3d>(
             [](std::uint32_t, const PlacedTriangle& t) { return t.end_normal(); },
             [](Vec3d& all, Vec3d part) { all += part; }));
         const Vec3d origin = to_double(box.lower);
+#if defined(PIERCE_FOUR_LANES)
+        const FourReach four(frame, box);
+        Box all, reach[constants::group_size];
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
+            if (triangles.at(k).triangle != no_triangle) reach[k] = four.of(triangles.at(k));
+            all.extend(reach[k]);
+        }
+        if (heights.size > 0) heights[group].set(reach);
+#else
         const auto extent_of = [&](std::uint32_t, const PlacedTriangle& t) {
             Box extent;
             for (int c = 0; c < 3 && t.triangle != no_triangle; ++c) {
@@ -205,9 +219,10 @@ private:
             }
             return extent;
         };
-        return frame.slab(
-            triangles.joined<Box>(extent_of, [](Box& all, const Box& part) { all.extend(part); }),
-            origin);
+        const Box all = triangles.joined<Box>(extent_of,
+                                              [](Box& sum, const Box& part) { sum.extend(part); });
+#endif
+        return frame.slab(all, origin);
     }
 };
 

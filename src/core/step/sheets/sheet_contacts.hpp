@@ -114,8 +114,12 @@ struct FillSheetContact {
     View<std::uint32_t> deepest;  ///< per pair
     View<Contact> contacts;
 
+    static constexpr std::uint32_t ahead = 8;  ///< items
+
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t feature = kept[i];
+        const std::uint32_t feature = kept[i], later = kept[min_of(i + ahead, kept.size - 1)];
+        read_ahead(features[later]);
+        read_ahead(meetings[later]);
         const FeaturePair f = read_whole(features[feature]);
         const SheetMeeting m = read_whole(meetings[feature]);
         const Judgement judgement = judgements[feature];
@@ -125,54 +129,64 @@ struct FillSheetContact {
         const SheetBody source = bodies[from_b ? pair.second : pair.first],
                         target = bodies[from_b ? pair.first : pair.second];
         keys[i] = feature_key(f.pair, f.kind, f.item, bits);
-        Contact c;
-        c.a = pair.ids[0];
-        c.b = pair.ids[1];
-        c.source = from_b ? Side::b : Side::a;
-        c.of_sheet = true;
-        c.found = judgement.found;
-        c.unknown_side = judgement.unknown;
-        c.time = m.time;
-        c.age = ages[feature];
-        c.distance = m.distance;
         const bool is_vertex = f.kind == FeatureKind::vertex_of_a ||
                                f.kind == FeatureKind::vertex_of_b;
+        std::uint32_t vertex = f.item, edge_end = no_vertex, triangle = f.other;
+        double weight[3];
         Vec3d p, corner[3];
         if (is_vertex) {
-            c.vertex = f.item;
             p = bodies.vertex(f.vertex[0]).end;
             for (int k = 0; k < 3; ++k) corner[k] = bodies.vertex(f.vertex[k + 1]).end;
         } else {
             const Edge& edge = source.mesh.edges[f.item];
-            c.edge = f.item;
-            c.vertex = edge.vertex[0];
-            c.edge_end = edge.vertex[1];
-            c.along = m.along;
-            p = (1 - m.along) * source.vertex(edge.vertex[0]).end +
-                m.along * source.vertex(edge.vertex[1]).end;
+            vertex = edge.vertex[0];
+            edge_end = edge.vertex[1];
+            p = (1 - m.along) * source.vertex(vertex).end + m.along * source.vertex(edge_end).end;
         }
         if (f.kind == FeatureKind::edges) {
             const Edge& edge = target.mesh.edges[f.other];
-            c.other_edge = f.other;
-            c.triangle = edge.triangle[0];
+            triangle = edge.triangle[0];
             // A triangle may name a vertex twice: each end of the edge is one of its corners.
-            const Triangle& t = target.mesh.triangles[c.triangle];
+            const Triangle& t = target.mesh.triangles[triangle];
             const int first = corner_of(t, edge.vertex[0]), second = corner_of(t, edge.vertex[1]);
             for (int k = 0; k < 3; ++k)
-                c.barycentric[k] = k == first ? 1 - m.weight[0] : k == second ? m.weight[0] : 0.0;
+                weight[k] = k == first ? 1 - m.weight[0] : k == second ? m.weight[0] : 0.0;
         } else {
-            c.triangle = f.other;
-            for (int k = 0; k < 3; ++k) c.barycentric[k] = m.weight_of(k);
+            for (int k = 0; k < 3; ++k) weight[k] = m.weight_of(k);
         }
         if (!is_vertex)
             for (int k = 0; k < 3; ++k)
-                corner[k] = target.vertex(target.mesh.triangles[c.triangle].vertex[k]).end;
+                corner[k] = target.vertex(target.mesh.triangles[triangle].vertex[k]).end;
         Vec3d q;
-        for (int k = 0; k < 3; ++k) q += c.barycentric[k] * corner[k];
-        c.point_a = from_b ? q : p;
-        c.point_b = from_b ? p : q;
-        c.normal = from_b ? m.out : -m.out;
-        c.face_normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+        for (int k = 0; k < 3; ++k) q += weight[k] * corner[k];
+        // Every member is named, so that none is written twice.
+        const Contact c{
+            .a = pair.ids[0],
+            .b = pair.ids[1],
+            .source = from_b ? Side::b : Side::a,
+            .grazing = false,
+            .found = judgement.found,
+            .reprojected = false,
+            .of_sheet = true,
+            .unknown_side = judgement.unknown,
+            .padding_a = 0,
+            .vertex = vertex,
+            .edge_end = edge_end,
+            .edge = is_vertex ? 0 : f.item,
+            .chord = 0,
+            .other_edge = f.kind == FeatureKind::edges ? f.other : 0,
+            .triangle = triangle,
+            .age = ages[feature],
+            .padding_b = 0,
+            .along = is_vertex ? 0 : m.along,
+            .time = m.time,
+            .distance = m.distance,
+            .barycentric = {weight[0], weight[1], weight[2]},
+            .point_a = from_b ? q : p,
+            .point_b = from_b ? p : q,
+            .normal = from_b ? m.out : -m.out,
+            .face_normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0])),
+            .padding_c = 0};
         write_side_by_side(contacts.data, i, c);
         SheetRecord record;
         record.other = f.other;

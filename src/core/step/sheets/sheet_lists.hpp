@@ -61,6 +61,7 @@ struct SheetBounds {
     Buffer<QuickBox> triangle_boxes, group_boxes, block_boxes;
     Buffer<GridBoxes> in_groups, in_blocks, in_sections;
     Buffer<stages::Slab> group_slabs, block_slabs;
+    Buffer<stages::GroupHeights> group_heights;  ///< on the host only
     Buffer<std::uint32_t> section_begins, section_ends;
     Buffer<std::uint32_t> flat;  ///< per vertex: nothing folds around it
     Buffer<stages::FlatCorners> flat_corners;

@@ -299,7 +299,7 @@ private:
         if (!met) {
             if (!between || !(m.distance > 0) || !(m.distance < proximity_of_edges(f, pair)))
                 return {};
-            m.out = normalized(way);
+            m.out = {way.x / m.distance, way.y / m.distance, way.z / m.distance};
             set_places(m, at.first, at.second);
             return {Verdict::contact, Found::near};
         }

@@ -10,9 +10,8 @@
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/common/pairs.hpp"
-#include "core/step/sheets/flat_stars.hpp"
-#include "core/step/sheets/four_drifting_pairs.hpp"
-#include "core/step/sheets/quick_triangle.hpp"
+#include "core/step/sheets/four_heights.hpp"
+#include "core/step/sheets/group_heights.hpp"
 #include "pierce/min_max.hpp"
 
 /// Sheets, first part: which triangles of a sheet and another body, or of a sheet alone, may meet
@@ -165,6 +164,7 @@ struct FindParts {
     View<const QuickBox> boxes;    ///< of the parts
     View<const GridBoxes> packed;  ///< of the parts, per section or block
     View<const Slab> slabs;        ///< of the parts
+    View<const QuickBox> wholes;   ///< the boxes of blocks; empty for sections
 
     /// A bit for each part of the other one.
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -179,6 +179,20 @@ struct FindParts {
         return ask_bits(mask, i, *this);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
+#if defined(PIERCE_FOUR_LANES)
+    /// What find() would find, without the parts that are not near the other one's box.
+    void find_all(std::uint32_t begin, std::uint32_t end, std::uint32_t* found) const {
+        for (std::uint32_t i = begin; i < end;) {
+            const ClosePair& c = close[i / constants::group_size];
+            std::uint32_t reach = ~std::uint32_t{0};
+            if (wholes.size > 0)
+                reach = packed[c.first].near(wholes[c.second].inflated(pairs[c.pair].quick_margin));
+            for (std::uint32_t k = i % constants::group_size; k < constants::group_size && i < end;
+                 ++k, ++i)
+                found[i - begin] = reach >> k & 1 ? find(i) : 0;
+        }
+    }
+#endif
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
                          ClosePair* found) const {
         write_bits<asked_bits>(
@@ -207,6 +221,13 @@ struct alignas(16) NearTriangles {
     std::uint32_t mask = 0;    ///< a bit for each triangle of the group
 };
 
+/// What is known of groups as wholes.
+struct Groups {
+    View<const QuickBox> boxes;
+    View<const Slab> slabs;
+    View<const GroupHeights> heights;  ///< on the host only
+};
+
 /// Per two triangles of a near group, eight places apart: the triangles of the other group whose
 /// boxes are near each of the two, if there are any.
 struct FindTriangles {
@@ -214,6 +235,8 @@ struct FindTriangles {
     View<const ClosePair> close;   ///< groups
     View<const QuickBox> boxes;    ///< of triangles
     View<const GridBoxes> packed;  ///< of triangles, per group
+    Groups groups;
+    Interleaved<const DriftingTriangle> drifting;
 
     static constexpr std::uint32_t per_group = constants::group_size / 2;  ///< items
 
@@ -245,120 +268,60 @@ struct FindTriangles {
             write_whole(near[place], {c.pair, first + per_group, others, of_second});
     }
 
+#if defined(PIERCE_FOUR_LANES)
+    /// What find() would find, for whole groups: without the triangles of the first group that are
+    /// not near the second one's box, and without those that are further apart than the margin
+    /// along its normal.
+    void find_all(std::uint32_t begin, std::uint32_t end, std::uint32_t* found) const {
+        for (std::uint32_t i = begin; i < end;) {
+            std::uint32_t masks[constants::group_size] = {};
+            find_near(read_whole(close[i / per_group]), masks);
+            for (std::uint32_t k = i % per_group; k < per_group && i < end; ++k, ++i)
+                found[i - begin] = masks[k] | masks[k + per_group] << constants::group_size;
+        }
+    }
+#endif
+
 private:
     static constexpr std::uint32_t of_one = (1u << constants::group_size) - 1;
 
     PIERCE_HD static std::uint32_t later_than(std::uint32_t k) {
         return of_one & ~std::uint32_t{1} << k;
     }
-};
-
-/// Two triangles whose features are to be tested.
-struct alignas(16) TrianglePair {
-    std::uint32_t pair = 0;
-    std::uint32_t first = 0, second = 0;  ///< places of triangles of the pair's first and second
-                                          ///< body
-    std::uint32_t separate = 0;           ///< 1: it is known that they do not meet
-};
-
-/// For a triangle and another one of its body that is near: 1 if they hang together where nothing
-/// folds.
-struct HangTogether {
-    View<const NearTriangles> near;
-    View<const FlatCorners> flat_corners;
-
-    PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
-        const NearTriangles n = read_whole(near[i]);
-        return read_whole(flat_corners[n.first])
-            .shares_one(read_whole(flat_corners[n.others + bit]));
-    }
-};
-
-/// Per triangle with others near: those that do not hang together with it where nothing folds, and
-/// that no normal of the two and no line between their middles keeps apart.
-struct CullTriangles {
-    View<const SheetPair> pairs;
-    View<const NearTriangles> near;
-    Interleaved<const DriftingTriangle> drifting;
-    View<const FlatCorners> flat_corners;
-
-    static constexpr std::uint32_t separate_shift = asked_bits;  ///< shift of the bits for
-                                                                 ///< triangles that do not meet
-    static_assert(asked_bits == constants::group_size);
-
-    /// A bit for each triangle, and in the upper half one more if the two do not meet. Triangles
-    /// that hang together are taken out first: in a GPU's warp they would wait for the others.
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
-        const NearTriangles n = read_whole(near[i]);
-        const bool in_itself = pairs[n.pair].is_self();
-        const std::uint32_t together = ask_bits(in_itself ? n.mask : 0, i,
-                                                HangTogether{near, flat_corners});
-#if defined(PIERCE_FOUR_LANES)
-        return ask_fours(n, n.mask & ~together);
-#else
-        return ask_bits(n.mask & ~together, i, *this);
-#endif
-    }
-    PIERCE_HD static std::uint32_t count(std::uint32_t found) {
-        return bit_count(found & ((1u << separate_shift) - 1));
-    }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
-                         TrianglePair* triangles) const {
-        write_bits<asked_bits>(
-            found, i, place,
-            [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
-                const NearTriangles n = read_whole(near[item]);
-                write_whole(triangles[at],
-                            {n.pair, n.first, n.others + bit, mask >> (separate_shift + bit) & 1});
-            });
-    }
-
-    /// For a triangle and another one near: 0 if a direction keeps them apart, else 1, and 2 more
-    /// if they do not meet.
-    PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
-        const NearTriangles n = read_whole(near[i]);
-        const float margin = pairs[n.pair].quick_margin;
-        const DriftingPair both(drifting.read(n.first), drifting.read(n.others + bit));
-        Company company = both.along_normal_of_a(margin);
-        if (!company.is_settled()) company.learn(both.along_normal_of_b(margin));
-        if (!company.is_settled()) company.learn(both.along_middles(margin));
-        return company.is_settled() ? 0 : 1 | static_cast<std::uint32_t>(company.separate) << 1;
-    }
 
 #if defined(PIERCE_FOUR_LANES)
-private:
-    /// What ask_bits() would say, four triangles at a time.
-    std::uint32_t ask_fours(const NearTriangles& n, std::uint32_t mask) const {
-        const float margin = pairs[n.pair].quick_margin;
-        const DriftingTriangle& first = drifting.items[n.first];
-        std::uint32_t answers = 0;
-        while (mask != 0) {
-            std::uint32_t bit[Four::count], some = 0;
-            const DriftingTriangle* others[Four::count];
-            for (std::uint32_t k = 0; k < Four::count; ++k) {
+    void find_near(const ClosePair& c, std::uint32_t (&masks)[constants::group_size]) const {
+        const float margin = pairs[c.pair].quick_margin;
+        const bool in_itself = pairs[c.pair].is_self();
+        const std::uint32_t first = c.first * constants::group_size;
+        const FourHeights heights(groups.boxes[c.first], groups.boxes[c.second],
+                                  groups.slabs[c.second], margin);
+        std::uint32_t left = packed[c.first].near(groups.boxes[c.second].inflated(margin));
+        while (left != 0) {
+            std::uint32_t k[Four::count], some = 0;
+            FourTriangles triangles;
+            for (std::uint32_t lane = 0; lane < Four::count; ++lane) {
                 // The last four may be fewer: the last one then stands in all lanes left.
-                if (mask != 0) {
-                    bit[k] = lowest_bit(mask);
-                    mask &= mask - 1;
+                if (left != 0) {
+                    k[lane] = lowest_bit(left);
+                    left &= left - 1;
                     ++some;
                 } else {
-                    bit[k] = bit[k - 1];
+                    k[lane] = k[lane - 1];
                 }
-                others[k] = &drifting.items[n.others + bit[k]];
+                triangles.triangle[lane] = &drifting.items[first + k[lane]];
             }
-            const FourDriftingPairs both(first, others);
-            FourCompanies companies = both.along_normal_of_a(margin);
-            if (companies.settled() != FourCompanies::all)
-                companies.learn(both.along_middles(margin));
-            if (companies.settled() != FourCompanies::all)
-                companies.learn(both.along_normal_of_b(margin));
-            for (std::uint32_t left = ~companies.settled() & ((1u << some) - 1); left != 0;
-                 left &= left - 1) {
-                const std::uint32_t k = lowest_bit(left);
-                answers |= (1u | (companies.separate >> k & 1) << separate_shift) << bit[k];
+            std::uint32_t near[Four::count] = {of_one, of_one, of_one, of_one};
+            // The parts of one sheet lie beside each other.
+            if (!in_itself) heights.near(triangles, groups.heights[c.second], near);
+            for (std::uint32_t lane = 0; lane < some; ++lane) {
+                if (near[lane] == 0) continue;
+                const QuickBox box = boxes[first + k[lane]].inflated(margin);
+                masks[k[lane]] = near[lane] & packed[c.second].near(box) &
+                                 // Within one group, each two triangles once.
+                                 (c.first == c.second ? later_than(k[lane]) : of_one);
             }
         }
-        return answers;
     }
 #endif
 };

@@ -113,7 +113,8 @@ private:
                                                    view_of(bounds_.section_ends)},
                                          .boxes = view_of(bounds_.block_boxes),
                                          .packed = view_of(bounds_.in_sections),
-                                         .slabs = view_of(bounds_.block_slabs)},
+                                         .slabs = view_of(bounds_.block_slabs),
+                                         .wholes = {}},
                        search_.blocks);
         executor_.emit(ListId::group_pairs, constants::group_size * count_of(search_.blocks),
                        stages::FindParts{.pairs = view_of(search_.pairs),
@@ -121,14 +122,19 @@ private:
                                          .parts = {},
                                          .boxes = view_of(bounds_.group_boxes),
                                          .packed = view_of(bounds_.in_blocks),
-                                         .slabs = view_of(bounds_.group_slabs)},
+                                         .slabs = view_of(bounds_.group_slabs),
+                                         .wholes = view_of(bounds_.block_boxes)},
                        search_.groups);
         executor_.emit(ListId::near_triangles,
                        stages::FindTriangles::per_group * count_of(search_.groups),
-                       stages::FindTriangles{.pairs = view_of(search_.pairs),
-                                             .close = view_of(search_.groups),
-                                             .boxes = view_of(bounds_.triangle_boxes),
-                                             .packed = view_of(bounds_.in_groups)},
+                       stages::FindTriangles{
+                           .pairs = view_of(search_.pairs),
+                           .close = view_of(search_.groups),
+                           .boxes = view_of(bounds_.triangle_boxes),
+                           .packed = view_of(bounds_.in_groups),
+                           .groups = {view_of(bounds_.group_boxes), view_of(bounds_.group_slabs),
+                                      view_of(bounds_.group_heights)},
+                           .drifting = interleaved(view_of(bounds_.triangles))},
                        search_.near);
         executor_.join();
         executor_.emit(ListId::triangle_pairs, count_of(search_.near),
@@ -174,13 +180,15 @@ private:
         bounds_.in_groups.resize(groups);
         bounds_.group_slabs.resize(groups);
         bounds_.group_boxes.resize(groups);
+        if (E::traits.host_reads) bounds_.group_heights.resize(groups);
         executor_.for_each(executor_.in_sixteens(groups),
                            stages::PlaceGroups{.bodies = bodies_of(scene),
                                                .drifting = interleaved(view_of(bounds_.triangles)),
                                                .triangle_boxes = view_of(bounds_.triangle_boxes),
                                                .packed = view_of(bounds_.in_groups),
                                                .slabs = view_of(bounds_.group_slabs),
-                                               .boxes = view_of(bounds_.group_boxes)});
+                                               .boxes = view_of(bounds_.group_boxes),
+                                               .heights = view_of(bounds_.group_heights)});
         bounds_.in_blocks.resize(blocks);
         bounds_.block_slabs.resize(blocks);
         executor_.for_each(executor_.in_sixteens(blocks),

@@ -25,8 +25,8 @@ struct alignas(16) Slab {
 
     /// True if nothing in the two slabs comes closer than `margin`. False proves nothing.
     PIERCE_HD bool is_apart(const Slab& other, float margin) const {
-        return is_beside(other, margin) || is_above_or_below(other, margin) ||
-               other.is_above_or_below(*this, margin);
+        return is_above_or_below(other, margin) || other.is_above_or_below(*this, margin) ||
+               is_beside(other, margin);
     }
 
     /// True if along this slab's normal the other one is further away than `margin`.

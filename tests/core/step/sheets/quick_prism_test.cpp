@@ -3,10 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/closest_points_of_segments.hpp"
 #include "core/step/sheets/four_drifting_pairs.hpp"
+#include "core/step/sheets/four_heights.hpp"
+#include "core/step/sheets/sheet_features.hpp"
 #include "support/random.hpp"
 
 namespace pierce::stages {
@@ -326,17 +331,18 @@ TEST(SheetFeaturesTest, FourPairsAtOnceAreToldWhatEachIsTold) {
     for (int i = 0; i < 100000; ++i) {
         const MovingPair pairs[4] = {MovingPair(random), MovingPair(random), MovingPair(random),
                                      MovingPair(random)};
-        const DriftingTriangle* others[4];
-        for (int k = 0; k < 4; ++k)
-            others[k] = random.integer(0, 3) == 0 ? &pairs[k].second : &pairs[0].second;
-        const DriftingTriangle& first = pairs[0].first;
+        FourTriangles firsts, others;
+        for (int k = 0; k < 4; ++k) {
+            firsts.triangle[k] = random.integer(0, 3) == 0 ? &pairs[k].first : &pairs[0].first;
+            others.triangle[k] = random.integer(0, 3) == 0 ? &pairs[k].second : &pairs[0].second;
+        }
         const float margin = pairs[0].margin;
-        const FourDriftingPairs four(first, others);
+        const FourDriftingPairs four(firsts, others);
         const FourCompanies companies[3] = {four.along_normal_of_a(margin),
                                             four.along_normal_of_b(margin),
                                             four.along_middles(margin)};
         for (int k = 0; k < 4; ++k) {
-            const DriftingPair both(first, *others[k]);
+            const DriftingPair both(*firsts.triangle[k], *others.triangle[k]);
             const Company expected[3] = {both.along_normal_of_a(margin),
                                          both.along_normal_of_b(margin),
                                          both.along_middles(margin)};
@@ -352,6 +358,105 @@ TEST(SheetFeaturesTest, FourPairsAtOnceAreToldWhatEachIsTold) {
     }
     EXPECT_GT(separate, 10000u);
     EXPECT_GT(distant, 10000u);
+}
+
+TEST(SheetFeaturesTest, FourFeaturesAtOnceAreToldWhatEachIsTold) {
+    Random random(11);
+    std::uint32_t nothing = 0, something = 0;
+    for (int i = 0; i < 3000; ++i) {
+        // More than FourFeatures takes at once, of a few pairs of bodies.
+        std::vector<DriftingTriangle> triangles;
+        std::vector<SheetPair> pairs(3);
+        std::vector<TrianglePair> close;
+        for (std::uint32_t k = 0; k < 41; ++k) {
+            const MovingPair pair(random);
+            const bool flat = random.integer(0, 3) == 0;
+            triangles.push_back(pair.first);
+            triangles.push_back(flat ? pair.first : pair.second);
+            for (DriftingTriangle* t : {&triangles[2 * k], &triangles[2 * k + 1]})
+                t->own = static_cast<std::uint32_t>(random.integer(0, 63));
+            if (flat)
+                for (auto& corner : triangles.back().corner)
+                    corner.end = corner.end + 0.5f * pair.margin * Vec3f{0, 0, 1};
+            pairs[k % 3].quick_margin = pairs[k % 3].quick_thickness = pair.margin;
+            close.push_back({k % 3, 2 * k, 2 * k + 1, random.integer(0, 9) > 0});
+        }
+        triangles.resize(96);  // whole groups
+        const FindFeatures find{view_of(std::as_const(pairs)),
+                                interleaved(view_of(std::as_const(triangles))),
+                                view_of(std::as_const(close))};
+        std::vector<std::uint32_t> found(close.size());
+        find.find_all(0, static_cast<std::uint32_t>(close.size()), found.data());
+        for (std::uint32_t k = 0; k < close.size(); ++k) {
+            ASSERT_EQ(found[k], find.find(k)) << "seed " << random.seed() << ", case " << i;
+            ++(found[k] == 0 ? nothing : something);
+        }
+    }
+    EXPECT_GT(nothing, 10000u);
+    EXPECT_GT(something, 30000u);
+}
+
+TEST(SheetFeaturesTest, TrianglesApartAlongTheNormalOfAGroupAreApartAllTheTime) {
+    Random random(12);
+    int left_out = 0;
+    for (int i = 0; i < 5000; ++i) {
+        Points points(random);
+        const Vec3f far = static_cast<float>(std::exp2(random.integer(0, 10))) * points.next(),
+                    motion = static_cast<float>(random.uniform(0, 1)) * points.next();
+        const auto place = [&](const Vec3f& away) {
+            PlacedTriangle t;
+            t.triangle = 0;
+            for (int k = 0; k < 3; ++k) {
+                t.end[k] = far + away + points.next();
+                t.start[k] = t.end[k] + motion + 0.1f * points.next();
+            }
+            return t;
+        };
+        const float margin = points.scale() * static_cast<float>(random.uniform(0, 0.5));
+        const SlabFrame frame(to_double(to_float(random.unit_vector())));
+        PlacedTriangle others[constants::group_size], mine[Four::count];
+        QuickBox of_others, of_mine;
+        for (PlacedTriangle& t : others) of_others.extend((t = place({})).box());
+        const Vec3f away = static_cast<float>(random.uniform(0, 3)) * points.scale() *
+                           to_float(frame.axis[0]);
+        for (PlacedTriangle& t : mine) of_mine.extend((t = place(away)).box());
+        Box reach[constants::group_size], all;
+        for (std::uint32_t k = 0; k < constants::group_size; ++k) {
+            for (int c = 0; c < 3; ++c)
+                for (const Vec3f& at : {others[k].start[c], others[k].end[c]})
+                    reach[k].extend(frame.along(to_double(at) - to_double(of_others.lower)));
+            all.extend(reach[k]);
+        }
+        GroupHeights heights;
+        heights.set(reach);
+        const Slab slab = frame.slab(all, to_double(of_others.lower));
+        DriftingTriangle drifting[Four::count];
+        FourTriangles four;
+        for (std::uint32_t k = 0; k < Four::count; ++k) {
+            drifting[k] = DriftingTriangle(mine[k]);
+            four.triangle[k] = &drifting[k];
+        }
+        std::uint32_t near[Four::count];
+        FourHeights(of_mine, of_others, slab, margin).near(four, heights, near);
+        for (std::uint32_t k = 0; k < Four::count; ++k)
+            for (std::uint32_t j = 0; j < constants::group_size; ++j) {
+                if (near[k] >> j & 1) continue;
+                ++left_out;
+                const Vec3d n = to_double(slab.axis[0]);
+                double ahead = 1e300, behind = 1e300;
+                for (int c = 0; c < 3; ++c)
+                    for (int d = 0; d < 3; ++d)
+                        for (const auto& when : {&PlacedTriangle::start, &PlacedTriangle::end}) {
+                            const double gap = dot(
+                                n, to_double((mine[k].*when)[c]) - to_double((others[j].*when)[d]));
+                            ahead = std::min(ahead, gap);
+                            behind = std::min(behind, -gap);
+                        }
+                ASSERT_GT(std::max(ahead, behind), static_cast<double>(margin) * length(n))
+                    << "seed " << random.seed() << ", case " << i;
+            }
+    }
+    EXPECT_GT(left_out, 50000);
 }
 #endif
 
