@@ -372,9 +372,9 @@ private:
             });
             if (found) continue;
             ++counts_.vertices_missed;
-            fail("a vertex inside has no contact",
-                 "vertex " + std::to_string(v) + " of body " +
-                     std::to_string(source.body->id.index) + ", " + in_ulp(distance) + " inside");
+            fail("a vertex inside has no contact", "vertex " + std::to_string(v) + " of body " +
+                                                       std::to_string(source.body->id.index) +
+                                                       ", " + in_ulp(distance) + " inside");
         }
     }
 

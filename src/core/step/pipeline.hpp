@@ -662,8 +662,8 @@ private:
         executor_.reduce(count_of(routes_.routes), stages::CountSkipped{view_of(routes_.routes)},
                          sums_.skipped);
         if (plan.settings.temporal == Temporal::certified)
-            executor_.reduce(count_of(routes_.routes),
-                             stages::CountLooked{view_of(routes_.routes)}, sums_.looked);
+            executor_.reduce(count_of(routes_.routes), stages::CountLooked{view_of(routes_.routes)},
+                             sums_.looked);
         executor_.reduce(count_of(now_.vertices), stages::CountPredicted{view_of(now_.vertices)},
                          sums_.predicted);
         executor_.reduce(count_of(pairs_.pairs), stages::CountFullPass{view_of(now_.directed)},

@@ -206,7 +206,7 @@ struct JoinBounds {
 struct MeasureNode {
     View<const BodyView> bodies;
     View<const NodeItem> items;
-    View<const View<BoxNode>> nodes;    ///< per body
+    View<const View<BoxNode>> nodes;   ///< per body
     View<const std::uint32_t> wanted;  ///< per body; empty: all of them are
 
     PIERCE_HD void operator()(std::uint32_t i) const {

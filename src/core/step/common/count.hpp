@@ -104,9 +104,7 @@ struct CountLooked {
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
-        return routes[i] == Route::looked;
-    }
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const { return routes[i] == Route::looked; }
 };
 
 /// 1 for a vertex that is expected to enter the other body.

@@ -18,8 +18,8 @@ struct PairMarks {
         moved_overlaps = 32,                           ///< an edge that was moved shows an overlap
         separates = 64,                                ///< rays along its way apart are wanted
         vertex_touches = 128,                          ///< a vertex has a contact without a depth
-        holds_chord = 256,  ///< a part of an edge of one body is inside the other
-        contained = 512,    ///< one body is inside the other as a whole
+        holds_chord = 256,   ///< a part of an edge of one body is inside the other
+        contained = 512,     ///< one body is inside the other as a whole
         runs_inside = 1024;  ///< a vertex only touches, but its ray runs inside
 
     View<std::uint32_t> words;

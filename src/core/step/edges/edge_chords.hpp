@@ -125,13 +125,19 @@ private:
         }
     }
 
-    /// The boxes of bodies in pairs that are asked, if they were not measured early.
-    void measure_boxes_asked(const StepOfPairs<E>& step, const stages::PairsAsked& asked) {
+    /// The boxes of the targets that edges may reach, if they were not measured early.
+    void measure_boxes_in_reach(const StepOfPairs<E>& step) {
         if constexpr (E::traits.overlaps_updates) return executor_.join();
         if (step.scene.node_items.size == 0) return;
         executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
-        executor_.for_each(step.count,
-                           stages::MarkAsked{step.pairs, asked, view_of(scratch_.wanted)});
+        executor_.for_each(count_of(near_.groups),
+                           stages::MarkTargetsOfGroups{step.directed, view_of(near_.groups),
+                                                       view_of(scratch_.wanted)});
+        if (step.scene.plan->remembers())
+            executor_.for_each(
+                2 * step.count,
+                stages::MarkTargetsOfKept{step.directed, view_of(std::as_const(now_.of_pairs)),
+                                          view_of(scratch_.wanted)});
         measure_boxes(step.scene, view_of(std::as_const(scratch_.wanted)));
     }
 
@@ -240,7 +246,6 @@ private:
     void cull(const StepOfPairs<E>& step, const stages::PairsAsked& asked) {
         const View<const BodyView> bodies = step.scene.bodies;
         const bool remembers = step.scene.plan->remembers();
-        measure_boxes_asked(step, asked);
         executor_.emit(ListId::edge_blocks, 2 * step.count,
                        stages::ListEdgeBlocks{.bodies = bodies,
                                               .directed = step.directed,
@@ -253,6 +258,7 @@ private:
                                              .blocks = view_of(near_.blocks),
                                              .gaps = view_of(near_.gaps)},
                        near_.groups);
+        measure_boxes_in_reach(step);
         constexpr bool in_two = E::traits.joins_stages;
         Buffer<NearEdge>& found = remembers ? near_.found : now_.edges;
         tools_.share_out(count_of(near_.groups), [&](auto share, const Count& groups) {

@@ -52,21 +52,6 @@ struct PairsAsked {
     PIERCE_HD bool operator()(std::uint32_t pair) const { return !marks.any(pair, unless); }
 };
 
-/// Per pair that is asked: marks both bodies.
-struct MarkAsked {
-    View<const Pair> pairs;
-    PairsAsked asked;
-    View<std::uint32_t> wanted;  ///< per body
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        if (!asked(i)) return;
-        atomic_mark(wanted[pairs[i].a]);
-        atomic_mark(wanted[pairs[i].b]);
-    }
-};
-
 /// Per directed pair: whether the near edges of the last step are still those that may meet the
 /// target. How long those of this step will be, ExpireNearEdges knows.
 struct RecallNearEdges {
@@ -187,6 +172,32 @@ struct CullEdgeBlock {
         for (; mask != 0; mask &= mask - 1)
             groups[place++] = {blocks[i].directed,
                                blocks[i].index * constants::block_size + lowest_bit(mask)};
+    }
+};
+
+/// Per group of edges that may reach its target's surface: marks the target.
+struct MarkTargetsOfGroups {
+    View<const DirectedPair> directed;
+    View<const CullItem> groups;
+    View<std::uint32_t> wanted;  ///< per body
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        atomic_mark(wanted[directed[groups[i].directed].target]);
+    }
+};
+
+/// Per directed pair: marks the target, if near edges are kept from the last step.
+struct MarkTargetsOfKept {
+    View<const DirectedPair> directed;
+    View<const NearEdgesOfPair> of_pairs;
+    View<std::uint32_t> wanted;  ///< per body
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        if (of_pairs[i].count > 0) atomic_mark(wanted[directed[i].target]);
     }
 };
 

@@ -39,11 +39,10 @@ public:
         inside_tests_ = rays_apart_ = touches_ = deep_pairs_ = 0u;
         executor_.when_any(
             step.count,
-            stages::NeedsMore{
-                .bodies = step.scene.bodies,
-                .directed = step.directed,
-                .marks = step.marks,
-                .inside_is_contact = step.scene.plan->settings.inside_is_contact()},
+            stages::NeedsMore{.bodies = step.scene.bodies,
+                              .directed = step.directed,
+                              .marks = step.marks,
+                              .inside_is_contact = step.scene.plan->settings.inside_is_contact()},
             [&] {
                 edges.add_chords_at_ends(step);
                 separate_stranded(step, edges, batch, routes);
@@ -70,11 +69,10 @@ private:
         const View<const BodyView> bodies = step.scene.bodies;
         executor_.emit(
             ListId::parts, 2 * step.count,
-            stages::AskParts{
-                .bodies = bodies,
-                .directed = step.directed,
-                .marks = step.marks,
-                .inside_is_contact = step.scene.plan->settings.inside_is_contact()},
+            stages::AskParts{.bodies = bodies,
+                             .directed = step.directed,
+                             .marks = step.marks,
+                             .inside_is_contact = step.scene.plan->settings.inside_is_contact()},
             parts_.rays, parts_.sources);
         executor_.emit(ListId::stranded_chords, edges.chord_count(),
                        stages::FindStrandedChords{.bodies = bodies,

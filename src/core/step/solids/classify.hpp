@@ -75,8 +75,8 @@ struct RelateToLayer {
 };
 
 /// Per ray: R1. Reads rays and hits; lists those whose vertex is inside its target, the candidates,
-/// and writes how they leave the target. Walks and looks have met their triangle already; contacts that are
-/// kept are not looked at.
+/// and writes how they leave the target. Walks and looks have met their triangle already; contacts
+/// that are kept are not looked at.
 struct TestInside {
     View<const BodyView> bodies;
     View<const Ray> rays;

@@ -65,8 +65,7 @@ struct Look {
         for (int k = 0; k < 3; ++k) corner[k] = to_double(surface.positions[t.vertex[k]]);
         const OverTriangle over(point, corner[0], corner[1], corner[2]);
         if (over.height > 0) {
-            free = min_of(over.height, over.to_others(target, triangle) - over.height) -
-                   2 * touch;
+            free = min_of(over.height, over.to_others(target, triangle) - over.height) - 2 * touch;
             if (free > 0 && over.is_above() && !is_degenerate(corner[0], corner[1], corner[2]))
                 seen = outside;
             return;

@@ -52,6 +52,7 @@ struct LimitToDepth {
         const std::uint32_t candidate = begin + i, r = candidates[candidate];
         if (routes.size > 0 && routes[r] == Route::looked) {
             known[i] = no_triangle;
+            limited[i].target = rays[r].target;
             limited[i].t_max = -1.0;
             return;
         }

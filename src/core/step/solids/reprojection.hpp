@@ -29,24 +29,23 @@ public:
                 const Count& count, View<const Chord> chords, View<std::uint32_t> flat,
                 View<const Route> routes) {
         const Plan& plan = *step.scene.plan;
-        const stages::ContainedBodies
-            contained{.bodies = step.scene.bodies,
-                      .pairs = step.pairs,
-                      .marks = step.marks,
-                      .are_asked_for = plan.misses_no_overlap() &&
-                                       plan.settings.inside_is_contact()};
+        const stages::ContainedBodies contained{
+            .bodies = step.scene.bodies,
+            .pairs = step.pairs,
+            .marks = step.marks,
+            .are_asked_for = plan.misses_no_overlap() && plan.settings.inside_is_contact()};
         if (plan.reprojects) move(step, batch, begin, count, chords, routes, contained);
-        tools_.executor.for_each(
-            count, stages::MarkCandidate{.sources = view_of(batch.sources),
-                                         .meetings = view_of(batch.meetings),
-                                         .candidates = view_of(batch.candidates),
-                                         .keep = view_of(batch.keep),
-                                         .moved = view_of(aimed_.meetings),
-                                         .accepted = view_of(accepted_),
-                                         .contained = contained,
-                                         .begin = begin,
-                                         .marks = step.marks,
-                                         .flat = flat});
+        tools_.executor.for_each(count,
+                                 stages::MarkCandidate{.sources = view_of(batch.sources),
+                                                       .meetings = view_of(batch.meetings),
+                                                       .candidates = view_of(batch.candidates),
+                                                       .keep = view_of(batch.keep),
+                                                       .moved = view_of(aimed_.meetings),
+                                                       .accepted = view_of(accepted_),
+                                                       .contained = contained,
+                                                       .begin = begin,
+                                                       .marks = step.marks,
+                                                       .flat = flat});
     }
 
     /// The contacts that have moved: per candidate, whether it has, and of how many candidates that

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "core/step/common/pair_marks.hpp"
+#include "core/step/solids/directed_pair.hpp"
+#include "core/trace/ray.hpp"
+#include "pierce/min_max.hpp"
+
+/// separation, first part: rays that tell whether a connected part of a body is inside the other.
+namespace pierce::stages {
+
+/// True if a vertex of a directed pair's source may be inside the target; writes the ray that shows
+/// whether it is, long enough to leave the target.
+PIERCE_HD inline bool may_be_inside(View<const BodyView> bodies, const DirectedPair& d,
+                                    std::uint32_t vertex, Ray& ray) {
+    const BodyView& target = bodies[d.target];
+    const Vec3d start = to_double(bodies[d.source].positions[vertex]);
+    const Vec3d in_fit = d.to_fit.to_parent(start);
+    const double free = max_of(target.fit_box.distance(in_fit),
+                               target.mesh.clearance()(in_fit) - target.deviation);
+    ray = {};
+    ray.origin = d.to_space.to_parent(start);
+    ray.direction = {0, 0, 1};
+    ray.target = d.target;
+    ray.touch = d.touch;
+    ray.t_max = target.fit_box.extent();
+    return !(free > 2 * target.touch);
+}
+
+/// Per directed pair that has no contact with a depth and no vertex inside: lists the rays from the
+/// vertices of each of its source's parts. Where surfaces do not cross, a part is inside if one of
+/// its vertices is, and not if one is outside; some may lie in the surface, and say nothing. A part
+/// with a vertex that is certainly outside gets no rays. If each vertex inside is a contact
+/// already, only parts are left all of whose vertices lie in the surface.
+struct AskParts {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    PairMarks marks;
+    bool inside_is_contact = false;
+
+    static constexpr bool in_order = true;
+
+    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
+        const DirectedPair& d = directed[i];
+        if (marks.any(i / 2, PairMarks::vertex_inside | PairMarks::has_depth) ||
+            (inside_is_contact && !marks.any(i / 2, PairMarks::vertex_touches)) ||
+            !bodies[d.target].is_solid() || d.is_self())
+            return 0;
+        std::uint32_t count = 0;
+        for (const MeshPart& part : bodies[d.source].mesh.parts) count += may_hold(d, part);
+        return count;
+    }
+    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return MeshPart::count * found; }
+    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place, Ray* rays,
+                         RaySource* sources) const {
+        if (found == 0) return;
+        const DirectedPair& d = directed[i];
+        for (const MeshPart& part : bodies[d.source].mesh.parts) {
+            if (!may_hold(d, part)) continue;
+            for (std::uint32_t v : part.vertex) {
+                may_be_inside(bodies, d, v, rays[place]);
+                sources[place++] = {i / 2, part.vertex[0], static_cast<std::uint8_t>(i % 2)};
+            }
+        }
+    }
+
+private:
+    PIERCE_HD bool may_hold(const DirectedPair& d, const MeshPart& part) const {
+        Ray ray;
+        for (std::uint32_t v : part.vertex)
+            if (!may_be_inside(bodies, d, v, ray)) return false;
+        return true;
+    }
+};
+
+}  // namespace pierce::stages
