@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -40,7 +41,8 @@ public:
     using List::List;
 
     void resize(std::size_t count) {
-        if (count > List::capacity()) List::reserve(count + count / 4);
+        if (count > List::capacity())
+            List::reserve(std::max(count + count / 4, 2 * List::capacity()));
         List::resize(count);
     }
     /// The same where all items are written anew: what the list held is not copied.
