@@ -19,7 +19,7 @@ struct SixteenBytes {
     static SixteenBytes of(Four::Bits words) { return {reinterpret_cast<Bytes>(words)}; }
     /// The sixteen that lie at an address.
     static SixteenBytes at(const void* address) {
-        SixteenBytes bytes;
+        SixteenBytes bytes{};
         std::memcpy(&bytes.byte, address, sizeof bytes.byte);
         return bytes;
     }

@@ -113,7 +113,7 @@ private:
     /// Asks about one to four pairs.
     void ask_four(const Job* jobs, std::uint32_t count, std::uint32_t begin,
                   std::uint32_t* found) const {
-        FourTriangles a, b;
+        FourTriangles a{}, b{};
         float margin[Four::count];
         for (std::uint32_t lane = 0; lane < Four::count; ++lane) {
             // The last one stands in all lanes that are left.

@@ -85,8 +85,8 @@ private:
             beyond(margin, max_of(ahead, behind) - made_up, n)};
     }
 
-    FourVec3 a1_, a2_, b_[3], drift_;
-    Four stray_, a_size_, b_size_, size_;
+    FourVec3 a1_{}, a2_{}, b_[3], drift_{};
+    Four stray_{}, a_size_{}, b_size_{}, size_{};
 };
 
 }  // namespace pierce::stages

@@ -123,7 +123,7 @@ private:
         }
         /// The same feature of another pair.
         constexpr Question of_pair(std::uint32_t pair) const {
-            Question q;
+            Question q{};
             q.word_ = word_ + pair * word(rows_per_pair, rows_per_pair, 1, 0);
             return q;
         }

@@ -12,7 +12,7 @@ namespace pierce::stages {
 /// How far each triangle of a group reaches over the step along the normal of the group's slab,
 /// from the lower corner of the group's box: in steps, as GridBoxes has them along the axes.
 struct alignas(16) GroupHeights {
-    GridBoxes::Row lower, upper;
+    GridBoxes::Row lower{}, upper{};
     float origin = 0, per_length = 0;  ///< as in BoxSteps
     std::uint32_t padding[2] = {};
 

@@ -299,7 +299,7 @@ private:
         std::uint32_t left = packed[c.first].near(groups.boxes[c.second].inflated(margin));
         while (left != 0) {
             std::uint32_t k[Four::count], some = 0;
-            FourTriangles triangles;
+            FourTriangles triangles{};
             for (std::uint32_t lane = 0; lane < Four::count; ++lane) {
                 // The last four may be fewer: the last one then stands in all lanes left.
                 if (left != 0) {
