@@ -194,7 +194,7 @@ TEST(SimulationTest, AHundredToriStayAboveThePlaneAndComeToRest) {
 
 // A hundredth and a tenth of a percent of a torus' width.
 TEST(SimulationTest, AHundredSoftToriKeepTheirVolumeAndComeToRest) {
-    expect_pile(make_scene("tori", {100, true, 1}), 1620, -0.1, {0.0005, 0.005});
+    expect_pile(make_scene("tori", {100, true, 1}), 1980, -0.1, {0.0005, 0.005});
 }
 
 TEST(SimulationTest, RefusesWhatItCannotDo) {
