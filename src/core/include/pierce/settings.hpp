@@ -18,7 +18,7 @@ enum class Temporal : std::uint8_t {
 
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
-    vertices,  ///< its vertices (the paper): takes half to two thirds of the time of overlaps, and
+    vertices,  ///< its vertices (the paper): takes half to three quarters of the time of overlaps, and
                ///< misses overlaps that hold no vertex or are thinner than one ray, up to 18 % of
                ///< the pairs in piles (docs/accuracy.md)
     complete,  ///< all its edges, too: takes 1.4 to 2.5 times as long as overlaps, and adds the
@@ -36,8 +36,8 @@ struct Settings {
 
     Coverage coverage = Coverage::overlaps;
     /// Every vertex inside another body is in contact with the closest point of its surface, and an
-    /// edge over a ridge with that ridge. Leaving this out saves 2 to 6 % of the time of complete
-    /// coverage; depths are then 4 to 7 % too large and normals 16 to 20 degrees off the shortest
+    /// edge over a ridge with that ridge. Leaving this out saves up to 3 % of the time of complete
+    /// coverage; depths are then 4 to 8 % too large and normals 16 to 22 degrees off the shortest
     /// way out in the median, and vertices whose ray leaves their own body first have no contact
     /// (docs/accuracy.md). Temporal::paper keeps that last rule.
     bool reproject = true;
