@@ -18,9 +18,9 @@ enum class Temporal : std::uint8_t {
 
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
-    vertices,  ///< its vertices (the paper): takes half to three quarters of the time of overlaps, and
-               ///< misses overlaps that hold no vertex or are thinner than one ray, up to 18 % of
-               ///< the pairs in piles (docs/accuracy.md)
+    vertices,  ///< its vertices (the paper): takes half to three quarters of the time of overlaps,
+               ///< and misses overlaps that hold no vertex or are thinner than one ray, up to 18 %
+               ///< of the pairs in piles (docs/accuracy.md)
     complete,  ///< all its edges, too: takes 1.4 to 2.5 times as long as overlaps, and adds the
                ///< places where edges alone cross in pairs that have contacts of vertices elsewhere
     overlaps,  ///< its vertices, the edges of pairs in which no vertex has a contact with a depth,
