@@ -19,6 +19,8 @@ static_assert((constants::slab_resolution + 2) * (constants::slab_resolution + 2
                   (constants::slab_resolution + 2) <
               slab_bits);
 
+double middle_of(std::int32_t cell) { return cell + 0.5; }
+
 /// A triangle in cells of the grid.
 struct GridTriangle {
     std::array<Vec3d, 3> corner;
@@ -35,11 +37,14 @@ public:
     }
 
     std::span<const Vec3d> corners() const { return {corner_.data(), count_}; }
+    bool is_empty() const { return count_ == 0; }
 
-    /// Keeps what is within `reach` of a point along every axis.
-    void clip(Vec3d around) {
-        for (int axis = 0; axis < 3; ++axis)
-            for (const double side : {-1.0, 1.0}) clip(axis, side, side * around[axis] + reach);
+    /// What is within `reach` of the middle of these cells along an axis.
+    Polygon clipped(int axis, std::int32_t cell) const {
+        Polygon polygon = *this;
+        for (const double side : {-1.0, 1.0})
+            polygon.clip(axis, side, side * middle_of(cell) + reach);
+        return polygon;
     }
 
     /// Twice the area, along the normal.
@@ -96,15 +101,16 @@ GridTriangle in_cells(const ClearanceGridLayout& grid, std::span<const Vec3f> po
 /// The slab of a cell.
 class SlabBuilder {
 public:
-    explicit SlabBuilder(Vec3d middle) : middle_(middle) {}
+    void clear() {
+        area_ = {};
+        corners_.clear();
+        normals_.clear();
+    }
 
-    void add(const GridTriangle& t) {
-        Polygon polygon(t);
-        if (!t.is_small) polygon.clip(middle_);
-        if (polygon.corners().empty()) return;
-        normals_.push_back(t.normal);
+    void add(Vec3d normal, const Polygon& polygon, Vec3d middle) {
+        normals_.push_back(normal);
         area_ += polygon.area();
-        for (const Vec3d p : polygon.corners()) corners_.push_back(p - middle_);
+        for (const Vec3d p : polygon.corners()) corners_.push_back(p - middle);
     }
 
     bool is_empty() const { return corners_.empty(); }
@@ -137,9 +143,46 @@ public:
     }
 
 private:
-    Vec3d middle_, area_;
+    Vec3d area_;
     std::vector<Vec3d> corners_;  ///< from the middle
     std::vector<Vec3d> normals_;
+};
+
+/// The slabs of a layer of cells.
+class LayerBuilder {
+public:
+    explicit LayerBuilder(const ClearanceGridLayout& grid)
+        : grid_(grid), cells_(grid.index_of(0, 0, 1)) {}
+
+    void begin(std::int32_t z) {
+        z_ = z;
+        for (SlabBuilder& cell : cells_) cell.clear();
+    }
+
+    /// Clips the triangle to the layer, each row of the layer and each cell of the row.
+    void add(const GridTriangle& t) {
+        const double span = reach *
+                            (std::abs(t.normal.x) + std::abs(t.normal.y) + std::abs(t.normal.z));
+        const Polygon whole(t), in_layer = t.is_small ? whole : whole.clipped(2, z_);
+        for (std::int32_t y = t.first[1]; y <= t.last[1] && !in_layer.is_empty(); ++y) {
+            const Polygon in_row = t.is_small ? whole : in_layer.clipped(1, y);
+            for (std::int32_t x = t.first[0]; x <= t.last[0] && !in_row.is_empty(); ++x) {
+                const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
+                if (!(std::abs(dot(t.normal, middle - t.corner[0])) <= span)) continue;
+                const Polygon in_cell = t.is_small ? whole : in_row.clipped(0, x);
+                if (!in_cell.is_empty())
+                    cells_[grid_.index_of(x, y, 0)].add(t.normal, in_cell, middle);
+            }
+        }
+    }
+
+    /// Per cell of the layer, in the order of the grid.
+    std::span<const SlabBuilder> cells() const { return cells_; }
+
+private:
+    const ClearanceGridLayout& grid_;
+    std::int32_t z_ = 0;
+    std::vector<SlabBuilder> cells_;
 };
 
 }  // namespace
@@ -154,36 +197,25 @@ SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> 
     slabs.slabs.push_back({});
     std::vector<GridTriangle> placed;
     placed.reserve(triangles.size());
-    std::vector<std::vector<std::uint32_t>> of_layer(static_cast<std::size_t>(grid.size[2])),
-        of_cell(grid.index_of(0, 0, 1));
+    std::vector<std::vector<std::uint32_t>> of_layer(static_cast<std::size_t>(grid.size[2]));
     for (const Triangle& t : triangles) {
         placed.push_back(in_cells(grid, positions, t));
         for (std::int32_t z = placed.back().first[2]; z <= placed.back().last[2]; ++z)
             of_layer[static_cast<std::size_t>(z)].push_back(
                 static_cast<std::uint32_t>(placed.size() - 1));
     }
+    LayerBuilder layer(grid);
     for (std::int32_t z = 0; z < grid.size[2]; ++z) {
-        for (auto& list : of_cell) list.clear();
-        for (const std::uint32_t i : of_layer[static_cast<std::size_t>(z)]) {
-            const GridTriangle& t = placed[i];
-            const double span = reach * (std::abs(t.normal.x) + std::abs(t.normal.y) +
-                                         std::abs(t.normal.z));
-            for (std::int32_t y = t.first[1]; y <= t.last[1]; ++y)
-                for (std::int32_t x = t.first[0]; x <= t.last[0]; ++x) {
-                    const Vec3d middle{x + 0.5, y + 0.5, z + 0.5};
-                    if (std::abs(dot(t.normal, middle - t.corner[0])) <= span)
-                        of_cell[grid.index_of(x, y, 0)].push_back(i);
-                }
-        }
-        for (std::int32_t y = 0; y < grid.size[1]; ++y)
-            for (std::int32_t x = 0; x < grid.size[0]; ++x) {
-                SlabBuilder builder({x + 0.5, y + 0.5, z + 0.5});
-                for (const std::uint32_t i : of_cell[grid.index_of(x, y, 0)])
-                    builder.add(placed[i]);
-                if (builder.is_empty()) continue;
-                slabs.cells[grid.index_of(x, y, z)].slab = slabs.slabs.size() & slab_bits;
+        layer.begin(z);
+        for (const std::uint32_t i : of_layer[static_cast<std::size_t>(z)]) layer.add(placed[i]);
+        std::size_t cell = grid.index_of(0, 0, z);
+        for (const SlabBuilder& builder : layer.cells()) {
+            if (!builder.is_empty()) {
+                slabs.cells[cell].slab = slabs.slabs.size() & slab_bits;
                 slabs.slabs.push_back(builder.slab());
             }
+            ++cell;
+        }
     }
     return slabs;
 }

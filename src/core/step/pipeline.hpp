@@ -598,8 +598,7 @@ private:
                                 .last_ages = view_of(last_.ages),
                                 .last_contacts = view_of(std::as_const(last_.contacts)),
                                 .records = view_of(now_.vertices),
-                                .looks = scene.plan->settings.temporal == Temporal::certified &&
-                                         scene.plan->settings.inside_is_contact(),
+                                .looks = scene.plan->settings.looks(),
                                 .ages = view_of(now_.ages),
                                 .contacts = view_of(now_.contacts)},
             sums_.contacts);

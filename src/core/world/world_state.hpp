@@ -10,6 +10,7 @@
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/world/memory_rest.hpp"
+#include "core/world/pair_copy.hpp"
 #include "pierce/backend.hpp"
 #include "pierce/world.hpp"
 
@@ -79,6 +80,7 @@ struct World::State {
     std::vector<View<BoxNode>> box_nodes;
     std::vector<View<SeenPatch>> seen;
     StepStats stats;
+    std::unique_ptr<PairCopy> pair;  ///< what parting() moves, once it was called
 
     const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
 

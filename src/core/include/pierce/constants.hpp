@@ -146,6 +146,26 @@ inline constexpr double edge_beyond_enough = 0.125;
 /// contacts [touch tolerance].
 inline constexpr double least_inside = 2;
 
+/// How exact translations that part a pair are [longest one asked for by a contact], and at which
+/// squared sine two normals are one direction. What it leaves of the overlap is far less than the
+/// touch tolerance unless the pair is a hundred times as deep as it is long.
+inline constexpr double translation_rounding = 1.0 / (1 << 26);
+
+/// How often the search for a translation may go on after each contact has had its turn.
+inline constexpr std::size_t translation_rounds = 64;
+
+/// The search for a short translation that parts a pair: how often the pair is moved again by what
+/// its contacts demand; a way that is at most `parting_enough` times as long as the deepest contact
+/// is short enough; otherwise, along how many normals of contacts the pair is moved, from which
+/// cosine on two are one, which cosine to a contact's normal counts as this one when the way is
+/// guessed from the contact, and how often what was too far is halved.
+inline constexpr std::uint32_t parting_rounds = 32;
+inline constexpr double parting_enough = 1.1;
+inline constexpr std::size_t parting_directions = 6;
+inline constexpr double parting_same_direction = 0.98;
+inline constexpr double parting_slope = 0.5;
+inline constexpr std::uint32_t parting_halvings = 5;
+
 /// The direction in which edges that only touch are moved [1]. A mesh has edges or faces along it
 /// only by intent.
 inline constexpr double nudge_direction[3] = {0.5570860145311556, 0.37139067635410373,

@@ -61,6 +61,8 @@ struct Settings {
     /// True if every vertex inside another body is in contact with it; otherwise its inward ray
     /// must leave the other body before its own, too (rules R2 and R3).
     PIERCE_HD bool inside_is_contact() const { return reproject && temporal != Temporal::paper; }
+    /// True if a vertex is looked at from the last step's closest triangle before a ray is made.
+    PIERCE_HD bool looks() const { return reproject && temporal == Temporal::certified; }
     /// True if contacts of pairs in which nothing moves are kept without another look.
     PIERCE_HD bool keeps_contacts() const { return temporal == Temporal::certified; }
 };

@@ -12,6 +12,7 @@
 #include "pierce/contact.hpp"
 #include "pierce/explain.hpp"
 #include "pierce/mesh.hpp"
+#include "pierce/parting.hpp"
 #include "pierce/plan.hpp"
 #include "pierce/pose.hpp"
 #include "pierce/settings.hpp"
@@ -137,6 +138,16 @@ public:
     /// range, or if bodies were added, removed, moved or changed since.
     Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
+    /// How far body b has to move, and where to, until it does not overlap body a any more, with
+    /// both where the last set_pose or set_positions left them; nothing if they do not overlap by
+    /// more than the touch tolerance. The move was tried: afterwards complete coverage sees no
+    /// contact that is deeper. So the depth is never less than the shortest translation that parts
+    /// the two; docs/contacts.md says how near it comes to that. Nothing of the last step is used
+    /// or changed; the pair is moved and looked at some ten to a hundred times, on one thread of
+    /// the host. Throws InputError for a body and itself, for a sheet, and for positions in device
+    /// memory.
+    std::optional<Parting> parting(BodyId a, BodyId b);
+
     /// The first body along each line of sight from `origin`, with bodies where the last detect()
     /// saw them. Directions need not be unit; a zero direction meets nothing. Throws InputError for
     /// an origin or a direction that is not finite, or if bodies were added, removed, moved or
@@ -144,6 +155,8 @@ public:
     std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
 
 private:
+    class PairCopy;
+    class PartingSearch;
     struct State;
     std::unique_ptr<State> state_;
 };

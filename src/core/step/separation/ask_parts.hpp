@@ -7,6 +7,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/solids/directed_pair.hpp"
+#include "core/step/solids/ray_gen.hpp"
 #include "core/trace/ray.hpp"
 #include "pierce/min_max.hpp"
 
@@ -24,10 +25,10 @@ PIERCE_HD inline bool may_be_inside(View<const BodyView> bodies, const DirectedP
                                target.mesh.clearance()(in_fit) - target.deviation);
     ray = {};
     ray.origin = d.to_space.to_parent(start);
-    ray.direction = {0, 0, 1};
+    ray.direction = any_direction();
     ray.target = d.target;
     ray.touch = d.touch;
-    ray.t_max = target.fit_box.extent();
+    ray.t_max = range_through(target, ray.origin);
     return !(free > 2 * target.touch);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
+#include "core/body/part_along_boxes.hpp"
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
@@ -152,9 +153,7 @@ struct Separates {
     }
 };
 
-/// Per deep pair: of the axes of both bodies' boxes, the direction along which the first body
-/// leaves the second one soonest. The way along a direction is from the lowest point of the first
-/// body to the highest point of the second.
+/// Per deep pair: the direction along which the first body leaves the second one soonest.
 struct FindSeparation {
     View<const BodyView> bodies;
     View<const Pair> pairs;
@@ -163,26 +162,7 @@ struct FindSeparation {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Pair pair = pairs[deep_pairs[i]];
-        const BodyView& a = bodies[pair.a];
-        const BodyView& b = bodies[pair.b];
-        double least = INFINITY;
-        for (int k = 0; k < 12; ++k) {
-            const Matrix3 axes = (k < 6 ? a : b).fit.rotation.transposed();
-            const Vec3d u = (k % 2 == 0 ? 1.0 : -1.0) * axes.row[k % 6 / 2];
-            const double way = highest(b, u) + highest(a, -u);
-            if (!(way < least)) continue;
-            least = way;
-            directions[deep_pairs[i]] = u;
-        }
-    }
-
-private:
-    PIERCE_HD static double highest(const BodyView& body, Vec3d u) {
-        const Vec3d in_space = body.space.rotation.transposed() * u;
-        double most = -INFINITY;
-        for (std::uint32_t v = 0; v < body.mesh.positions.size; ++v)
-            most = max_of(dot(in_space, to_double(body.positions[v])), most);
-        return most + dot(u, body.space.origin);
+        directions[deep_pairs[i]] = part_along_boxes(bodies[pair.a], bodies[pair.b]).direction;
     }
 };
 

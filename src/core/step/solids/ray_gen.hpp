@@ -173,8 +173,7 @@ struct GenerateRay {
             rays[i] = velocity_ray(bodies[d.source], d, sources[i].side == 1, sources[i].item);
             return;
         }
-        if (settings.temporal == Temporal::certified && settings.inside_is_contact() && look(i, d))
-            return;
+        if (settings.looks() && look(i, d)) return;
         Ray ray = vertex_ray(bodies, d, sources[i].item, settings.inside_is_contact());
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)

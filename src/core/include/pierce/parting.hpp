@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "pierce/contact.hpp"
+#include "pierce/host_device.hpp"
+#include "pierce/vec3.hpp"
+
+namespace pierce {
+
+/// A way to take two bodies apart by moving one of them, without a turn.
+struct Parting {
+    Vec3d direction;   ///< unit, world space: where body b goes, or body a against it
+    double depth = 0;  ///< [length] how far
+
+    PIERCE_HD Vec3d translation() const { return depth * direction; }
+};
+
+/// The shortest translation of body b that takes the target point and the source point of each of
+/// these contacts as far apart as it says: normal . translation >= -distance for all of them. All
+/// contacts are of one pair; those of sheets with an unknown side say nothing. Nothing if no
+/// translation does it: the bodies hold each other from opposite sides. Linear in the number of
+/// contacts for nearly all inputs. The bodies may still overlap after the move; World::parting()
+/// tells how far they have to go until they do not.
+std::optional<Parting> least_translation(std::span<const Contact> contacts);
+
+}  // namespace pierce

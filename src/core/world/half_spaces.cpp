@@ -1,0 +1,102 @@
+#include "core/world/half_spaces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "pierce/constants.hpp"
+
+namespace pierce {
+namespace {
+
+/// Half-spaces on whose planes a point lies.
+struct Active {
+    std::array<const HalfSpace*, 3> planes{};
+    std::size_t count = 0;
+
+    void add(const HalfSpace* plane) { planes[count++] = plane; }
+};
+
+/// The point of all these planes that is closest to the origin; nothing if they have no point in
+/// common that is well defined, or if some plane holds it towards the origin.
+std::optional<Vec3d> point_on(const Active& active) {
+    // The point is a sum of the normals, with weights that are the multipliers of Kuhn and Tucker.
+    const auto n = [&](std::size_t i) { return active.planes[i]->normal; };
+    const auto d = [&](std::size_t i) { return active.planes[i]->least; };
+    double weight[3] = {};
+    if (active.count == 1) {
+        weight[0] = d(0);
+    } else if (active.count == 2) {
+        const double c = dot(n(0), n(1)), det = length_squared(cross(n(0), n(1)));
+        if (!(det > constants::translation_rounding)) return std::nullopt;
+        weight[0] = (d(0) - c * d(1)) / det;
+        weight[1] = (d(1) - c * d(0)) / det;
+    } else {
+        const double volume = dot(n(0), cross(n(1), n(2)));
+        if (!(std::fabs(volume) > constants::translation_rounding)) return std::nullopt;
+        const Vec3d x = (1 / volume) * (d(0) * cross(n(1), n(2)) + d(1) * cross(n(2), n(0)) +
+                                        d(2) * cross(n(0), n(1)));
+        weight[0] = dot(x, cross(n(1), n(2))) / volume;
+        weight[1] = dot(x, cross(n(2), n(0))) / volume;
+        weight[2] = dot(x, cross(n(0), n(1))) / volume;
+    }
+    Vec3d point;
+    for (std::size_t i = 0; i < active.count; ++i) {
+        if (weight[i] < 0) return std::nullopt;
+        point += weight[i] * n(i);
+    }
+    return point;
+}
+
+}  // namespace
+
+std::optional<Vec3d> closest_to_origin(std::span<const HalfSpace> all) {
+    double furthest = 0;
+    for (const HalfSpace& h : all) furthest = std::max(furthest, h.least);
+    const double slack = constants::translation_rounding * furthest;
+    const auto missed_by = [](const HalfSpace& h, Vec3d point) {
+        return h.least - dot(h.normal, point);
+    };
+    Active active;
+    Vec3d point;
+    // In exact arithmetic no set of planes comes again, and hardly any half-space joins twice.
+    for (std::size_t round = 0; round < all.size() + constants::translation_rounds; ++round) {
+        const HalfSpace* worst = nullptr;
+        double most = slack;
+        for (const HalfSpace& h : all)
+            if (const double by = missed_by(h, point); by > most) {
+                most = by;
+                worst = &h;
+            }
+        if (worst == nullptr) return point;
+
+        // Which of the earlier planes hold the new point besides the worst one.
+        std::optional<Vec3d> next;
+        Active holding;
+        for (unsigned subset = 0; subset < 1u << active.count; ++subset) {
+            Active some;
+            some.add(worst);
+            for (std::size_t i = 0; i < active.count; ++i)
+                if ((subset >> i & 1u) != 0 && some.count < some.planes.size())
+                    some.add(active.planes[i]);
+            const std::optional<Vec3d> candidate = point_on(some);
+            if (!candidate || (next && length_squared(*candidate) >= length_squared(*next)))
+                continue;
+            const auto holds = [&](const HalfSpace* h) {
+                return missed_by(*h, *candidate) <= slack;
+            };
+            if (std::all_of(active.planes.begin(), active.planes.begin() + active.count, holds) &&
+                holds(worst)) {
+                next = candidate;
+                holding = some;
+            }
+        }
+        if (!next) return std::nullopt;
+        point = *next;
+        active = holding;
+    }
+    return std::nullopt;
+}
+
+}  // namespace pierce

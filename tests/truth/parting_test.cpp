@@ -1,0 +1,229 @@
+// How far pairs have to move until they are apart, against exact predicates and exact minimum
+// translations.
+#include "pierce/parting.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pierce/constants.hpp"
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/hard_cases.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/random.hpp"
+#include "truth/cubes.hpp"
+#include "truth/exact_mesh.hpp"
+#include "truth/minimum_translation.hpp"
+
+namespace pierce::truth {
+namespace {
+
+/// Two meshes in a world, and what is true of them.
+struct Placed {
+    MeshData a, b;
+    Pose pose_a, pose_b;
+
+    static std::vector<Vec3d> in_world(const MeshData& mesh, const Pose& pose) {
+        std::vector<Vec3d> points;
+        for (Vec3f p : mesh.positions) points.push_back(frame_of(pose).to_parent(to_double(p)));
+        return points;
+    }
+    bool overlap_after(Vec3d way) const {
+        const ExactMesh first(in_world(a, pose_a), a.triangles),
+            second(in_world(b, pose_b), b.triangles);
+        return first.overlaps(second, Frame{{}, way});
+    }
+    double minimum() const {
+        const std::vector<Vec3d> first = in_world(a, pose_a), second = in_world(b, pose_b);
+        return minimum_translation({first, a.triangles}, {second, b.triangles}).length;
+    }
+    std::optional<Parting> parting(bool deforms = false) const {
+        World world;
+        const auto add = [&](const MeshData& mesh, const Pose& pose) {
+            const MeshId id = world.add_mesh("mesh", mesh);
+            return deforms ? world.add_deforming_body(id, test::placed(mesh, pose))
+                           : world.add_rigid_body(id, pose);
+        };
+        const BodyId first = add(a, pose_a), second = add(b, pose_b);
+        return world.parting(first, second);
+    }
+};
+
+/// The value that this part of all values does not exceed.
+double part_of(std::vector<double>& values, double part) {
+    std::ranges::sort(values);
+    return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+}
+
+/// More than touch tolerances of these bodies, none of which is longer than eight.
+constexpr double little = 8 * 4 * constants::touch_tolerance;
+
+TEST(PartingTest, HardCasesPartAsSoonAsTheyCan) {
+    int overlapping = 0;
+    for (const scenes::HardCase& hard : scenes::hard_cases())
+        for (const scenes::HardBodies& bodies : hard.bodies) {
+            SCOPED_TRACE(hard.name + " " + bodies.situation);
+            const Placed pair{bodies.a, bodies.b, {}, {}};
+            const std::optional<Parting> parting = pair.parting();
+            // A mesh with a flipped or a missing triangle has no inside.
+            const bool has_inside = hard.number != 21 && hard.number != 22;
+            EXPECT_EQ(parting.has_value(), has_inside && bodies.parting > 0);
+            if (!parting) continue;
+            ++overlapping;
+            EXPECT_NEAR(parting->depth, bodies.parting, little);
+            EXPECT_NEAR(length(parting->direction), 1, 1e-12);
+        }
+    EXPECT_EQ(overlapping, 11);
+}
+
+TEST(PartingTest, ConvexBodiesMoveHardlyMoreThanTheyMust) {
+    test::Random random(71);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    std::vector<double> ratios;
+    for (int i = 0; i < 150; ++i) {
+        const auto shape = [&]() -> MeshData {
+            switch (random.integer(0, 2)) {
+                case 0:
+                    return scenes::sphere(random.uniform(0.3, 1), random.integer(0, 2));
+                case 1:
+                    return scenes::box(Vec3d{-1, -1, -1} + random.in_box(0.8),
+                                       Vec3d{1, 1, 1} + random.in_box(0.8));
+                default: {
+                    MeshData mesh{{}, {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}};
+                    for (int k = 0; k < 4; ++k)
+                        mesh.positions.push_back(to_float(random.in_box(1)));
+                    const auto at = [&](int k) { return to_double(mesh.positions[k]); };
+                    if (dot(cross(at(1) - at(0), at(2) - at(0)), at(3) - at(0)) < 0)
+                        std::swap(mesh.positions[0], mesh.positions[1]);
+                    return mesh;
+                }
+            }
+        };
+        const Placed pair{shape(),
+                          shape(),
+                          {{}, random.rotation()},
+                          {random.uniform(0, 2) * random.unit_vector(), random.rotation()}};
+        const double least = pair.minimum();
+        const std::optional<Parting> parting = pair.parting();
+        if (least <= 0) {
+            EXPECT_FALSE(parting) << i;
+            continue;
+        }
+        if (least < little) continue;
+        ASSERT_TRUE(parting) << i;
+        EXPECT_GE(parting->depth, least - little) << i;
+        EXPECT_FALSE(pair.overlap_after((parting->depth + little) * parting->direction)) << i;
+        ratios.push_back(parting->depth / least);
+    }
+    EXPECT_GT(ratios.size(), 60u);
+    EXPECT_LE(part_of(ratios, 0.5), 1.001);
+    EXPECT_LE(part_of(ratios, 0.9), 1.2);
+    EXPECT_LE(part_of(ratios, 1), 2);
+}
+
+TEST(PartingTest, AnyBodiesAreApartAfterwards) {
+    test::Random random(72);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    int overlapping = 0;
+    for (int i = 0; i < 80; ++i) {
+        const Placed pair{test::random_closed_mesh(random),
+                          test::random_closed_mesh(random),
+                          {{}, random.rotation()},
+                          {random.uniform(0, 1.6) * random.unit_vector(), random.rotation()}};
+        const bool deforms = i % 2 == 1;  // positions are rounded then
+        const std::optional<Parting> parting = pair.parting(deforms);
+        if (!pair.overlap_after({})) {
+            EXPECT_TRUE(!parting || (deforms && parting->depth < little)) << i;
+            continue;
+        }
+        overlapping += parting.has_value();
+        const Vec3d way = parting ? parting->direction : Vec3d{0, 0, 1};
+        EXPECT_FALSE(pair.overlap_after(((parting ? parting->depth : 0) + little) * way)) << i;
+    }
+    EXPECT_GT(overlapping, 30);
+}
+
+TEST(PartingTest, SaysWhereBGoesAndChangesNothing) {
+    World world;
+    const MeshId cube_mesh = world.add_mesh("cube", cube(1)),
+                 slab = world.add_mesh("slab", scenes::box({-9, -9, -1}, {9, 9, 0}));
+    const BodyId floor = world.add_fixed_body(slab);
+    const BodyId above = world.add_rigid_body(cube_mesh, {{0, 0, 0.9}, {}}),
+                 apart = world.add_rigid_body(cube_mesh, {{5, 0, 5}, {}});
+    const MeshData soft = cube(1);
+    std::vector<Vec3f> positions = soft.positions;
+    for (Vec3f& p : positions) p.x += 1.75f, p.z += 0.9375f;
+    const BodyId beside = world.add_deforming_body(cube_mesh, positions);
+    world.detect();
+    const std::vector<Contact> before(world.contacts().begin(), world.contacts().end());
+
+    const auto expect = [&](BodyId a, BodyId b, Vec3d direction, double depth) {
+        const std::optional<Parting> parting = world.parting(a, b);
+        ASSERT_TRUE(parting);
+        EXPECT_NEAR(parting->depth, depth, little);
+        EXPECT_NEAR(length(parting->direction - direction), 0, 1e-9);
+        EXPECT_NEAR(length(parting->translation() - depth * direction), 0, little);
+    };
+    expect(floor, above, {0, 0, 1}, 0.1);
+    expect(above, floor, {0, 0, -1}, 0.1);
+    expect(above, beside, {1, 0, 0}, 0.25);
+    expect(beside, above, {-1, 0, 0}, 0.25);
+    expect(beside, floor, {0, 0, -1}, 0.0625);
+    EXPECT_FALSE(world.parting(floor, apart));
+
+    EXPECT_EQ(world.contacts().size(), before.size());
+    EXPECT_TRUE(std::ranges::equal(world.contacts(), before, [](const auto& x, const auto& y) {
+        return x.feature() == y.feature() && x.distance == y.distance;
+    }));
+    // Where bodies are now counts, not where the last step saw them.
+    world.set_pose(apart, {{0, 0, 0.8}, {}});
+    expect(floor, apart, {0, 0, 1}, 0.2);
+}
+
+TEST(PartingTest, RefusesWhatHasNoInsideOrIsNotHere) {
+    World world;
+    const MeshId mesh = world.add_mesh("cube", cube(1));
+    const BodyId a = world.add_rigid_body(mesh), b = world.add_deforming_body(mesh);
+    EXPECT_THROW(world.parting(a, a), InputError);
+    EXPECT_TRUE(world.parting(a, b));
+    world.set_pose(a, {{NAN, 0, 0}, {}});
+    EXPECT_FALSE(world.parting(a, b));
+    world.set_collision(b, {.sheet = true, .thickness = 0.1});
+    EXPECT_THROW(world.parting(a, b), InputError);
+    world.remove_body(b);
+    EXPECT_THROW(world.parting(a, b), InputError);
+}
+
+TEST(LeastTranslationTest, MeetsWhatContactsAskFor) {
+    World world;
+    const MeshId mesh = world.add_mesh("cube", cube(1));
+    const BodyId a = world.add_rigid_body(mesh), b = world.add_rigid_body(mesh);
+    world.set_pose(b, {{0.5, 0.25, 1.9}, {}});
+    world.detect();
+    ASSERT_FALSE(world.contacts().empty());
+    const std::optional<Parting> way = least_translation(world.contacts());
+    ASSERT_TRUE(way);
+    EXPECT_NEAR(way->depth, 0.1, 1e-6);
+    EXPECT_NEAR(way->direction.z, 1, 1e-12);
+    for (const Contact& c : world.contacts())
+        EXPECT_GE(dot(c.normal, way->translation()), -c.distance - 1e-7);
+
+    EXPECT_EQ(least_translation({})->depth, 0);
+    // Held from opposite sides.
+    Contact above, below;
+    above.normal = {0, 0, 1};
+    below.normal = {0, 0, -1};
+    above.distance = below.distance = -0.5;
+    EXPECT_FALSE(least_translation(std::vector{above, below}));
+    below.unknown_side = true;
+    EXPECT_NEAR(least_translation(std::vector{above, below})->depth, 0.5, 1e-7);
+    static_cast<void>(a);
+}
+
+}  // namespace
+}  // namespace pierce::truth
