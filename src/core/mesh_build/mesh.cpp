@@ -127,7 +127,7 @@ void Mesh::Parts::measure_solid() {
     arrays.star_clearance = star_clearance(view);
     ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
     const ClearanceGrid coarse = build_clearance_grid(arrays.positions, arrays.triangles,
-                                                      constants::slab_resolution);
+                                                      slab_resolution(arrays.triangles.size()));
     SlabGrid slabs = build_slab_grid(coarse, arrays.positions, arrays.triangles);
     view.slabs_at = coarse.layout;
     arrays.slab_cells = std::move(slabs.cells);

@@ -187,6 +187,12 @@ private:
 
 }  // namespace
 
+std::uint32_t slab_resolution(std::size_t triangles) {
+    const double fitting = std::ceil(std::sqrt(2.0 * static_cast<double>(triangles)));
+    return static_cast<std::uint32_t>(
+        std::clamp<double>(fitting, constants::slab_resolution_least, constants::slab_resolution));
+}
+
 SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> positions,
                          std::span<const Triangle> triangles) {
     const ClearanceGridLayout& grid = clearance.layout;

@@ -1,11 +1,17 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/mesh/slab_grid.hpp"
 
 namespace pierce {
+
+/// How many cells a grid of slabs has along the longest side of a mesh. Coarse meshes have few: on
+/// them slabs spare little, and take most of the time in which the mesh is added.
+std::uint32_t slab_resolution(std::size_t triangles);
 
 /// Owns the arrays of a SlabGridView.
 struct SlabGrid {

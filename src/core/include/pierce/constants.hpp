@@ -192,8 +192,9 @@ inline constexpr std::uint32_t grid_resolution = 64;
 /// Clearance is stored in one byte, in steps of this part of a cell [1 / cell].
 inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 
-/// Cells along the longest side of a grid of slabs.
-inline constexpr std::uint32_t slab_resolution = 34;
+/// Cells along the longest side of a grid of slabs: about two per edge of the mesh, at least and at
+/// most.
+inline constexpr std::uint32_t slab_resolution_least = 16, slab_resolution = 34;
 
 /// How far from a cell of a grid its slab still holds the surface [cell].
 inline constexpr double slab_reach = 1;
