@@ -18,34 +18,20 @@ struct Active {
 };
 
 /// The point of all these planes that is closest to the origin; nothing if they have no point in
-/// common that is well defined, or if some plane holds it towards the origin.
+/// common that is well defined.
 std::optional<Vec3d> point_on(const Active& active) {
-    // The point is a sum of the normals, with weights that are the multipliers of Kuhn and Tucker.
     const auto n = [&](std::size_t i) { return active.planes[i]->normal; };
     const auto d = [&](std::size_t i) { return active.planes[i]->least; };
-    double weight[3] = {};
-    if (active.count == 1) {
-        weight[0] = d(0);
-    } else if (active.count == 2) {
+    if (active.count == 1) return d(0) * n(0);
+    if (active.count == 2) {
         const double c = dot(n(0), n(1)), det = length_squared(cross(n(0), n(1)));
         if (!(det > constants::translation_rounding)) return std::nullopt;
-        weight[0] = (d(0) - c * d(1)) / det;
-        weight[1] = (d(1) - c * d(0)) / det;
-    } else {
-        const double volume = dot(n(0), cross(n(1), n(2)));
-        if (!(std::fabs(volume) > constants::translation_rounding)) return std::nullopt;
-        const Vec3d x = (1 / volume) * (d(0) * cross(n(1), n(2)) + d(1) * cross(n(2), n(0)) +
-                                        d(2) * cross(n(0), n(1)));
-        weight[0] = dot(x, cross(n(1), n(2))) / volume;
-        weight[1] = dot(x, cross(n(2), n(0))) / volume;
-        weight[2] = dot(x, cross(n(0), n(1))) / volume;
+        return ((d(0) - c * d(1)) / det) * n(0) + ((d(1) - c * d(0)) / det) * n(1);
     }
-    Vec3d point;
-    for (std::size_t i = 0; i < active.count; ++i) {
-        if (weight[i] < 0) return std::nullopt;
-        point += weight[i] * n(i);
-    }
-    return point;
+    const double volume = dot(n(0), cross(n(1), n(2)));
+    if (!(std::fabs(volume) > constants::translation_rounding)) return std::nullopt;
+    return (1 / volume) *
+           (d(0) * cross(n(1), n(2)) + d(1) * cross(n(2), n(0)) + d(2) * cross(n(0), n(1)));
 }
 
 }  // namespace
@@ -70,7 +56,8 @@ std::optional<Vec3d> closest_to_origin(std::span<const HalfSpace> all) {
             }
         if (worst == nullptr) return point;
 
-        // Which of the earlier planes hold the new point besides the worst one.
+        // The closest point that is in this half-space and in those that held the last point: its
+        // own plane holds it, and some of the others do.
         std::optional<Vec3d> next;
         Active holding;
         for (unsigned subset = 0; subset < 1u << active.count; ++subset) {
