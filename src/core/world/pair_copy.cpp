@@ -15,14 +15,14 @@ World::PairCopy::PairCopy()
 void World::PairCopy::set(const Body& a, const Body& b) {
     for (BodyId id : ids_) world_.remove_body(id);
     ids_.clear();
+    bodies_[0] = a;
+    bodies_[1] = b;
     std::erase_if(meshes_, [&](const Kept& kept) {
         constexpr long owners_here = 2;  // this list and world_
         const bool is_needed = kept.mesh.use_count() > owners_here;
         if (!is_needed) world_.remove_mesh(kept.id);
         return !is_needed;
     });
-    bodies_[0] = a;
-    bodies_[1] = b;
     for (const Body& body : bodies_)
         ids_.push_back(body.motion == Motion::deforming
                            ? world_.add_deforming_body(keep(body.mesh), body.positions)
@@ -67,8 +67,7 @@ double World::PairCopy::touch() const {
                     stages::touch_between(b, a, relative_frame(b.space, a.space)));
 }
 
-Vec3d World::PairCopy::way_apart() {
-    contacts_after({});
+Vec3d World::PairCopy::way_apart() const {
     const auto& views = world_.state_->views;
     return part_along_boxes(views[ids_[1].index], views[ids_[0].index]).translation();
 }

@@ -34,9 +34,9 @@ public:
     /// [length] The touch tolerance of the pair as contacts_after() saw it last.
     double touch() const;
 
-    /// From where the bodies were set: the shortest translation of b along an axis of the bodies'
-    /// boxes that puts a plane between the two.
-    Vec3d way_apart();
+    /// From where contacts_after() saw the bodies last: the shortest translation of b along an axis
+    /// of the bodies' boxes that puts a plane between the two.
+    Vec3d way_apart() const;
 
 private:
     struct Kept {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/world/half_spaces.hpp"
+#include "core/geometry/half_spaces.hpp"
 #include "core/world/pair_copy.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/constants.hpp"
@@ -27,7 +27,8 @@ std::optional<Parting> least_translation(std::span<const Contact> contacts) {
     return parting_by(*way);
 }
 
-/// Looks for a short translation that parts a pair. Each translation it finds was tried.
+/// Looks for a short translation that parts a pair. Each one that it finds was tried, or puts a
+/// plane between the two.
 class World::PartingSearch {
 public:
     explicit PartingSearch(PairCopy& pair) : pair_(pair) {}

@@ -141,11 +141,11 @@ public:
     /// How far body b has to move, and where to, until it does not overlap body a any more, with
     /// both where the last set_pose or set_positions left them; nothing if they do not overlap by
     /// more than the touch tolerance. The move was tried: afterwards complete coverage sees no
-    /// contact that is deeper. So the depth is never less than the shortest translation that parts
-    /// the two; docs/contacts.md says how near it comes to that. Nothing of the last step is used
-    /// or changed; the pair is moved and looked at some ten to a hundred times, on one thread of
-    /// the host. Throws InputError for a body and itself, for a sheet, and for positions in device
-    /// memory.
+    /// contact that is deeper; or it puts a plane between the two. So but for that tolerance the
+    /// depth is never less than the shortest translation that parts them; docs/contacts.md says how
+    /// near it comes to that. Nothing of the last step is used or changed; the pair is moved and
+    /// looked at some ten to a hundred times, on one thread of the host. Throws InputError for a
+    /// body and itself, for a sheet, and for positions in device memory.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
     /// The first body along each line of sight from `origin`, with bodies where the last detect()

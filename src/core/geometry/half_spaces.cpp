@@ -1,4 +1,4 @@
-#include "core/world/half_spaces.hpp"
+#include "core/geometry/half_spaces.hpp"
 
 #include <algorithm>
 #include <array>
