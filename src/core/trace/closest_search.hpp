@@ -7,6 +7,13 @@
 
 namespace pierce {
 
+/// The point of the box around a triangle that is closest to `q`.
+PIERCE_HD inline Vec3d in_box_of(Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
+    for (int k = 0; k < 3; ++k)
+        q[k] = clamp_to(q[k], min_of(a[k], min_of(b[k], c[k])), max_of(a[k], max_of(b[k], c[k])));
+    return q;
+}
+
 /// The point of a surface's triangle that is closest to `p`. Rounding does not carry it out of the
 /// triangle's box, so no box around the triangle is further from `p` than this point, to the last
 /// bit.
@@ -15,10 +22,7 @@ PIERCE_HD inline Vec3d closest_point(Vec3d p, const Surface& surface, std::uint3
     const Vec3d a = to_double(surface.positions[t.vertex[0]]),
                 b = to_double(surface.positions[t.vertex[1]]),
                 c = to_double(surface.positions[t.vertex[2]]);
-    Vec3d q = closest_on_triangle(p, a, b, c);
-    for (int k = 0; k < 3; ++k)
-        q[k] = clamp_to(q[k], min_of(a[k], min_of(b[k], c[k])), max_of(a[k], max_of(b[k], c[k])));
-    return q;
+    return in_box_of(closest_on_triangle(p, a, b, c), a, b, c);
 }
 
 /// Distance from `p` to a triangle of the surface.

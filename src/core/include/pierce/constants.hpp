@@ -125,6 +125,9 @@ inline constexpr double edge_tolerance = 4;
 inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_skin_most = 0.25,
                         edge_skin_wait = 2;
 
+/// For how many steps a pair that has contacts without its edges keeps them.
+inline constexpr std::uint32_t edge_unasked_steps = 16;
+
 /// A proof that an edge crosses one triangle at most looks as far as the bodies move in
 /// `edge_look_steps`, but not less far than `edge_look_least` [mean edge length]: looking further
 /// meets more triangles.

@@ -127,7 +127,8 @@ struct NearEdgesOfPair {
     float expiry = 0;  ///< all other edges are away from the target's surface until the odometer
                        ///< reaches this
     std::uint32_t first = 0, count = 0;
-    std::uint32_t is_kept = 0;  ///< 1: they are those of the last step
+    std::uint16_t is_kept = 0;  ///< 1: they are those of the last step
+    std::uint16_t unasked = 0;  ///< for how many steps nobody has asked for them
 };
 
 /// What is remembered of a contact of a sheet. If the same features meet again, they are the same

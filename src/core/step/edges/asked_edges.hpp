@@ -4,6 +4,7 @@
 #include "core/device/view.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/edges/edge_cull.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/solids/directed_pair.hpp"
 
@@ -12,18 +13,18 @@ namespace pierce::stages {
 
 /// True for edges that may cross more than one triangle: no proof to the contrary holds. Of the
 /// other edges, marks the pairs of those that may cross one. Pairs in which nothing has moved are
-/// not asked.
+/// not asked, nor are those whose edges are only kept for later.
 struct MayCross {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const NearEdgesOfPair> of_pairs;  ///< empty if steps do not remember
     View<NearEdge> near;
-    PairMarks marks;
+    PairsAsked asked;
 
     PIERCE_HD bool operator()(std::uint32_t i) const {
         NearEdge& edge = near[i];
         const DirectedPair& d = directed[edge.directed];
-        if (d.still) return false;
+        if (d.still || !asked(edge.directed / 2)) return false;
         if (!(edge.expiry > d.odometer)) {
             if (!(edge.room > 0) || of_pairs.size == 0) return true;
             const double left = static_cast<double>(edge.room) -
@@ -31,7 +32,8 @@ struct MayCross {
             if (!(left > 0)) return true;
             edge.expiry = d.odometer + static_cast<float>(left);
         }
-        if (edge.crosses != no_triangle) marks.set(edge.directed / 2, PairMarks::edge_crosses);
+        if (edge.crosses != no_triangle)
+            asked.marks.set(edge.directed / 2, PairMarks::edge_crosses);
         return false;
     }
 };

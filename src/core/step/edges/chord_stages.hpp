@@ -83,6 +83,7 @@ private:
     template <class See>
     PIERCE_HD void follow(std::uint32_t i, const See& see) const {
         const NearEdge item = near[i];
+        if (wanted == Chords::at_ends && item.crosses == no_triangle) return;
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
@@ -93,9 +94,14 @@ private:
             placed.a += by;
             placed.b += by;
         }
+        // Chords at ends are asked for after chords within edges, in the same step: by then it is
+        // known if an edge may cross only one triangle, and which.
+        // An executor may call find() twice: the second call reads what the first one has noted.
+        const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
+        if (is_known && is_in_front(target, item.crosses, placed)) return;
         const double tolerance = constants::edge_tolerance * d.touch,
                      margin = edge_margin(directed, item.directed);
-        const double ahead = of_pairs.size > 0 ? look_ahead(item.directed) : 0.0;
+        const double ahead = of_pairs.size > 0 && !is_known ? look_ahead(item.directed) : 0.0;
         const double way = ahead > 0
                                ? way_from(of_pairs[item.directed].anchor, bodies, d, item.edge)
                                : 0.0;
@@ -103,13 +109,12 @@ private:
             near[i].expiry = d.odometer + static_cast<float>(gap - margin);
             near[i].room = static_cast<float>(gap - margin - way);
         };
-        // Chords at ends are asked for after chords within edges, in the same step: by then it is
-        // known if an edge may cross only one triangle, and which.
-        // An executor may call find() twice: the second call reads what the first one has noted.
-        if (wanted == Chords::at_ends && item.crosses == no_triangle) return;
-        const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
-        if (is_known && is_in_front(target, item.crosses, placed)) return;
-        if (!is_known) {
+        const double known = ahead > 0
+                                 ? max_of(static_cast<double>(item.triangles.until - d.odometer),
+                                          static_cast<double>(item.triangles.room) - way)
+                                 : 0.0;
+        const bool are_known = known > margin + constants::edge_look_again * ahead;
+        if (!is_known && !are_known) {
             const SegmentProof proof = proof_of(target, placed);
             const bool once = wanted == Chords::within && proof.prefers_once();
             if ((once ? proof.once : proof.gap) > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
@@ -119,11 +124,6 @@ private:
                 return;
             }
         }
-        const double known = ahead > 0
-                                 ? max_of(static_cast<double>(item.triangles.until - d.odometer),
-                                          static_cast<double>(item.triangles.room) - way)
-                                 : 0.0;
-        const bool are_known = known > margin + constants::edge_look_again * ahead;
         const EdgeTriangles triangles = is_known ? EdgeTriangles(target, item.crosses)
                                         : are_known
                                             ? EdgeTriangles(target, placed, tolerance, known,

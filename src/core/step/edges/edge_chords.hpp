@@ -154,7 +154,7 @@ private:
                                      .directed = step.directed,
                                      .of_pairs = view_of(std::as_const(now_.of_pairs)),
                                      .near = view_of(now_.edges),
-                                     .marks = step.marks},
+                                     .asked = asked},
                     chords_of(step, stages::Chords::within));
     }
 

@@ -53,7 +53,8 @@ struct PairsAsked {
 };
 
 /// Per directed pair: whether the near edges of the last step are still those that may meet the
-/// target. How long those of this step will be, ExpireNearEdges knows.
+/// target. How long those of this step will be, ExpireNearEdges knows. Of pairs that are not asked
+/// they are kept for a few steps: contacts without much depth come and go.
 struct RecallNearEdges {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -68,12 +69,10 @@ struct RecallNearEdges {
         const DirectedPair& d = directed[i];
         NearEdgesOfPair of_pair;
         gaps[i] = 0;
-        if (!asked(i / 2)) {
-            now[i] = of_pair;
-            return;
-        }
         if (memory[i].known && last.size > 0) of_pair = last[2 * links[i / 2] + i % 2];
-        of_pair.is_kept = of_pair.expiry > d.odometer || d.still;
+        of_pair.unasked = asked(i / 2) ? 0 : of_pair.unasked + 1;
+        of_pair.is_kept = (of_pair.expiry > d.odometer || d.still) &&
+                          of_pair.unasked <= constants::edge_unasked_steps;
         if (!of_pair.is_kept) of_pair = {.anchor = d.to_space};
         now[i] = of_pair;
     }
@@ -188,7 +187,7 @@ struct MarkTargetsOfGroups {
     }
 };
 
-/// Per directed pair: marks the target, if near edges are kept from the last step.
+/// Per directed pair that is asked: marks the target, if near edges are kept from the last step.
 struct MarkTargetsOfKept {
     View<const DirectedPair> directed;
     View<const NearEdgesOfPair> of_pairs;
@@ -197,7 +196,8 @@ struct MarkTargetsOfKept {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        if (of_pairs[i].count > 0) atomic_mark(wanted[directed[i].target]);
+        if (of_pairs[i].count > 0 && of_pairs[i].unasked == 0)
+            atomic_mark(wanted[directed[i].target]);
     }
 };
 

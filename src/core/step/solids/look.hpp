@@ -16,6 +16,7 @@ namespace pierce::stages {
 struct OverTriangle {
     double weight[3];  ///< barycentrics of the point of the plane right below or above
     double height;     ///< [length] negative behind the triangle
+    Vec3d foot;        ///< the point of the plane right below or above
 
     PIERCE_HD OverTriangle(Vec3d point, Vec3d a, Vec3d b, Vec3d c) {
         const Vec3d normal = cross(b - a, c - a), p = point - a;
@@ -24,6 +25,7 @@ struct OverTriangle {
         weight[2] = dot(normal, cross(b - a, p)) / squared;
         weight[0] = 1 - weight[1] - weight[2];
         height = dot(normal, p) / std::sqrt(squared);
+        foot = point - (dot(normal, p) / squared) * normal;
     }
 
     /// True if the point of the plane lies in the triangle.
@@ -73,7 +75,8 @@ struct Look {
         if (!(over.height < -2 * touch) || !over.is_closest(target, triangle) ||
             is_degenerate(corner[0], corner[1], corner[2]))
             return;
-        closest = closest_point(point, surface, triangle);
+        // As closest_point() has it of a point above the inside of a triangle.
+        closest = in_box_of(over.foot, corner[0], corner[1], corner[2]);
         depth = length(closest - point);
         seen = inside;
     }
