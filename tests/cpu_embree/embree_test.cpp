@@ -124,6 +124,32 @@ TEST(HostSortTest, IsStableForKeysInAnyOrder) {
     }
 }
 
+TEST(HostSortTest, MergesListsThatAreNearlyInOrder) {
+    test::Random random(6);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    HostSort sort;
+    for (int i = 0; i < 100; ++i) {
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> expected;
+        for (int part = random.integer(1, 8); part > 0; --part) {
+            const int size = random.integer(0, 300);
+            for (int k = 0; k < size; ++k)
+                expected.emplace_back(2 * k + random.integer(0, 6), expected.size());
+        }
+        std::vector<std::uint64_t> keys;
+        std::vector<std::uint32_t> values;
+        for (const auto& [key, value] : expected) {
+            keys.push_back(key);
+            values.push_back(value);
+        }
+        std::ranges::stable_sort(expected, {}, &std::pair<std::uint64_t, std::uint32_t>::first);
+        sort(view_of(keys), view_of(values));
+        for (std::size_t k = 0; k < expected.size(); ++k) {
+            ASSERT_EQ(keys[k], expected[k].first);
+            ASSERT_EQ(values[k], expected[k].second);
+        }
+    }
+}
+
 TEST(TbbExecutorTest, RunsEveryItemOnceAndMatchesTheSerialOne) {
     SerialExecutor serial;
     for (int threads : {1, 2, 3}) {

@@ -76,8 +76,7 @@ private:
     void merge(View<std::uint64_t> keys, View<std::uint32_t> values, std::uint32_t second) {
         std::uint32_t left = keys.size - second, place = keys.size, before = second;
         if (items_.size() < left) items_.resize(left);
-        for (std::uint32_t k = 0; k < left; ++k)
-            items_[k] = {keys[second + k], values[second + k]};
+        for (std::uint32_t k = 0; k < left; ++k) items_[k] = {keys[second + k], values[second + k]};
         while (left > 0) {
             --place;
             if (before > 0 && keys[before - 1] > items_[left - 1].key) {
