@@ -83,7 +83,11 @@ private:
     template <class See>
     PIERCE_HD void follow(std::uint32_t i, const See& see) const {
         const NearEdge item = near[i];
+        // Chords at ends are asked for after chords within edges, in the same step: by then it is
+        // known if an edge may cross a triangle, or only one, and which.
+        // An executor may call find() twice: the second call reads what the first one has noted.
         if (wanted == Chords::at_ends && item.crosses == no_triangle) return;
+        const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
         const DirectedPair& d = directed[item.directed];
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
@@ -94,10 +98,6 @@ private:
             placed.a += by;
             placed.b += by;
         }
-        // Chords at ends are asked for after chords within edges, in the same step: by then it is
-        // known if an edge may cross only one triangle, and which.
-        // An executor may call find() twice: the second call reads what the first one has noted.
-        const bool is_known = wanted == Chords::at_ends && item.crosses != some_triangle;
         if (is_known && is_in_front(target, item.crosses, placed)) return;
         const double tolerance = constants::edge_tolerance * d.touch,
                      margin = edge_margin(directed, item.directed);
