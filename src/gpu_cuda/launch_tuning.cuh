@@ -2,6 +2,7 @@
 
 #include "core/execute/stage_traits.hpp"
 #include "core/step/common/bounds.hpp"
+#include "core/step/common/frame_fit.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/edges/asked_edges.hpp"
 #include "core/step/edges/chord_stages.hpp"
