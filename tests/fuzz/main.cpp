@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "fuzz/generator.hpp"
 #include "fuzz/sandbox.hpp"
@@ -28,7 +30,7 @@ struct Options {
     unsigned jobs = 1;
     unsigned shrinks = 3;
     std::string out;
-    std::string backends;
+    std::vector<std::string> backends;
     std::vector<std::string> replay;
     bool show = false;
 };
@@ -46,11 +48,16 @@ Program program_of_seed(std::uint64_t seed) {
     return random_program(choices);
 }
 
-std::vector<test::NamedBackend> chosen_backends(const std::string& names) {
+std::vector<std::string> names_of_backends() {
+    std::vector<std::string> names;
+    for (const test::NamedBackend& backend : test::backends()) names.push_back(backend.name);
+    return names;
+}
+
+std::vector<test::NamedBackend> chosen_backends(const std::vector<std::string>& names) {
     std::vector<test::NamedBackend> chosen;
     for (test::NamedBackend& backend : test::backends())
-        if (names.empty() ||
-            ("," + names + ",").find("," + backend.name + ",") != std::string::npos)
+        if (names.empty() || std::ranges::count(names, backend.name) > 0)
             chosen.push_back(std::move(backend));
     return chosen;
 }
@@ -243,7 +250,9 @@ int main(int argc, char** argv) {
     app.add_option("--jobs", options.jobs, "processes")->check(CLI::PositiveNumber);
     app.add_option("--out", options.out, "folder for small programs that fail");
     app.add_option("--shrinks", options.shrinks, "how many of them per kind of failure");
-    app.add_option("--backends", options.backends, "names, separated by commas; all if none");
+    app.add_option("--backends", options.backends, "names, separated by commas; all if none")
+        ->delimiter(',')
+        ->check(CLI::IsMember(pierce::fuzz::names_of_backends()));
     app.add_option("--replay", options.replay, "programs to play");
     app.add_flag("--show", options.show, "print the program of the first seed");
     CLI11_PARSE(app, argc, argv);

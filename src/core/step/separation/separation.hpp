@@ -159,9 +159,12 @@ private:
                                                                   view_of(apart_.vertices)});
         executor_.for_each(chords, stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
                                                                 view_of(chords_.inside)});
-        executor_.for_each(contained,
-                           stages::GenerateContainedRays{rays_apart(step, edges, vertices + chords),
-                                                         view_of(parts_.inside)});
+        executor_.for_each(contained, stages::GenerateContainedRays{
+                                          .out = rays_apart(step, edges, vertices + chords),
+                                          .from = view_of(parts_.inside),
+                                          .stranded = view_of(apart_.vertices),
+                                          .stranded_count = vertices,
+                                          .marks = step.marks});
     }
 
     stages::SeparationRays rays_apart(const StepOfPairs<E>& step, EdgeChords<E, T>& edges,

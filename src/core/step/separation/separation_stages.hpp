@@ -229,12 +229,15 @@ struct GenerateTouchingRays {
 };
 
 /// Per part found inside: a ray from its vertex and, once per body, rays from the vertices that are
-/// furthest behind along the way out.
+/// furthest behind along the way out; none from a stranded vertex, which has one already.
 struct GenerateContainedRays {
     static constexpr std::uint32_t per_part = 1 + constants::separation_vertices;
 
     SeparationRays out;
     View<const RaySource> from;
+    View<const RaySource> stranded;  ///< vertices
+    Number stranded_count;
+    PairMarks marks;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const RaySource part = from[i];
@@ -261,7 +264,8 @@ struct GenerateContainedRays {
         for (std::uint32_t k = 0; k < per_part; ++k) {
             RaySource one = part;
             if (k < count) one.item = vertex[k];
-            if (k == constants::separation_vertices || k < count)
+            const bool is_used = k == constants::separation_vertices || k < count;
+            if (is_used && !is_stranded(one))
                 out.write(first + k, one);
             else
                 out.write_none(first + k, one);
@@ -269,6 +273,19 @@ struct GenerateContainedRays {
     }
 
 private:
+    /// Parts are only asked where no vertex is inside, so that a stranded vertex of such a pair is
+    /// one whose ray runs inside.
+    PIERCE_HD bool is_stranded(const RaySource& vertex) const {
+        if (!marks.any(vertex.pair, PairMarks::runs_inside)) return false;
+        const std::uint32_t count = stranded_count;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const RaySource& other = stranded[k];
+            if (other.pair == vertex.pair && other.side == vertex.side && other.item == vertex.item)
+                return true;
+        }
+        return false;
+    }
+
     /// True for vertices that get a ray for the part they stand for.
     PIERCE_HD static bool is_part(const MeshView& mesh, std::uint32_t v) {
         for (const MeshPart& part : mesh.parts)
