@@ -115,7 +115,7 @@ private:
                                  : 0.0;
         const bool are_known = known > margin + constants::edge_look_again * ahead;
         if (!is_known && !are_known) {
-            const SegmentProof proof = proof_of(target, placed);
+            const SegmentProof proof = proof_of(source, target, placed);
             const bool once = wanted == Chords::within && proof.prefers_once();
             if ((once ? proof.once : proof.gap) > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
                 if (wanted == Chords::within) near[i].crosses = once ? some_triangle : no_triangle;

@@ -87,7 +87,8 @@ PIERCE_HD inline bool clearance_tells(const BodyView& source, const BodyView& ta
 
 /// What is certain of an edge and the surface of its target without looking at triangles, by the
 /// target's box and by the slabs of its cells. Of a target that deforms nothing is known.
-PIERCE_HD inline SegmentProof proof_of(const BodyView& target, const PlacedEdge& edge) {
+PIERCE_HD inline SegmentProof proof_of(const BodyView& source, const BodyView& target,
+                                       const PlacedEdge& edge) {
     if (target.motion == Motion::deforming) return {};
     const Box& box = target.mesh.box;
     double beyond = 0;
@@ -95,7 +96,9 @@ PIERCE_HD inline SegmentProof proof_of(const BodyView& target, const PlacedEdge&
         beyond = max_of(max_of(box.lower[r] - max_of(edge.a[r], edge.b[r]),
                                min_of(edge.a[r], edge.b[r]) - box.upper[r]),
                         beyond);
-    if (beyond > constants::edge_beyond_enough * target.mesh.slabs_at.cell) return {beyond, beyond};
+    const double coarse = min_of(static_cast<double>(target.mesh.slabs_at.cell),
+                                 source.mesh.mean_edge_length);
+    if (beyond > constants::edge_beyond_enough * coarse) return {beyond, beyond};
     const SegmentProof proof = target.mesh.slabs_by_cell().along(edge.a, edge.b);
     return {max_of(proof.gap, beyond), max_of(proof.once, beyond)};
 }
@@ -140,7 +143,7 @@ struct FindNearEdges {
         float least = gaps.size > 0 ? balls.least_gap(all & ~balls.near) : 0.0f;
         for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
-            const SegmentProof proof = proof_of(target, placed(item, k));
+            const SegmentProof proof = proof_of(source, target, placed(item, k));
             const auto gap = static_cast<float>(proof.gap - margin - more);
             if (gap > 0) {
                 found.mask ^= 1u << k;

@@ -4,6 +4,7 @@
 #include "core/device/view.hpp"
 #include "core/geometry/separating_direction.hpp"
 #include "core/step/sheets/sheet_bounds.hpp"
+#include "core/step/sheets/slab.hpp"
 #include "pierce/min_max.hpp"
 
 /// Where a sheet cannot fold onto itself.
@@ -50,13 +51,33 @@ struct FindFlatStars {
     }
 
 private:
-    /// A lower bound of how a triangle at the vertex faces `n` over the step; the triangle is given
+    /// A way, seen along one direction.
+    struct Seen {
+        double x, y;
+
+        PIERCE_HD friend double cross(Seen u, Seen w) { return u.x * w.y - u.y * w.x; }
+    };
+    struct MovingSeen {
+        Seen start, end;
+    };
+
+    /// Sees along the product of its two vectors: of any ways, `cross(seen u, seen w)` is
+    /// `dot(cross(u, w), cross(x, y))`, whatever x and y are (Binet and Cauchy).
+    struct Sight {
+        Vec3d x, y;
+
+        PIERCE_HD Seen operator()(Vec3d p) const { return {dot(x, p), dot(y, p)}; }
+        PIERCE_HD MovingSeen operator()(const MovingPoint& p) const {
+            return {(*this)(p.start), (*this)(p.end)};
+        }
+    };
+
+    /// A lower bound of how a triangle at the vertex faces us over the step; the triangle is given
     /// by the ways to its two other corners. The bound is the least of the Bernstein coefficients
     /// of a quadratic, which is not above the quadratic's least value.
-    PIERCE_HD static double facing(const MovingPoint& u, const MovingPoint& w, Vec3d n) {
-        const double start = dot(n, cross(u.start, w.start)), end = dot(n, cross(u.end, w.end));
-        const double middle = 0.5 * (dot(n, cross(u.start, w.end)) + dot(n, cross(u.end, w.start)));
-        return min_of(start, min_of(middle, end));
+    PIERCE_HD static double facing(const MovingSeen& u, const MovingSeen& w) {
+        const double middle = 0.5 * (cross(u.start, w.end) + cross(u.end, w.start));
+        return min_of(cross(u.start, w.start), min_of(middle, cross(u.end, w.end)));
     }
 
     PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
@@ -69,23 +90,25 @@ private:
             return MovingPoint{p.start - at.start, p.end - at.end};
         };
         const MovingPoint last = way_to(end - 1);
-        Vec3d n;
+        Vec3d n, before = last.start + last.end;
         double size = 0;
-        MovingPoint u = last;
         for (std::uint32_t c = begin; c < end; ++c) {
             const MovingPoint w = way_to(c);
-            n += cross(u.start, w.start) + cross(u.end, w.end);
-            size = max_of(size, max_of(length_squared(u.start), length_squared(u.end)));
-            u = w;
+            const Vec3d twice_middle = w.start + w.end;
+            n += cross(before, twice_middle);
+            size = max_of(size, max_of(length_squared(w.start), length_squared(w.end)));
+            before = twice_middle;
         }
-        const double least = constants::motion_rounding * length(n) * size;
+        const SlabFrame frame(n);
+        const Sight sight{frame.axis[1], frame.axis[2]};
+        const double least = constants::motion_rounding * size;
+        const MovingSeen first = sight(last);
         std::uint32_t turns = 0;
-        u = last;
+        MovingSeen u = first;
         for (std::uint32_t c = begin; c < end; ++c) {
-            const MovingPoint w = way_to(c);
-            if (!(facing(u, w, n) > least)) return false;
-            turns += dot(n, cross(u.start, last.start)) >= 0 &&
-                     dot(n, cross(last.start, w.start)) > 0;
+            const MovingSeen w = sight(way_to(c));
+            if (!(facing(u, w) > least)) return false;
+            turns += cross(u.start, first.start) >= 0 && cross(first.start, w.start) > 0;
             u = w;
         }
         return turns == 1;
