@@ -103,16 +103,20 @@ private:
     struct MeshCopy {
         Arrays arrays;
         MeshView view;
+        MeshArrays<ConstView> copied;  ///< the arrays on the host
     };
 
     const MeshCopy& copy_of(const BodyView& body) {
-        auto [at, is_new] = meshes_.try_emplace(body.mesh_key);
-        MeshCopy& copy = at->second;
-        if (is_new) {
-            MeshView m = body.mesh;
-            for_each_array([&](auto& array) { array = copy.arrays.add(executor_, array); }, m);
-            copy.view = m;
-        }
+        MeshCopy& copy = meshes_[body.mesh_key];
+        static_cast<MeshShape&>(copy.view) = body.mesh;
+        // Plans differ in which arrays they need.
+        for_each_array(
+            [&](auto& on_device, auto& copied, const auto& host) {
+                if (copied.data == host.data && copied.size == host.size) return;
+                on_device = copy.arrays.add(executor_, host);
+                copied = host;
+            },
+            copy.view, copy.copied, body.mesh);
         return copy;
     }
 

@@ -10,7 +10,6 @@
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/closest_points_of_segments.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/mesh_build/mesh_edges.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/scene.hpp"
 #include "scenes/named/shapes.hpp"
@@ -205,7 +204,7 @@ TEST_P(CoverageTest, EveryChordWithinAnEdgeIsFoundAndEveryOtherOneWhereNothingEl
                 i % 2 == 0);
         std::uint32_t within = 0, at_ends = 0;
         for (std::size_t k = 0; k < 2; ++k)
-            for (const Edge& e : edges_of(two.world.mesh(two.world.mesh_of(two.body[k])).view())) {
+            for (const Edge& e : two.world.mesh(two.world.mesh_of(two.body[k])).view().edges) {
                 const SolidVec a = two.solid[k].positions[e.vertex[0]],
                                b = two.solid[k].positions[e.vertex[1]];
                 const int crossings = test::crossings_between(a, b, two.solid[1 - k], ~0u, 0);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/commands/commands.hpp"
+#include "app/output/progress.hpp"
 
 /// Groups of options that several commands have.
 namespace pierce::app {
@@ -74,6 +75,7 @@ inline void add_temporal(CLI::App& command, Settings& settings) {
 
 /// Backend, threads, coverage and memory.
 inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
+    rays.mesh_progress = show_meshes();
     command
         .add_option("--backend", rays.backend,
                     "automatic (cuda if it can run here, else embree), embree, cuda, bvh or "

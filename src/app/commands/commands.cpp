@@ -198,7 +198,8 @@ int detect(const DetectOptions& options) {
     World world(scenes::make_backend(options.detection.rays), options.detection.rays.world);
     std::vector<std::string> names;
     for (const fs::path& file : options.meshes) {
-        const MeshId mesh = world.add_mesh(file.string(), scenes::read_mesh(file));
+        const MeshId mesh = world.add_mesh(file.string(), scenes::read_mesh(file),
+                                           options.detection.rays.mesh_options());
         world.add_rigid_body(mesh);
         names.push_back(file.string());
     }

@@ -79,8 +79,8 @@ void explain_meshes(const ExplainOptions& options) {
     std::vector<std::string> names;
     for (const fs::path& file : options.inputs) {
         names.push_back(file.string());
-        bodies.push_back(
-            world.add_rigid_body(world.add_mesh(names.back(), scenes::read_mesh(file))));
+        bodies.push_back(world.add_rigid_body(
+            world.add_mesh(names.back(), scenes::read_mesh(file), options.rays.mesh_options())));
     }
     const std::string of = options.of.value_or("a");
     const std::size_t body = of == "a" ? 0 : 1, other = 1 - body;

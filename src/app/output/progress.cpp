@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace pierce::app {
@@ -36,6 +37,24 @@ void Progress::show(std::uint32_t done) {
     fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {:d}:{:02d} left", what_, "", filled, "",
                width - filled, done, total_, left / 60, left % 60);
     std::fflush(stderr);
+}
+
+namespace {
+
+constexpr std::uint32_t all_of_mesh = 100;  ///< percent
+
+}  // namespace
+
+std::function<void(std::string_view, double)> show_meshes() {
+    return [bar = std::shared_ptr<Progress>(), shown = std::string()](std::string_view what,
+                                                                      double share) mutable {
+        if (!bar || shown != what) {
+            bar = std::make_shared<Progress>(fmt::format("meshes, {}", what), all_of_mesh);
+            shown = what;
+        }
+        bar->show(static_cast<std::uint32_t>(share * all_of_mesh));
+        if (share >= 1) bar.reset();
+    };
 }
 
 }  // namespace pierce::app

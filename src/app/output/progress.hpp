@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 namespace pierce::app {
 
@@ -28,5 +30,8 @@ private:
     std::mutex mutex_;
     std::uint32_t done_ = 0;
 };
+
+/// Shows a bar of what is being made of meshes, for MeshOptions::progress.
+std::function<void(std::string_view what, double share)> show_meshes();
 
 }  // namespace pierce::app

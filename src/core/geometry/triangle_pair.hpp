@@ -23,25 +23,30 @@ inline Corners corners_of(View<const Vec3f> positions, const Triangle& t) {
 
 /// True if the triangles have a vertex id in common.
 inline bool share_vertex(const Triangle& t, const Triangle& other) {
-    return std::ranges::any_of(t.vertex, [&](std::uint32_t v) {
-        return std::ranges::find(other.vertex, v) != std::end(other.vertex);
-    });
+    bool shares = false;
+    for (const std::uint32_t v : t.vertex)
+        shares |= v == other.vertex[0] || v == other.vertex[1] || v == other.vertex[2];
+    return shares;
 }
 
-/// True if an edge of `a` passes through `b`. The ends of the edge up to `end_inset` [its length]
+/// True if the segment from `p` to `q` passes through `b`. Its ends up to `end_inset` [its length]
 /// and the border of `b` up to `border_inset` [barycentric] do not count.
+inline bool segment_pierces(Vec3d p, Vec3d q, const Corners& b, double end_inset,
+                            double border_inset) {
+    const Vec3d edge = q - p;
+    const double size = length(edge);
+    if (!(size > 0)) return false;
+    const Crossing crossing = cross_triangle({p, (1 / size) * edge}, b[0], b[1], b[2]);
+    if (!crossing || crossing.t < end_inset * size || crossing.t > (1 - end_inset) * size)
+        return false;
+    return std::ranges::all_of(crossing.weight, [&](double w) { return w >= border_inset; });
+}
+
+/// True if an edge of `a` passes through `b`, as segment_pierces() has it.
 inline bool edge_pierces(const Corners& a, const Corners& b, double end_inset,
                          double border_inset) {
-    for (int k = 0; k < 3; ++k) {
-        const Vec3d edge = a[(k + 1) % 3] - a[k];
-        const double size = length(edge);
-        if (!(size > 0)) continue;
-        const Crossing crossing = cross_triangle({a[k], (1 / size) * edge}, b[0], b[1], b[2]);
-        if (!crossing || crossing.t < end_inset * size || crossing.t > (1 - end_inset) * size)
-            continue;
-        if (std::ranges::all_of(crossing.weight, [&](double w) { return w >= border_inset; }))
-            return true;
-    }
+    for (std::size_t k = 0; k < 3; ++k)
+        if (segment_pierces(a[k], a[(k + 1) % 3], b, end_inset, border_inset)) return true;
     return false;
 }
 

@@ -196,6 +196,20 @@ static_assert(
     }(),
     "for_each_array names every array");
 
+/// Which arrays of a mesh are made, besides those that every step reads. Only closed meshes have
+/// them.
+struct MeshNeeds {
+    bool clearance = false;  ///< clearance_steps
+    bool rings = false;      ///< rings; whether the mesh is simple
+    bool slabs = false;      ///< slab_cells and slabs
+    bool stars = false;      ///< star_clearance
+    bool own_exits = false;  ///< own_exit
+
+    static constexpr MeshNeeds all() {
+        return {.clearance = true, .rings = true, .slabs = true, .stars = true, .own_exits = true};
+    }
+};
+
 /// What a mesh has once, besides its arrays.
 struct MeshShape {
     Box box;                           ///< of the rest shape
@@ -204,7 +218,8 @@ struct MeshShape {
     ClearanceGridLayout clearance_at;  ///< of clearance()
     ClearanceGridLayout slabs_at;      ///< of slabs_by_cell()
     bool closed = false;
-    bool simple = false;  ///< one closed surface that does not meet itself and is not inside out
+    bool simple = false;  ///< one closed surface that does not meet itself and is not inside out;
+                          ///< false where nobody needed to know
 };
 
 /// A mesh as stages see it. Offsets and ids are checked only when the mesh is made.

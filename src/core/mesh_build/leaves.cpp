@@ -17,12 +17,14 @@ struct Couple {
 
 }  // namespace
 
-std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
+std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                            const HalfEdges& sides_of_all) {
     const auto box_of = [&](const Triangle& t) {
         return box_around(positions[t.vertex[0]], positions[t.vertex[1]], positions[t.vertex[2]]);
     };
     std::vector<Couple> couples;
-    for_each_edge(triangles, [&](std::span<const HalfEdge> sides) {
+    couples.reserve(3 * triangles.size() / 2);
+    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
         if (sides.size() != 2 || sides[0].triangle == sides[1].triangle) return;
         const float area = join(box_of(triangles[sides[0].triangle]),
                                 box_of(triangles[sides[1].triangle]))
@@ -52,6 +54,11 @@ std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Tr
         leaves.push_back(leaf);
     }
     return leaves;
+}
+
+std::vector<Leaf> leaves_of(const MeshData& mesh) {
+    return leaves_of(mesh.positions, mesh.triangles,
+                     HalfEdges(mesh.triangles, mesh.positions.size()));
 }
 
 }  // namespace pierce::bvh

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/half_edges.hpp"
 #include "core/mesh/leaf.hpp"
 #include "pierce/mesh.hpp"
 
@@ -10,7 +11,9 @@ namespace pierce::bvh {
 
 /// Leaves for trees over a surface; each triangle is in one leaf. Triangles that share an edge are
 /// coupled, those with the smallest common box first. Leaves are in the order of their first
-/// triangles.
-std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+/// triangles. `sides`: of all triangles.
+std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                            const HalfEdges& sides);
+std::vector<Leaf> leaves_of(const MeshData& mesh);
 
 }  // namespace pierce::bvh

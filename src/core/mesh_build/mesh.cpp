@@ -1,13 +1,16 @@
 #include "pierce/mesh.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <tuple>
 #include <utility>
 
 #include "core/base/reach.hpp"
+#include "core/base/workers.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/edge_group.hpp"
+#include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
@@ -43,22 +46,33 @@ void check_indices(const std::string& name, const MeshData& data) {
 /// earlier ones through `view`.
 struct Mesh::Parts {
     std::string name;
+    MeshOptions options;
     MeshTraits traits;
     MeshArrays<Vector> arrays;
     MeshView view;
+    std::mutex lock;  ///< of what is made later
+    MeshNeeds made;
 
-    Parts(std::string its_name, MeshData data);
+    Parts(std::string its_name, MeshData data, MeshOptions its_options);
 
+    void make(const MeshNeeds& needs);
+
+private:
+    Workers workers() const { return Workers(options.threads, options.progress); }
     void see_arrays() {
         for_each_array([](auto& seen, const auto& owned) { seen = view_of(owned); }, view, arrays);
     }
-    void divide_into_patches();
+    void divide_into_patches(Workers& workers);
+    void measure_boxes();
     void find_edges();
-    void measure_solid();
     void measure_patches();
+    void make_clearance();
+    void make_slabs(Workers& workers);
+    void make_rings(Workers& workers);
 };
 
-Mesh::Parts::Parts(std::string its_name, MeshData data) : name(std::move(its_name)) {
+Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
+    : name(std::move(its_name)), options(std::move(its_options)) {
     if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");
     check_positions(name, data.positions);
     check_indices(name, data);
@@ -66,78 +80,68 @@ Mesh::Parts::Parts(std::string its_name, MeshData data) : name(std::move(its_nam
         throw InputError("mesh '" + name + "' has more than " +
                          std::to_string(constants::max_elements) + " vertices or corners");
 
+    Workers crew = workers();
     Vec3d sum;
     for (Vec3f p : data.positions) {
         view.box.extend(to_double(p));
         sum += to_double(p);
     }
     view.centroid = sum * (1.0 / static_cast<double>(data.positions.size()));
-    traits = traits_of(data, view.centroid);
+    const HalfEdges sides(data.triangles, data.positions.size());
+    traits = traits_of(data, sides, view.centroid);
     view.mean_edge_length = traits.mean_edge_length;
     view.closed = traits.closed();
     arrays.positions = std::move(data.positions);
     arrays.triangles = std::move(data.triangles);
-    std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles,
-                                                                 arrays.positions.size());
-    arrays.fans = fans_of(arrays.corner_offsets, arrays.corners);
-    divide_into_patches();
-    find_edges();
-    if (view.closed) measure_solid();
-    measure_patches();
+    see_arrays();
+    crew.side_by_side(
+        "edges", [&] { arrays.edges = edges_of(view, sides, crew); },
+        [&] {
+            std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles,
+                                                                         arrays.positions.size());
+            arrays.fans = fans_of(arrays.corner_offsets, arrays.corners);
+            arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles, sides);
+            arrays.neighbors = neighbors_of(arrays.triangles.size(), sides);
+        });
+    divide_into_patches(crew);
+    see_arrays();
+    crew.side_by_side(
+        "boxes", [&] { measure_boxes(); }, [&] { find_edges(); }, [&] { measure_patches(); });
+    see_arrays();
 }
 
-void Mesh::Parts::divide_into_patches() {
+void Mesh::Parts::divide_into_patches(Workers& workers) {
     std::vector<Vec3d> points, middles;
+    points.reserve(arrays.positions.size());
+    middles.reserve(arrays.triangles.size());
     for (Vec3f p : arrays.positions) points.push_back(to_double(p));
     for (const Triangle& t : arrays.triangles)
         middles.push_back((1.0 / 3) *
                           (points[t.vertex[0]] + points[t.vertex[1]] + points[t.vertex[2]]));
-    arrays.patch_vertices = spatial_order(points);
-    arrays.group_triangles = spatial_order(middles);
-    arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles);
-    see_arrays();
+    arrays.patch_vertices = spatial_order(points, workers.threads());
+    arrays.group_triangles = spatial_order(middles, workers.threads());
+}
+
+void Mesh::Parts::measure_boxes() {
     const BoxLevels levels(view.triangles.size);
     arrays.box_nodes.resize(levels.nodes());
     for (std::uint32_t n = 0; n < levels.nodes(); ++n)
         measure_node(view, view.positions, levels, n, view_of(arrays.box_nodes));
-    see_arrays();
 }
 
 void Mesh::Parts::find_edges() {
-    arrays.edges = edges_of(view);
-    see_arrays();
     arrays.edge_groups.resize(edge_group_count(view));
     arrays.edge_blocks.resize(edge_block_count(view));
     for (std::uint32_t b = 0; b < edge_block_count(view); ++b)
         measure_edge_block(view, b, arrays.edge_blocks[b], view_of(arrays.edge_groups));
     arrays.features = features_of(view);
-    arrays.parts = parts_of(view);
-    arrays.neighbors = neighbors_of(arrays.triangles);
-    for (std::uint32_t v = 0; v < arrays.positions.size(); ++v)
-        arrays.normals.push_back(to_float(vertex_normal(view, view.positions, v)));
-    see_arrays();
-}
-
-void Mesh::Parts::measure_solid() {
-    arrays.rings = rings_of(view);
-    view.simple = traits.volume > 0 && arrays.parts.size() == 1 &&
-                  std::ranges::all_of(arrays.rings, [](const TriangleRing& r) {
-                      return r.gap > 0 && r.openness > 0;
-                  });
-    arrays.star_clearance = star_clearance(view);
-    ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
-    const ClearanceGrid coarse = build_clearance_grid(arrays.positions, arrays.triangles,
-                                                      slab_resolution(arrays.triangles.size()));
-    SlabGrid slabs = build_slab_grid(coarse, arrays.positions, arrays.triangles);
-    view.slabs_at = coarse.layout;
-    arrays.slab_cells = std::move(slabs.cells);
-    arrays.slabs = std::move(slabs.slabs);
-    arrays.clearance_steps = std::move(clearance.steps);
-    view.clearance_at = clearance.layout;
-    arrays.own_exit = own_exits_of(view);
 }
 
 void Mesh::Parts::measure_patches() {
+    arrays.normals.reserve(arrays.positions.size());
+    for (std::uint32_t v = 0; v < arrays.positions.size(); ++v)
+        arrays.normals.push_back(to_float(vertex_normal(view, view.positions, v)));
+    arrays.parts = parts_of(view);
     arrays.blocks.resize(block_count(view));
     arrays.patches.resize(patch_count(view));
     for (std::uint32_t p = 0; p < patch_count(view); ++p)
@@ -145,11 +149,49 @@ void Mesh::Parts::measure_patches() {
                       arrays.patches[p]);
     for (std::uint32_t b = 0; b < block_count(view); ++b)
         finish_block(view, view.positions, b, arrays.blocks[b]);
+}
+
+void Mesh::Parts::make(const MeshNeeds& needs) {
+    if (!view.closed) return;
+    Workers crew = workers();
+    const auto make_once = [](bool needed, bool& done, auto&& work) {
+        if (!needed || done) return;
+        work();
+        done = true;
+    };
+    make_once(needs.clearance, made.clearance, [&] { make_clearance(); });
+    make_once(needs.rings, made.rings, [&] { make_rings(crew); });
+    make_once(needs.slabs, made.slabs, [&] { make_slabs(crew); });
+    make_once(needs.stars, made.stars, [&] { arrays.star_clearance = star_clearance(view, crew); });
+    make_once(needs.own_exits, made.own_exits, [&] { arrays.own_exit = own_exits_of(view, crew); });
     see_arrays();
 }
 
-Mesh::Mesh(std::string name, MeshData data)
-    : parts_(std::make_unique<Parts>(std::move(name), std::move(data))) {}
+void Mesh::Parts::make_clearance() {
+    ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
+    arrays.clearance_steps = std::move(clearance.steps);
+    view.clearance_at = clearance.layout;
+}
+
+void Mesh::Parts::make_rings(Workers& workers) {
+    arrays.rings = rings_of(view, workers);
+    view.simple = traits.volume > 0 && arrays.parts.size() == 1 &&
+                  std::ranges::all_of(arrays.rings, [](const TriangleRing& r) {
+                      return r.gap > 0 && r.openness > 0;
+                  });
+}
+
+void Mesh::Parts::make_slabs(Workers& workers) {
+    const ClearanceGrid coarse = build_clearance_grid(arrays.positions, arrays.triangles,
+                                                      slab_resolution(arrays.triangles.size()));
+    SlabGrid slabs = build_slab_grid(coarse, arrays.positions, arrays.triangles, workers);
+    view.slabs_at = coarse.layout;
+    arrays.slab_cells = std::move(slabs.cells);
+    arrays.slabs = std::move(slabs.slabs);
+}
+
+Mesh::Mesh(std::string name, MeshData data, MeshOptions options)
+    : parts_(std::make_unique<Parts>(std::move(name), std::move(data), std::move(options))) {}
 Mesh::Mesh(Mesh&&) noexcept = default;
 Mesh& Mesh::operator=(Mesh&&) noexcept = default;
 Mesh::~Mesh() = default;
@@ -160,6 +202,28 @@ std::span<const Vec3f> Mesh::normals() const { return parts_->arrays.normals; }
 std::span<const Triangle> Mesh::triangles() const { return parts_->arrays.triangles; }
 MeshData Mesh::data() const { return {parts_->arrays.positions, parts_->arrays.triangles}; }
 const MeshTraits& Mesh::traits() const { return parts_->traits; }
-const MeshView& Mesh::view() const { return parts_->view; }
+
+MeshView Mesh::view() const { return view(MeshNeeds::all()); }
+
+MeshView Mesh::view(const MeshNeeds& needs) const {
+    const std::lock_guard guard(parts_->lock);
+    parts_->make(needs);
+    // Steps must not depend on what others have needed.
+    MeshView view = parts_->view;
+    if (!needs.clearance) {
+        view.clearance_steps = {};
+        view.clearance_at = {};
+    }
+    if (!needs.slabs) {
+        view.slab_cells = {};
+        view.slabs = {};
+        view.slabs_at = {};
+    }
+    if (!needs.rings) view.rings = {};
+    if (!needs.stars) view.star_clearance = {};
+    if (!needs.own_exits) view.own_exit = {};
+    view.simple = view.simple && needs.rings;
+    return view;
+}
 
 }  // namespace pierce

@@ -116,11 +116,11 @@ struct Connections {
                         ///< vertex form a set
 };
 
-Connections check_edges(const MeshData& mesh, Findings& findings) {
+Connections check_edges(const MeshData& mesh, const HalfEdges& sides_of_all, Findings& findings) {
     Connections connections{std::vector<bool>(mesh.triangles.size()),
                             std::vector<bool>(mesh.positions.size()),
                             DisjointSets(3 * mesh.triangles.size())};
-    for_each_edge(mesh.triangles, [&](std::span<const HalfEdge> sides) {
+    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
         const std::uint32_t low = sides[0].low, high = sides[0].high;
         const bool balanced = is_balanced(sides);
         if (sides.size() == 1) findings.add(MeshDefect::border_edge, {low, high});
@@ -270,9 +270,10 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
     const Part part = usable_part(mesh, findings);
     check_duplicate_vertices(mesh, findings);
     check_triangles(part, findings);
-    Connections connections = check_edges(part.mesh, findings);
+    const HalfEdges sides(part.mesh.triangles, part.mesh.positions.size());
+    Connections connections = check_edges(part.mesh, sides, findings);
     if (!part.ids.empty()) {
-        report.traits = traits_of(part.mesh, report.box.center());
+        report.traits = traits_of(part.mesh, sides, report.box.center());
         report.closed = report.traits.closed();
     }
     check_vertices(part.mesh, report.closed, connections, findings);

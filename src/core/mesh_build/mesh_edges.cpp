@@ -13,24 +13,24 @@
 
 namespace pierce {
 
-std::vector<Edge> edges_of(const MeshView& mesh) {
+std::vector<Edge> edges_of(const MeshView& mesh, const HalfEdges& sides_of_all, Workers& workers) {
     std::vector<Edge> edges;
-    for_each_edge({mesh.triangles.begin(), mesh.triangles.end()},
-                  [&](std::span<const HalfEdge> sides) {
-                      const std::uint32_t low = sides[0].low, high = sides[0].high;
-                      if (low == high) return;
-                      if (sides.size() == 2 && sides[0].forward != sides[1].forward)
-                          edges.push_back({{low, high}, {sides[0].triangle, sides[1].triangle}});
-                      else
-                          for (const HalfEdge& side : sides)
-                              edges.push_back({{low, high}, {side.triangle, no_triangle}});
-                  });
+    edges.reserve(3 * std::size_t{mesh.triangles.size} / 2);
+    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
+        const std::uint32_t low = sides[0].low, high = sides[0].high;
+        if (low == high) return;
+        if (sides.size() == 2 && sides[0].forward != sides[1].forward)
+            edges.push_back({{low, high}, {sides[0].triangle, sides[1].triangle}});
+        else
+            for (const HalfEdge& side : sides)
+                edges.push_back({{low, high}, {side.triangle, no_triangle}});
+    });
     std::vector<Vec3d> middles;
     middles.reserve(edges.size());
     for (const Edge& e : edges) middles.push_back(middle_of(e, mesh.positions));
     std::vector<Edge> ordered;
     ordered.reserve(edges.size());
-    for (std::uint32_t e : spatial_order(middles)) ordered.push_back(edges[e]);
+    for (std::uint32_t e : spatial_order(middles, workers.threads())) ordered.push_back(edges[e]);
     return ordered;
 }
 

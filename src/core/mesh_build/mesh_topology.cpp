@@ -10,8 +10,8 @@ namespace pierce {
 namespace {
 
 /// Counts the edges that break closedness, orientation or manifoldness.
-void count_edges(std::span<const Triangle> triangles, MeshTraits& traits) {
-    for_each_edge(triangles, [&](std::span<const HalfEdge> sides) {
+void count_edges(const HalfEdges& sides_of_all, MeshTraits& traits) {
+    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
         traits.boundary_edges += sides.size() == 1;
         traits.non_manifold_edges += sides.size() > 2;
         traits.inconsistent_edges += !is_balanced(sides);
@@ -20,9 +20,9 @@ void count_edges(std::span<const Triangle> triangles, MeshTraits& traits) {
 
 }  // namespace
 
-MeshTraits traits_of(const MeshData& data, Vec3d origin) {
+MeshTraits traits_of(const MeshData& data, const HalfEdges& sides, Vec3d origin) {
     MeshTraits traits;
-    count_edges(data.triangles, traits);
+    count_edges(sides, traits);
     double edges = 0;
     for (const Triangle& t : data.triangles) {
         Vec3d p[3];
@@ -52,10 +52,11 @@ std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(
 std::vector<std::uint32_t> fans_of(std::span<const std::uint32_t> corner_offsets,
                                    std::span<const Corner> corners) {
     std::vector<std::uint32_t> fans(corners.size(), no_vertex);
+    std::vector<std::uint32_t> fan;
     for (std::size_t v = 0; v + 1 < corner_offsets.size(); ++v) {
         const std::span<const Corner> at = corners.subspan(
             corner_offsets[v], corner_offsets[v + 1] - corner_offsets[v]);
-        std::vector<std::uint32_t> fan;
+        fan.clear();
         bool simple = at.size() >= 3;
         for (std::uint32_t next = simple ? at[0].next : no_vertex;
              simple && fan.size() < at.size();) {

@@ -6,13 +6,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 
 namespace pierce {
 
-/// The traits of a mesh with valid indices and finite positions. `origin` is a point near the mesh,
+/// The traits of a mesh with valid indices and finite positions. `sides`: of its triangles;
+/// `origin` is a point near the mesh,
 /// which keeps the volume accurate.
-MeshTraits traits_of(const MeshData& data, Vec3d origin);
+MeshTraits traits_of(const MeshData& data, const HalfEdges& sides, Vec3d origin);
 
 /// The corners of every vertex, in triangle order, and where the corners of each vertex begin:
 /// vertex_count + 1 offsets.

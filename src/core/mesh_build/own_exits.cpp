@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/workers.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/mesh_build/box_tree.hpp"
@@ -10,7 +11,7 @@
 
 namespace pierce {
 
-std::vector<double> own_exits_of(const MeshView& mesh) {
+std::vector<double> own_exits_of(const MeshView& mesh, Workers& workers) {
     const Surface surface{mesh.positions, mesh.triangles,
                           constants::touch_tolerance * mesh.box.extent()};
     std::vector<Box> boxes(mesh.triangles.size);
@@ -24,11 +25,11 @@ std::vector<double> own_exits_of(const MeshView& mesh) {
     const BoxTree tree(std::move(boxes));
 
     std::vector<double> exits(mesh.positions.size, -1.0);
-    for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
+    const auto find = [&](std::uint32_t v) {
         Ray ray;
         ray.origin = to_double(mesh.positions[v]);
         ray.direction = -normalized(to_double(mesh.normals[v]));
-        if (length_squared(ray.direction) == 0) continue;
+        if (length_squared(ray.direction) == 0) return;
         ray.t_max = mesh.box.extent();
         ray.touch = surface.touch;
         ray.excluded[0] = ray.excluded[1] = v;
@@ -41,10 +42,15 @@ std::vector<double> own_exits_of(const MeshView& mesh) {
                 },
                 [&](std::uint32_t t) { search.test(t); });
         });
-        if (hit.triangle == no_triangle) continue;
+        if (hit.triangle == no_triangle) return;
         const Meeting exit = meet(ray, surface, hit.triangle);
         if (exit.exit) exits[v] = exit.t;
-    }
+    };
+    constexpr std::uint32_t vertices_at_once = 256;
+    workers.share_out("own exits", mesh.positions.size, vertices_at_once,
+                      [&](std::uint32_t begin, std::uint32_t end) {
+                          for (std::uint32_t v = begin; v < end; ++v) find(v);
+                      });
     return exits;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/workers.hpp"
 #include "pierce/mesh.hpp"
 
 namespace pierce {
@@ -101,16 +102,11 @@ GridTriangle in_cells(const ClearanceGridLayout& grid, std::span<const Vec3f> po
 /// The slab of a cell.
 class SlabBuilder {
 public:
-    void clear() {
-        area_ = {};
-        corners_.clear();
-        normals_.clear();
-    }
-
-    void add(Vec3d normal, const Polygon& polygon, Vec3d middle) {
+    /// `area`: twice that of the polygon between the corners, along the normal.
+    void add(Vec3d normal, std::span<const Vec3d> corners, Vec3d area, Vec3d middle) {
         normals_.push_back(normal);
-        area_ += polygon.area();
-        for (const Vec3d p : polygon.corners()) corners_.push_back(p - middle);
+        area_ += area;
+        for (const Vec3d p : corners) corners_.push_back(p - middle);
     }
 
     bool is_empty() const { return corners_.empty(); }
@@ -151,27 +147,37 @@ private:
 /// The slabs of a layer of cells.
 class LayerBuilder {
 public:
-    explicit LayerBuilder(const ClearanceGridLayout& grid)
-        : grid_(grid), cells_(grid.index_of(0, 0, 1)) {}
-
-    void begin(std::int32_t z) {
-        z_ = z;
-        for (SlabBuilder& cell : cells_) cell.clear();
-    }
+    LayerBuilder(const ClearanceGridLayout& grid, std::int32_t z)
+        : grid_(grid), z_(z), cells_(grid.index_of(0, 0, 1)) {}
 
     /// Clips the triangle to the layer, each row of the layer and each cell of the row.
     void add(const GridTriangle& t) {
         const double span = reach *
                             (std::abs(t.normal.x) + std::abs(t.normal.y) + std::abs(t.normal.z));
-        const Polygon whole(t), in_layer = t.is_small ? whole : whole.clipped(2, z_);
+        const auto is_near = [&](Vec3d middle) {
+            return std::abs(dot(t.normal, middle - t.corner[0])) <= span;
+        };
+        const Polygon whole(t);
+        if (t.is_small) {
+            const Vec3d area = whole.area();
+            for (std::int32_t y = t.first[1]; y <= t.last[1]; ++y)
+                for (std::int32_t x = t.first[0]; x <= t.last[0]; ++x) {
+                    const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
+                    if (is_near(middle))
+                        cells_[grid_.index_of(x, y, 0)].add(t.normal, t.corner, area, middle);
+                }
+            return;
+        }
+        const Polygon in_layer = whole.clipped(2, z_);
         for (std::int32_t y = t.first[1]; y <= t.last[1] && !in_layer.is_empty(); ++y) {
-            const Polygon in_row = t.is_small ? whole : in_layer.clipped(1, y);
+            const Polygon in_row = in_layer.clipped(1, y);
             for (std::int32_t x = t.first[0]; x <= t.last[0] && !in_row.is_empty(); ++x) {
                 const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
-                if (!(std::abs(dot(t.normal, middle - t.corner[0])) <= span)) continue;
-                const Polygon in_cell = t.is_small ? whole : in_row.clipped(0, x);
+                if (!is_near(middle)) continue;
+                const Polygon in_cell = in_row.clipped(0, x);
                 if (!in_cell.is_empty())
-                    cells_[grid_.index_of(x, y, 0)].add(t.normal, in_cell, middle);
+                    cells_[grid_.index_of(x, y, 0)].add(t.normal, in_cell.corners(), in_cell.area(),
+                                                        middle);
             }
         }
     }
@@ -181,7 +187,7 @@ public:
 
 private:
     const ClearanceGridLayout& grid_;
-    std::int32_t z_ = 0;
+    std::int32_t z_;
     std::vector<SlabBuilder> cells_;
 };
 
@@ -194,7 +200,7 @@ std::uint32_t slab_resolution(std::size_t triangles) {
 }
 
 SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> positions,
-                         std::span<const Triangle> triangles) {
+                         std::span<const Triangle> triangles, Workers& workers) {
     const ClearanceGridLayout& grid = clearance.layout;
     SlabGrid slabs;
     if (!(grid.cell > 0)) return slabs;
@@ -210,19 +216,30 @@ SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> 
             of_layer[static_cast<std::size_t>(z)].push_back(
                 static_cast<std::uint32_t>(placed.size() - 1));
     }
-    LayerBuilder layer(grid);
-    for (std::int32_t z = 0; z < grid.size[2]; ++z) {
-        layer.begin(z);
-        for (const std::uint32_t i : of_layer[static_cast<std::size_t>(z)]) layer.add(placed[i]);
-        std::size_t cell = grid.index_of(0, 0, z);
-        for (const SlabBuilder& builder : layer.cells()) {
-            if (!builder.is_empty()) {
-                slabs.cells[cell].slab = slabs.slabs.size() & slab_bits;
-                slabs.slabs.push_back(builder.slab());
-            }
-            ++cell;
+    // Of each layer, the cells that have a slab, and the slabs.
+    struct Layer {
+        std::vector<std::size_t> cells;
+        std::vector<CellSlab> slabs;
+    };
+    std::vector<Layer> layers(of_layer.size());
+    workers.share_out("slabs", static_cast<std::uint32_t>(layers.size()), 1,
+                      [&](std::uint32_t z, std::uint32_t) {
+                          LayerBuilder builder(grid, static_cast<std::int32_t>(z));
+                          for (const std::uint32_t i : of_layer[z]) builder.add(placed[i]);
+                          std::size_t cell = grid.index_of(0, 0, static_cast<std::int32_t>(z));
+                          for (const SlabBuilder& slab : builder.cells()) {
+                              if (!slab.is_empty()) {
+                                  layers[z].cells.push_back(cell);
+                                  layers[z].slabs.push_back(slab.slab());
+                              }
+                              ++cell;
+                          }
+                      });
+    for (const Layer& layer : layers)
+        for (std::size_t k = 0; k < layer.cells.size(); ++k) {
+            slabs.cells[layer.cells[k]].slab = slabs.slabs.size() & slab_bits;
+            slabs.slabs.push_back(layer.slabs[k]);
         }
-    }
     return slabs;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/mesh/slab_grid.hpp"
 
 namespace pierce {
@@ -23,6 +24,6 @@ struct SlabGrid {
 /// triangles are clipped, their mean normal is the slab's, and the slab is as thick as what is left
 /// of them.
 SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> positions,
-                         std::span<const Triangle> triangles);
+                         std::span<const Triangle> triangles, Workers& workers);
 
 }  // namespace pierce

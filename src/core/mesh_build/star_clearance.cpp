@@ -2,39 +2,56 @@
 
 #include <algorithm>
 
+#include "core/base/workers.hpp"
+#include "core/device/bits.hpp"
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/float_rules.hpp"
+#include "core/mesh/box_nodes.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/mesh_build/box_tree.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
+namespace {
 
-std::vector<float> star_clearance(const MeshView& mesh) {
-    const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
-    std::vector<Box> boxes(mesh.triangles.size);
-    for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
-        for (std::uint32_t v : mesh.triangles[t].vertex) boxes[t].extend(at(v));
-    const BoxTree tree(std::move(boxes));
-    const double rounding = constants::touch_tolerance * mesh.box.extent();
+constexpr std::uint32_t vertices_at_once = 256;  ///< of a thread
 
-    std::vector<float> clearance(mesh.positions.size);
-    for (std::uint32_t v = 0; v < mesh.positions.size; ++v) {
-        double nearest = 0;
-        for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
-            nearest = std::max({nearest, length(at(mesh.corners[i].next) - at(v)),
-                                length(at(mesh.corners[i].previous) - at(v))});
-        Box region;
-        region.extend(at(v));
-        tree.for_each_in(region.inflated(nearest), [&](std::uint32_t t) {
-            const auto& [corner] = mesh.triangles[t];
-            if (corner[0] == v || corner[1] == v || corner[2] == v) return;
-            const Vec3d closest = closest_on_triangle(at(v), at(corner[0]), at(corner[1]),
-                                                      at(corner[2]));
-            nearest = std::min(nearest, length(closest - at(v)));
+double distance_to_rest(const MeshView& mesh, const BoxLevels& levels, std::uint32_t v) {
+    const auto at = [&](std::uint32_t u) { return to_double(mesh.positions[u]); };
+    double nearest = 0;
+    for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
+        nearest = std::max({nearest, length(at(mesh.corners[i].next) - at(v)),
+                            length(at(mesh.corners[i].previous) - at(v))});
+    QuickBox region;
+    region.extend(mesh.positions[v]);
+    for_each_group(
+        mesh.box_nodes, levels, region.inflated(not_below(static_cast<float>(nearest))),
+        [&](std::uint32_t group, std::uint32_t mask) {
+            for (; mask != 0; mask &= mask - 1) {
+                const Triangle&
+                    t = mesh.triangles[mesh.group_triangles[group * constants::group_size +
+                                                            lowest_bit(mask)]];
+                if (has_vertex(t, v)) continue;
+                const Vec3d closest = closest_on_triangle(at(v), at(t.vertex[0]), at(t.vertex[1]),
+                                                          at(t.vertex[2]));
+                nearest = std::min(length(closest - at(v)), nearest);
+            }
+            return false;
         });
-        clearance[v] = round_down(std::max(nearest - rounding, 0.0));
-    }
+    return nearest;
+}
+
+}  // namespace
+
+std::vector<float> star_clearance(const MeshView& mesh, Workers& workers) {
+    const BoxLevels levels(mesh.triangles.size);
+    const double rounding = constants::touch_tolerance * mesh.box.extent();
+    std::vector<float> clearance(mesh.positions.size);
+    workers.share_out("stars", mesh.positions.size, vertices_at_once,
+                      [&](std::uint32_t begin, std::uint32_t end) {
+                          for (std::uint32_t v = begin; v < end; ++v)
+                              clearance[v] = round_down(
+                                  std::max(distance_to_rest(mesh, levels, v) - rounding, 0.0));
+                      });
     return clearance;
 }
 

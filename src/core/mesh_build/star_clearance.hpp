@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/mesh.hpp"
 
@@ -10,6 +11,6 @@ namespace pierce {
 /// Per vertex of the rest shape, a lower bound of the distance to the nearest triangle that does
 /// not touch that vertex [length]; never more than the vertex's longest edge. A ray from the vertex
 /// that is shorter than this cannot meet its own body.
-std::vector<float> star_clearance(const MeshView& mesh);
+std::vector<float> star_clearance(const MeshView& mesh, Workers& workers);
 
 }  // namespace pierce

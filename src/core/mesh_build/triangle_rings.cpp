@@ -3,19 +3,23 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <span>
 
+#include "core/base/workers.hpp"
+#include "core/device/bits.hpp"
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/triangle_pair.hpp"
+#include "core/mesh/box_nodes.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
-#include "core/mesh_build/box_tree.hpp"
+#include "core/mesh_build/four_distances.hpp"
 
 namespace pierce {
 
-std::vector<Neighbors> neighbors_of(std::span<const Triangle> triangles) {
-    std::vector<Neighbors> neighbors(triangles.size());
-    for_each_edge(triangles, [&](std::span<const HalfEdge> sides) {
+std::vector<Neighbors> neighbors_of(std::size_t triangles, const HalfEdges& sides_of_all) {
+    std::vector<Neighbors> neighbors(triangles);
+    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
         if (sides.size() != 2) return;
         neighbors[sides[0].triangle].across[sides[0].opposite] = sides[1].triangle;
         neighbors[sides[1].triangle].across[sides[1].opposite] = sides[0].triangle;
@@ -65,37 +69,93 @@ double triangle_distance(const Corners& a, const Corners& b) {
     return best;
 }
 
-/// The openness between two triangles that share vertices: no point of `other` is closer to a point
-/// Q of `own` than this times Q's distance to the border of `own`. At a shared edge, `other` lies
-/// in a half plane. Its distance from Q is Q's distance to the edge, or that times the sine of the
-/// dihedral angle. At a shared vertex, each triangle lies in a wedge. The openness is the distance
-/// of unit vectors along the sides of one wedge from the other wedge.
-double openness_towards(const MeshView& mesh, const Triangle& own, const Triangle& other) {
-    const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
-    std::vector<std::uint32_t> shared, own_rest, other_rest;
-    for (std::uint32_t v : own.vertex)
-        (std::ranges::find(other.vertex, v) != std::end(other.vertex) ? shared : own_rest)
-            .push_back(v);
-    for (std::uint32_t v : other.vertex)
-        if (std::ranges::find(own.vertex, v) == std::end(own.vertex)) other_rest.push_back(v);
-    if (shared.size() == 2)
-        return fold_sine(at(shared[0]), at(shared[1]), at(own_rest[0]), at(other_rest[0]));
-    if (shared.size() != 1) return 0;
-    const Vec3d apex = at(shared[0]);
-    const auto along = [&](std::uint32_t v) { return normalized(at(v) - apex); };
-    double least = 1;
-    for (int side = 0; side < 2; ++side) {
-        const auto& from = side == 0 ? own_rest : other_rest;
-        const auto& to = side == 0 ? other_rest : own_rest;
-        for (std::uint32_t v : from) {
-            const Vec3d closest = closest_on_triangle(along(v), {},
-                                                      constants::wedge_length * along(to[0]),
-                                                      constants::wedge_length * along(to[1]));
-            least = std::min(least, length(along(v) - closest));
+/// All between two directions from a point.
+struct Wedge {
+    Vec3d side[2];  ///< unit
+    Vec3d normal;
+    Vec3d inward[2];  ///< at right angles to each side, in the wedge's plane
+
+    explicit Wedge(const Corners& c)
+        : side{normalized(c[1] - c[0]), normalized(c[2] - c[0])},
+          normal(cross(side[0], side[1])),
+          inward{cross(normal, side[0]), cross(side[1], normal)} {}
+
+    double squared_distance(Vec3d unit) const {
+        double least = 1;
+        for (const Vec3d way : side) {
+            const double along = dot(unit, way);
+            if (along > 0) least = std::min(length_squared(unit - along * way), least);
         }
+        const double size = length_squared(normal), height = dot(unit, normal);
+        if (size > 0 && dot(unit, inward[0]) >= 0 && dot(unit, inward[1]) >= 0)
+            least = std::min(height * height / size, least);
+        return least;
     }
-    return least;
+    /// True if the other wedge is certainly on one side of this one's plane.
+    bool leaves_aside(const Wedge& other) const {
+        const double first = dot(normal, other.side[0]), second = dot(normal, other.side[1]);
+        return std::min(first, second) > constants::touch_tolerance ||
+               std::max(first, second) < -constants::touch_tolerance;
+    }
+};
+
+/// The corners of a triangle from corner `k` on.
+Corners from_corner(const Corners& c, std::size_t k) {
+    return {c[k], c[(k + 1) % 3], c[(k + 2) % 3]};
 }
+
+/// True if triangles that share their first corner pass through each other: the side of one of them
+/// that lies opposite the corner passes through the other one.
+bool cross_beyond_corner(const Corners& own, const Corners& other) {
+    constexpr double inset = constants::touch_tolerance;
+    return segment_pierces(own[1], own[2], other, inset, inset) ||
+           segment_pierces(other[1], other[2], own, inset, inset);
+}
+
+/// The openness between a triangle and others that share vertices with it: no point of the other
+/// one is closer to a point Q of this one than this times Q's distance to this one's border. At a
+/// shared edge, the other triangle lies in a half plane. Its distance from Q is Q's distance to the
+/// edge, or that times the sine of the dihedral angle. At a shared vertex, each triangle lies in a
+/// wedge. The openness is the distance of unit vectors along the sides of one wedge from the other
+/// wedge. It is 0 where the triangles pass through each other.
+class Openness {
+public:
+    explicit Openness(const Corners& own)
+        : own_(own), wedges_{Wedge(own), Wedge(from_corner(own, 1)), Wedge(from_corner(own, 2))} {}
+
+    double towards(const Triangle& own, const Triangle& other, const Corners& corners) const {
+        std::size_t shared = 0, mine = 0, its = 0, my_rest = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (has_vertex(other, own.vertex[k])) {
+                mine = k;
+                its = static_cast<std::size_t>(corner_of(other, own.vertex[k]));
+                ++shared;
+            } else {
+                my_rest = k;
+            }
+        if (shared == 1) return at_corner(mine, from_corner(corners, its));
+        if (shared != 2) return 0;
+        const Corners c = from_corner(own_, my_rest);
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!has_vertex(own, other.vertex[k])) return fold_sine(c[1], c[2], c[0], corners[k]);
+        return 0;
+    }
+
+private:
+    double at_corner(std::size_t corner, const Corners& its) const {
+        const Wedge &own = wedges_[corner], other(its);
+        if (!own.leaves_aside(other) && !other.leaves_aside(own) &&
+            cross_beyond_corner(from_corner(own_, corner), its))
+            return 0;
+        double least = 1;
+        for (const Vec3d unit : own.side) least = std::min(other.squared_distance(unit), least);
+        for (const Vec3d unit : other.side) least = std::min(own.squared_distance(unit), least);
+        return std::sqrt(least);
+    }
+
+    Corners own_;
+    Wedge wedges_[3];
+};
 
 Corners corners_of(const MeshView& mesh, std::uint32_t t) {
     return corners_of(mesh.positions, mesh.triangles[t]);
@@ -104,20 +164,19 @@ Corners corners_of(const MeshView& mesh, std::uint32_t t) {
 Vec3d center_of(const Corners& c) { return (1.0 / 3) * (c[0] + c[1] + c[2]); }
 
 /// The triangles of the ring, each as often as it shares a vertex.
-std::vector<Corners> ring_of(const MeshView& mesh, std::uint32_t t) {
+void list_ring(const MeshView& mesh, std::uint32_t t, std::vector<Corners>& ring) {
     const auto at = [&](std::uint32_t v) { return to_double(mesh.positions[v]); };
-    std::vector<Corners> ring;
+    ring.clear();
     for (std::uint32_t v : mesh.triangles[t].vertex)
         for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
             ring.push_back({at(v), at(mesh.corners[i].next), at(mesh.corners[i].previous)});
-    return ring;
 }
 
 /// The cone around the ring's normals, and by how much they may turn.
 void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Corners>& triangles,
-                     TriangleRing& ring) {
+                     std::vector<Vec3d>& normals, TriangleRing& ring) {
     Vec3d sum;
-    std::vector<Vec3d> normals;
+    normals.clear();
     double lowest = std::numeric_limits<double>::infinity();
     bool sound = true;
     for (const Corners& c : triangles) {
@@ -148,53 +207,179 @@ void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Co
                                    constants::touch_tolerance);
 }
 
-}  // namespace
+constexpr std::uint32_t triangles_at_once = 256;  ///< of a thread
 
-std::vector<TriangleRing> rings_of(const MeshView& mesh) {
-    std::vector<Box> boxes(mesh.triangles.size);
-    for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
-        for (Vec3d p : corners_of(mesh, t)) boxes[t].extend(p);
-    const BoxTree tree(boxes);
-    const double rounding = constants::touch_tolerance * mesh.box.extent();
+/// The squared distance between two boxes, not more than it is.
+float squared_gap(const QuickBox& a, const QuickBox& b) {
+    float squared = 0;
+    for (int r = 0; r < 3; ++r) {
+        const float gap = std::max({a.lower[r] - b.upper[r], b.lower[r] - a.upper[r], 0.0f});
+        squared += gap * gap;
+    }
+    return squared * (1 - 4 * std::numeric_limits<float>::epsilon());
+}
 
-    std::vector<TriangleRing> rings(mesh.triangles.size);
-    for (std::uint32_t t = 0; t < mesh.triangles.size; ++t) {
-        TriangleRing& ring = rings[t];
-        const Corners own = corners_of(mesh, t);
-        const Vec3d center = center_of(own);
-        const std::vector<Corners> triangles = ring_of(mesh, t);
-        measure_normals(mesh, t, triangles, ring);
+/// A triangle in float32, relative to a point near it.
+struct NearTriangle {
+    Vec3f corner[3];
+};
+
+/// The distance from a triangle to the closest one of some others; asks four at a time.
+class GapSearch {
+public:
+    GapSearch(const MeshView& mesh, std::uint32_t t, double most)
+        : mesh_(mesh),
+          own_(corners_of(mesh, t)),
+          origin_(own_[0]),
+          gap_(most),
+          distances_(near_origin(own_).corner) {}
+
+    double gap() const { return gap_; }
+
+    void add(std::uint32_t other) {
+        waiting_[count_++] = other;
+        if (count_ == Four::count) ask();
+    }
+    void ask() {
+        if (count_ == 0) return;
+        FourVec3 corners[3];
+        for (std::uint32_t lane = 0; lane < Four::count; ++lane) {
+            const NearTriangle near = near_origin(
+                corners_of(mesh_, waiting_[lane < count_ ? lane : 0]));
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners[k].x.set(lane, near.corner[k].x);
+                corners[k].y.set(lane, near.corner[k].y);
+                corners[k].z.set(lane, near.corner[k].z);
+            }
+        }
+        const FourDistances found = distances_.from(corners);
+        for (std::uint32_t lane = 0; lane < count_; ++lane) {
+            const double distance = static_cast<double>(found.distance[lane]);
+            const bool is_known = (found.unknown >> lane & 1) == 0;
+            if (is_known && distance >= gap_) continue;
+            gap_ = std::min(
+                is_known ? distance : triangle_distance(own_, corners_of(mesh_, waiting_[lane])),
+                gap_);
+        }
+        count_ = 0;
+    }
+
+private:
+    NearTriangle near_origin(const Corners& c) const {
+        return {{to_float(c[0] - origin_), to_float(c[1] - origin_), to_float(c[2] - origin_)}};
+    }
+
+    const MeshView& mesh_;
+    Corners own_;
+    Vec3d origin_;
+    double gap_;
+    DistancesOfTriangle distances_;
+    std::uint32_t waiting_[Four::count];
+    std::uint32_t count_ = 0;
+};
+
+/// Finds what is known of the rings of triangles, one after the other.
+class RingFinder {
+public:
+    /// `boxes`: of the triangles.
+    RingFinder(const MeshView& mesh, std::span<const QuickBox> boxes)
+        : mesh_(mesh),
+          boxes_(boxes),
+          levels_(mesh.triangles.size),
+          rounding_(constants::touch_tolerance * mesh.box.extent()) {}
+
+    TriangleRing find(std::uint32_t t) {
+        TriangleRing ring;
+        const Corners own = corners_of(mesh_, t);
+        list_ring(mesh_, t, triangles_);
+        measure_normals(mesh_, t, triangles_, normals_, ring);
         for (int k = 0; k < 3; ++k) {
             const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
             ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) /
                                         length(edge));
         }
-
         // The rest of the surface is looked for as far as the ring reaches.
-        double gap = 0, radius = 0, openness = 1;
-        for (Vec3d p : own) radius = std::max(radius, length(p - center));
-        for (const Corners& c : triangles)
-            for (Vec3d p : c) gap = std::max(gap, length(p - center));
-        tree.for_each_in(boxes[t].inflated(gap), [&](std::uint32_t other) {
-            if (other == t) return;
-            const Corners its = corners_of(mesh, other);
-            if (share_vertex(mesh.triangles[t], mesh.triangles[other])) {
-                constexpr double inset = constants::touch_tolerance;
-                const bool crosses = edge_pierces(own, its, inset, inset) ||
-                                     edge_pierces(its, own, inset, inset);
-                openness = crosses ? 0
-                                   : std::min(openness, openness_towards(mesh, mesh.triangles[t],
-                                                                         mesh.triangles[other]));
-                return;
-            }
-            if (length(closest_on_triangle(center, its[0], its[1], its[2]) - center) - radius >=
-                gap)
-                return;
-            gap = std::min(gap, triangle_distance(own, its));
-        });
-        ring.gap = round_down(std::max(gap - rounding, 0.0));
+        double reach = 0;
+        const Vec3d center = center_of(own);
+        for (const Corners& c : triangles_)
+            for (Vec3d p : c) reach = std::max(length_squared(p - center), reach);
+        reach = std::sqrt(reach);
+        const double openness = look_around(t, reach);
         ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
+        ring.gap = round_down(std::max(gap_beyond_ring(t, reach) - rounding_, 0.0));
+        return ring;
     }
+
+private:
+    /// A triangle that may be near, and how far its box is away.
+    struct Other {
+        float squared;
+        std::uint32_t triangle;
+    };
+
+    /// Lists the triangles outside of the ring within `reach`, and gives the least openness of
+    /// those in it.
+    double look_around(std::uint32_t t, double reach) {
+        const Triangle& own = mesh_.triangles[t];
+        const QuickBox& box = boxes_[t];
+        const float limit = not_below(static_cast<float>(reach * reach));
+        const Openness own_openness(corners_of(mesh_, t));
+        double openness = 1;
+        others_.clear();
+        for_each_group(
+            mesh_.box_nodes, levels_, box.inflated(not_below(static_cast<float>(reach))),
+            [&](std::uint32_t group, std::uint32_t mask) {
+                for (; mask != 0; mask &= mask - 1) {
+                    const std::uint32_t other = mesh_
+                                                    .group_triangles[group * constants::group_size +
+                                                                     lowest_bit(mask)];
+                    if (other == t) continue;
+                    if (share_vertex(own, mesh_.triangles[other])) {
+                        openness = std::min(own_openness.towards(own, mesh_.triangles[other],
+                                                                 corners_of(mesh_, other)),
+                                            openness);
+                        continue;
+                    }
+                    const float squared = squared_gap(box, boxes_[other]);
+                    if (squared <= limit) others_.push_back({squared, other});
+                }
+                return false;
+            });
+        return openness;
+    }
+
+    double gap_beyond_ring(std::uint32_t t, double reach) {
+        std::ranges::sort(others_, {}, &Other::squared);
+        GapSearch search(mesh_, t, reach);
+        for (const Other& other : others_) {
+            if (static_cast<double>(other.squared) >= search.gap() * search.gap()) break;
+            search.add(other.triangle);
+        }
+        search.ask();
+        return search.gap();
+    }
+
+    const MeshView& mesh_;
+    std::span<const QuickBox> boxes_;
+    BoxLevels levels_;
+    double rounding_;
+    std::vector<Corners> triangles_;
+    std::vector<Vec3d> normals_;
+    std::vector<Other> others_;
+};
+
+}  // namespace
+
+std::vector<TriangleRing> rings_of(const MeshView& mesh, Workers& workers) {
+    std::vector<QuickBox> boxes(mesh.triangles.size);
+    for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
+        boxes[t] = box_of(mesh, mesh.positions, t);
+    std::vector<TriangleRing> rings(mesh.triangles.size);
+    workers.share_out("rings", mesh.triangles.size, triangles_at_once,
+                      [&](std::uint32_t begin, std::uint32_t end) {
+                          RingFinder finder(mesh, boxes);
+                          for (std::uint32_t t = begin; t < end; ++t) rings[t] = finder.find(t);
+                      });
     return rings;
 }
 

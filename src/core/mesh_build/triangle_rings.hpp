@@ -2,15 +2,17 @@
 
 #include <vector>
 
+#include "core/base/workers.hpp"
+#include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/mesh.hpp"
 
 namespace pierce {
 
-/// Per triangle, the triangles across its three edges.
-std::vector<Neighbors> neighbors_of(std::span<const Triangle> triangles);
+/// Per triangle, the triangles across its three edges. `sides`: of all triangles.
+std::vector<Neighbors> neighbors_of(std::size_t triangles, const HalfEdges& sides);
 
 /// Per triangle, what is known about the surface around it; see TriangleRing.
-std::vector<TriangleRing> rings_of(const MeshView& mesh);
+std::vector<TriangleRing> rings_of(const MeshView& mesh, Workers& workers);
 
 }  // namespace pierce

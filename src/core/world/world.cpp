@@ -58,8 +58,9 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 World::~World() = default;
 
-MeshId World::add_mesh(std::string name, MeshData data) {
-    return add_mesh(std::make_shared<const Mesh>(std::move(name), std::move(data)));
+MeshId World::add_mesh(std::string name, MeshData data, MeshOptions options) {
+    return add_mesh(
+        std::make_shared<const Mesh>(std::move(name), std::move(data), std::move(options)));
 }
 
 MeshId World::add_mesh(std::shared_ptr<const Mesh> mesh) {
@@ -207,7 +208,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
                          "' has no inside: its body can meet itself only as a sheet");
     entry.mesh = mesh;
     // The next step compares with the last shape, vertex by vertex, if both have as many patches.
-    if (entry.seen.size() != patch_count(shape.view())) entry.seen.clear();
+    if (entry.seen.size() != patch_count(shape.view({}))) entry.seen.clear();
     entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());
     entry.device_positions = entry.device_start = nullptr;

@@ -254,7 +254,7 @@ void World::State::check_restored(const BodyEntry& body) const {
             "a body with too many positions or too few");
     require(body.start.size() == body.positions.size() || (!body.moved && body.start.empty()),
             "a body with a start that does not fit its end");
-    require(body.seen.empty() || (deforms && body.seen.size() == patch_count(mesh.view())),
+    require(body.seen.empty() || (deforms && body.seen.size() == patch_count(mesh.view({}))),
             "a body seen in another shape");
     require(body.positions_version < next_key, "a body from the future");
     const bool usable = deforms

@@ -98,6 +98,17 @@ void World::State::end_motion() {
 
 namespace {
 
+/// What the steps of a plan read of a body's mesh.
+MeshNeeds needs_of(const Plan& plan, Motion motion) {
+    if (!plan.casts_rays) return {};
+    const bool own_exits = !plan.settings.inside_is_contact();
+    return {.clearance = true,
+            .rings = plan.remembers() || plan.misses_no_overlap() || plan.reprojects,
+            .slabs = plan.misses_no_overlap(),
+            .stars = own_exits || plan.meets_itself,
+            .own_exits = own_exits && motion != Motion::deforming};
+}
+
 void list_stages(Plan& plan) {
     plan.stages.clear();
     for (const StageInfo& stage : stage_table())
@@ -134,6 +145,9 @@ void World::State::make_plan() {
     }
     plan.casts_rays = solids || plan.velocity_rays;
     if (!solids) plan.settings.coverage = Coverage::vertices;
+    // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
+    // nothing about the way out.
+    plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
     // Where no rays are cast, there is nothing to remember of them.
     if (!plan.casts_rays) plan.settings.temporal = Temporal::off;
     if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay()) {
@@ -150,7 +164,7 @@ void World::State::make_plan() {
         BodyEntry& body = slots[i].thing;
         MeshEntry& entry = meshes.get(body.mesh, "mesh");
         ids[i] = {i, slots[i].generation};
-        view.mesh = entry.mesh->view();
+        view.mesh = entry.mesh->view(needs_of(plan, body.motion));
         view.mesh_key = entry.key;
         const std::uint32_t most = std::max(
             {view.mesh.positions.size, view.mesh.edges.size, view.mesh.triangles.size});
@@ -188,9 +202,6 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
                   (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
-    // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
-    // nothing about the way out.
-    plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
     plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
                             (plan.deforming_bodies > 0 || plan.is_complete());
     list_stages(plan);

@@ -216,15 +216,15 @@ private:
 }  // namespace
 
 SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings)
-    : SceneWorld(scene, make_backend(settings), settings.world) {}
+    : SceneWorld(scene, make_backend(settings), settings.world, settings.mesh_options()) {}
 
 SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend,
-                       const Settings& settings)
+                       const Settings& settings, const MeshOptions& options)
     : world(std::move(backend), settings) {
     std::vector<MeshId> meshes;
     meshes.reserve(scene.meshes.size());
     for (const SceneMesh& mesh : scene.meshes)
-        meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+        meshes.push_back(world.add_mesh(mesh.name, mesh.data, options));
     for (const SceneBody& body : scene.bodies) {
         const MeshId mesh = meshes[body.mesh];
         switch (body.motion) {

@@ -43,7 +43,8 @@ struct SceneWorld {
     std::vector<BodyId> bodies;
 
     SceneWorld(const SceneSetup& scene, const RaySettings& settings);
-    SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings);
+    SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings,
+               const MeshOptions& options = {});
     /// Index into the scene's bodies: a World gives out handles in order, and a scene never
     /// removes a body.
     std::uint32_t index_of(BodyId body) const;

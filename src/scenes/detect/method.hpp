@@ -2,14 +2,17 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "pierce/backend.hpp"
 #include "pierce/ids.hpp"
+#include "pierce/mesh.hpp"
 #include "pierce/settings.hpp"
 #include "pierce/step_stats.hpp"
 #include "pierce/tree_builder.hpp"
@@ -46,6 +49,12 @@ struct RaySettings {
     std::optional<TreeBuilder> builder = {};  ///< of "bvh" and "cuda"; none: the backend's own
     bool rebuild = false;                     ///< of these two: trees are built in every step
     bool graph = true;                        ///< of "cuda": false to time stage by stage
+    /// Told how far meshes are (MeshOptions).
+    std::function<void(std::string_view what, double share)> mesh_progress = {};
+
+    MeshOptions mesh_options() const {
+        return {.threads = static_cast<std::uint32_t>(threads), .progress = mesh_progress};
+    }
 };
 
 /// True if this build has CUDA and there is a device for it.

@@ -22,7 +22,7 @@ double extent_of(const MeshData& mesh) {
 }  // namespace
 
 std::vector<Met> RayProbe::meet(const MeshData& mesh, std::vector<Ray> rays, Motion motion) {
-    const std::vector<bvh::Leaf> leaves = bvh::leaves_of(mesh.positions, mesh.triangles);
+    const std::vector<bvh::Leaf> leaves = bvh::leaves_of(mesh);
     BodyView body;
     body.mesh.positions = body.positions = view_of(mesh.positions);
     body.mesh.triangles = view_of(mesh.triangles);

@@ -54,7 +54,7 @@ SheetJudge::SheetJudge(const Recording& recording) : recording_(recording) {
 }
 
 bool SheetJudge::is_solid(std::uint32_t body) const {
-    return meshes_[recording_.bodies[body].mesh].view().closed &&
+    return meshes_[recording_.bodies[body].mesh].traits().closed() &&
            !recording_.bodies[body].collision.sheet;
 }
 
@@ -72,8 +72,8 @@ SheetJudge::Corners SheetJudge::corners(const FeatureMeeting& m, std::uint32_t f
         const Vec3d start = place(body, vertex, frame - 1);
         return start + time * (place(body, vertex, frame) - start);
     };
-    const MeshView of_a = meshes_[recording_.bodies[m.a].mesh].view(),
-                   of_b = meshes_[recording_.bodies[m.b].mesh].view();
+    const MeshView of_a = meshes_[recording_.bodies[m.a].mesh].view({}),
+                   of_b = meshes_[recording_.bodies[m.b].mesh].view({});
     if (m.edges) {
         const Edge &e = of_a.edges[m.item], &f = of_b.edges[m.other];
         return {at(m.a, e.vertex[0]), at(m.a, e.vertex[1]), at(m.b, f.vertex[0]),

@@ -24,7 +24,7 @@ std::array<std::uint32_t, 3> sorted(const Triangle& t) {
 }
 
 std::vector<Leaf> checked_leaves(const MeshData& mesh) {
-    std::vector<Leaf> leaves = leaves_of(mesh.positions, mesh.triangles);
+    std::vector<Leaf> leaves = leaves_of(mesh);
     std::vector<int> seen(mesh.triangles.size());
     for (const Leaf& leaf : leaves) {
         const auto& c = leaf.corner;

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <set>
+#include <string_view>
+#include <thread>
+#include <vector>
 
 #include "core/device/bits.hpp"
 #include "core/device/view.hpp"
@@ -124,6 +128,61 @@ TEST(MeshTest, StarClearanceIsALowerBoundThatIsAlmostReached) {
                 << "mesh " << i << " vertex " << v;
         }
     }
+}
+
+TEST(MeshTest, ThreadsChangeNothing) {
+    test::Random random(12);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const auto bytes_of = [](const auto& array) {
+        return std::string_view(reinterpret_cast<const char*>(array.data),
+                                array.size * sizeof *array.data);
+    };
+    for (int i = 0; i < 4; ++i) {
+        const MeshData data = i == 0 ? scenes::torus(1, 0.4, 120, 60)
+                                     : test::random_closed_mesh(random);
+        const Mesh alone("one thread", data, {.threads = 1}), shared("five", data, {.threads = 5});
+        const MeshView a = alone.view(), b = shared.view();
+        EXPECT_EQ(a.simple, b.simple);
+        for_each_array(
+            [&](const auto& one, const auto& other) { EXPECT_EQ(bytes_of(one), bytes_of(other)); },
+            a, b);
+    }
+}
+
+TEST(MeshTest, AViewHasWhatIsNeeded) {
+    const Mesh mesh("torus", scenes::torus(1, 0.4, 24, 12));
+    const auto has = [&](const MeshNeeds& needs) {
+        const MeshView v = mesh.view(needs);
+        EXPECT_EQ(v.slab_cells.size > 0, v.slabs_at.cell > 0);
+        EXPECT_EQ(v.clearance_steps.size > 0, v.clearance_at.cell > 0);
+        return std::array{v.clearance_steps.size > 0, v.slab_cells.size > 0, v.rings.size > 0,
+                          v.star_clearance.size > 0,  v.own_exit.size > 0,   v.simple};
+    };
+    for (int twice = 0; twice < 2; ++twice) {
+        EXPECT_EQ(has({}), (std::array{false, false, false, false, false, false}));
+        EXPECT_EQ(has({.clearance = true}), (std::array{true, false, false, false, false, false}));
+        EXPECT_EQ(has({.slabs = true}), (std::array{false, true, false, false, false, false}));
+        EXPECT_EQ(has({.rings = true}), (std::array{false, false, true, false, false, true}));
+        EXPECT_EQ(has({.stars = true}), (std::array{false, false, false, true, false, false}));
+        EXPECT_EQ(has({.own_exits = true}), (std::array{false, false, false, false, true, false}));
+        EXPECT_EQ(has(MeshNeeds::all()), (std::array{true, true, true, true, true, true}));
+    }
+}
+
+TEST(MeshTest, SeveralThreadsMayNeedAMeshAtOnce) {
+    const Mesh mesh("torus", scenes::torus(1, 0.4, 60, 30));
+    std::vector<std::jthread> threads;
+    std::array<std::uint32_t, 4> rings{}, slabs{};
+    for (std::size_t k = 0; k < 4; ++k)
+        threads.emplace_back([&, k] {
+            const MeshView v = mesh.view({.clearance = true, .rings = k > 1, .slabs = k % 2 == 0});
+            rings[k] = v.rings.size;
+            slabs[k] = v.slab_cells.size;
+        });
+    threads.clear();
+    EXPECT_EQ(rings, (std::array{0u, 0u, 3600u, 3600u}));
+    EXPECT_GT(slabs[0], 0u);
+    EXPECT_EQ(slabs, (std::array{slabs[0], 0u, slabs[0], 0u}));
 }
 
 TEST(MeshTest, ATipBetweenTwoSolidsHasNoNormal) {

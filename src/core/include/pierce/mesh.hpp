@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pierce/vec3.hpp"
@@ -37,15 +39,27 @@ struct MeshTraits {
     bool closed() const { return inconsistent_edges == 0; }
 };
 
+struct MeshNeeds;
 struct MeshView;
 
-/// Topology and rest shape, checked once and then constant; any number of bodies share it.
+/// How a mesh is made.
+struct MeshOptions {
+    std::uint32_t threads = 0;  ///< 0: one per processor; the mesh is the same for every number
+    /// What is being made, and the share of it that is made, from 0 to 1. It is called now and
+    /// then once making has taken 0.2 s, by one thread at a time, and at last with 1. It must not
+    /// throw.
+    std::function<void(std::string_view what, double share)> progress = {};
+};
+
+/// Topology and rest shape, checked once and then constant; any number of bodies share it, in
+/// several worlds and threads at once. What only some steps read is made when the first of those
+/// steps is planned.
 class Mesh {
 public:
     /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out
     /// of range or a position that is not finite or beyond constants::largest_coordinate. Anything
     /// else is accepted and described by traits().
-    Mesh(std::string name, MeshData data);
+    Mesh(std::string name, MeshData data, MeshOptions options = {});
     Mesh(Mesh&&) noexcept;
     Mesh& operator=(Mesh&&) noexcept;
     ~Mesh();
@@ -58,12 +72,14 @@ public:
     /// A copy of the data that the mesh was made from.
     MeshData data() const;
     const MeshTraits& traits() const;
-    /// Everything that steps read of the mesh (core/mesh/mesh_view.hpp, which is not installed).
-    const MeshView& view() const;
+    /// What steps read of the mesh (core/mesh/mesh_view.hpp, which is not installed): everything,
+    /// or what is needed. Makes what is missing.
+    MeshView view() const;
+    MeshView view(const MeshNeeds& needs) const;
 
 private:
     struct Parts;
-    std::unique_ptr<const Parts> parts_;
+    std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace pierce

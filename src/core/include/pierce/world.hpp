@@ -46,7 +46,7 @@ public:
     ~World();
 
     /// Checks and keeps a mesh; Mesh says what is refused. `name` appears in messages.
-    MeshId add_mesh(std::string name, MeshData data);
+    MeshId add_mesh(std::string name, MeshData data, MeshOptions options = {});
     /// Keeps a mesh that other worlds may share; the mesh is checked and measured once. Throws
     /// InputError if `mesh` is null.
     MeshId add_mesh(std::shared_ptr<const Mesh> mesh);

@@ -56,7 +56,7 @@ public:
     explicit Bodies(std::vector<MeshData> meshes)
         : meshes_(std::move(meshes)), leaves_(meshes_.size()), views_(meshes_.size()) {
         for (std::size_t b = 0; b < views_.size(); ++b) {
-            leaves_[b] = bvh::leaves_of(meshes_[b].positions, meshes_[b].triangles);
+            leaves_[b] = bvh::leaves_of(meshes_[b]);
             views_[b].mesh.leaves = view_of(std::as_const(leaves_[b]));
             views_[b].motion = Motion::deforming;
             views_[b].mesh_key = b + 1;
@@ -373,7 +373,7 @@ TEST_P(BvhTest, TakesFewStages) {
 
 TEST_P(BvhTest, SharesATreeAmongRigidBodies) {
     const MeshData mesh = scenes::sphere(1, 2);
-    const std::vector<bvh::Leaf> leaves = bvh::leaves_of(mesh.positions, mesh.triangles);
+    const std::vector<bvh::Leaf> leaves = bvh::leaves_of(mesh);
     std::vector<BodyView> bodies(3);
     for (BodyView& body : bodies) {
         body.motion = Motion::rigid;

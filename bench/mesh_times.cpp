@@ -1,0 +1,100 @@
+// How long it takes until a mesh is ready, and how much memory that takes. Prints CSV.
+//   pierce_mesh_times THREADS TRIANGLES...
+// The mesh is a torus with bumps beside a small copy that touches nothing. `add` is add_mesh;
+// `first` is that and the first step with inward rays of vertices alone (no edges, no closest
+// points, no memory); `certified` is that and the first step with the default settings. Each is
+// measured three times, with meshes of its own; the least counts. Memory is the most that the
+// process has had, with both worlds.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+
+#include "pierce/embree_backend.hpp"
+#include "pierce/world.hpp"
+
+namespace {
+
+using namespace pierce;
+
+MeshData bumpy_torus(double triangles) {
+    // Five triangles along the ring for each two around the tube are about as high as wide.
+    const auto around = static_cast<std::uint32_t>(std::sqrt(triangles / 5)),
+               along = static_cast<std::uint32_t>(triangles / 2 / around);
+    MeshData mesh;
+    for (std::uint32_t i = 0; i < along; ++i)
+        for (std::uint32_t j = 0; j < around; ++j) {
+            const double a = 2 * std::numbers::pi * i / along,
+                         b = 2 * std::numbers::pi * j / around,
+                         tube = 0.4 + 0.02 * std::sin(7 * a + 3 * b), ring = 1 + tube * std::cos(b);
+            mesh.positions.push_back(
+                to_float({ring * std::cos(a), ring * std::sin(a), tube * std::sin(b)}));
+        }
+    for (std::uint32_t i = 0; i < along; ++i)
+        for (std::uint32_t j = 0; j < around; ++j) {
+            const std::uint32_t next = (i + 1) % along, side = (j + 1) % around;
+            const std::uint32_t p = i * around + j, q = next * around + j, r = next * around + side,
+                                s = i * around + side;
+            mesh.triangles.push_back({{p, q, r}});
+            mesh.triangles.push_back({{p, r, s}});
+        }
+    return mesh;
+}
+
+struct Times {
+    double add = std::numeric_limits<double>::infinity();
+    double ready = std::numeric_limits<double>::infinity();
+};
+
+/// [s] Until the mesh is added, and until a step has run.
+Times measure(const MeshData& data, const MeshData& small, int threads, const Settings& settings) {
+    using Clock = std::chrono::steady_clock;
+    Times best;
+    for (int run = 0; run < 3; ++run) {
+        World world(embree_backend(threads), settings);
+        world.add_rigid_body(world.add_mesh("small", small), {{3, 0, 0}, {}});
+        world.detect();
+        MeshData copy = data;
+        const auto seconds = [begin = Clock::now()] {
+            return std::chrono::duration<double>(Clock::now() - begin).count();
+        };
+        const MeshId mesh = world.add_mesh("torus", std::move(copy),
+                                           {.threads = static_cast<std::uint32_t>(threads)});
+        best.add = std::min(seconds(), best.add);
+        world.add_rigid_body(mesh, {{0.1, 0, 0}, {}});
+        world.detect();
+        best.ready = std::min(seconds(), best.ready);
+    }
+    return best;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3) {
+        std::fputs("usage: pierce_mesh_times THREADS TRIANGLES...\n", stderr);
+        return 2;
+    }
+    const int threads = std::atoi(argv[1]);
+    const MeshData small = bumpy_torus(200);
+    std::puts("triangles,threads,add_ms,first_ms,certified_ms,most_memory_mb");
+    for (int k = 2; k < argc; ++k) {
+        const MeshData data = bumpy_torus(std::atof(argv[k]));
+        const Times first = measure(data, small, threads,
+                                    {.coverage = Coverage::vertices,
+                                     .reproject = false,
+                                     .temporal = Temporal::off}),
+                    certified = measure(data, small, threads, {});
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        std::printf("%zu,%d,%.1f,%.1f,%.1f,%.0f\n", data.triangles.size(), threads,
+                    1e3 * std::min(first.add, certified.add), 1e3 * first.ready,
+                    1e3 * certified.ready, static_cast<double>(usage.ru_maxrss) / 1024);
+        std::fflush(stdout);
+    }
+}
