@@ -105,7 +105,7 @@ MeshNeeds needs_of(const Plan& plan, Motion motion) {
     return {.clearance = true,
             .rings = plan.remembers() || plan.misses_no_overlap() || plan.reprojects,
             .slabs = plan.misses_no_overlap(),
-            .stars = own_exits || plan.meets_itself,
+            .stars = plan.traces_own_exits || plan.meets_itself,
             .own_exits = own_exits && motion != Motion::deforming};
 }
 
@@ -131,9 +131,10 @@ void World::State::make_plan() {
     box_nodes.assign(slots.size(), {});
     seen.assign(slots.size(), {});
 
-    bool solids = false;
+    bool solids = false, any_deforms = false;
     for (const auto& slot : slots) {
         if (!slot.used) continue;
+        any_deforms = any_deforms || slot.thing.motion == Motion::deforming;
         const Collision& collision = slot.thing.collision;
         solids = solids || (!collision.sheet && mesh_of(slot.thing).traits().closed());
         plan.sheets = plan.sheets || collision.sheet;
@@ -157,6 +158,8 @@ void World::State::make_plan() {
             "than the proof that it is needless; the contacts are the same");
     }
 
+    plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
+                            (any_deforms || plan.is_complete());
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
         view.active = false;
@@ -202,8 +205,6 @@ void World::State::make_plan() {
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
                   (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
-    plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
-                            (plan.deforming_bodies > 0 || plan.is_complete());
     list_stages(plan);
     resting_plan = plan;
     resting_plan.settings.temporal = Temporal::off;
