@@ -99,47 +99,63 @@ GridTriangle in_cells(const ClearanceGridLayout& grid, std::span<const Vec3f> po
     return t;
 }
 
-/// The slab of a cell.
+/// The slab of a cell: first its normal is found, then it is made to hold what is in the cell.
 class SlabBuilder {
 public:
-    /// `area`: twice that of the polygon between the corners, along the normal.
-    void add(Vec3d normal, std::span<const Vec3d> corners, Vec3d area, Vec3d middle) {
-        normals_.push_back(normal);
+    /// Counts for the normal. `area`: twice that of a polygon, along its normal.
+    void add(Vec3d area) {
         area_ += area;
-        for (const Vec3d p : corners) corners_.push_back(p - middle);
+        is_empty_ = false;
+    }
+    /// Likewise, and keeps the polygon for later.
+    void add_and_keep(Vec3d normal, const Polygon& polygon, Vec3d middle) {
+        add(polygon.area());
+        normals_.push_back(normal);
+        for (const Vec3d p : polygon.corners()) corners_.push_back(p - middle);
+    }
+    bool is_empty() const { return is_empty_; }
+
+    /// Finds the normal; then the slab holds what was kept.
+    void choose_normal() {
+        const Vec3d along = normalized(area_);
+        for (int i = 0; i < 3; ++i) {
+            slab_.normal[i] = static_cast<std::int8_t>(along[i] * constants::slab_normal_unit);
+            stored_[i] = slab_.normal[i] / constants::slab_normal_unit;
+        }
+        axis_ = normalized(stored_);
+        for (const Vec3d p : corners_) hold(p);
+        for (const Vec3d n : normals_) face(n);
+    }
+    /// Makes the slab hold a polygon around `middle`.
+    void hold(Vec3d normal, std::span<const Vec3d> corners, Vec3d middle) {
+        for (const Vec3d p : corners) hold(p - middle);
+        face(normal);
     }
 
-    bool is_empty() const { return corners_.empty(); }
-
     CellSlab slab() const {
-        CellSlab slab;
-        const Vec3d along = normalized(area_);
-        Vec3d stored;
-        for (int i = 0; i < 3; ++i) {
-            slab.normal[i] = static_cast<std::int8_t>(along[i] * constants::slab_normal_unit);
-            stored[i] = slab.normal[i] / constants::slab_normal_unit;
-        }
-        double low = INFINITY, high = -INFINITY;
-        for (const Vec3d p : corners_) {
-            low = std::min(dot(stored, p), low);
-            high = std::max(dot(stored, p), high);
-        }
-        slab.low = static_cast<std::int16_t>(std::floor(low * constants::slab_units) - 1);
-        slab.high = static_cast<std::int16_t>(std::ceil(high * constants::slab_units) + 1);
-        const Vec3d axis = normalized(stored);
-        double cosine = 1, sine = 0;
-        for (const Vec3d n : normals_) {
-            cosine = std::min(dot(axis, n), cosine);
-            sine = std::max(length(cross(axis, n)), sine);
-        }
-        if (cosine > 0)
+        CellSlab slab = slab_;
+        slab.low = static_cast<std::int16_t>(std::floor(low_ * constants::slab_units) - 1);
+        slab.high = static_cast<std::int16_t>(std::ceil(high_ * constants::slab_units) + 1);
+        if (cosine_ > 0)
             slab.sine = static_cast<std::int8_t>(std::min(
-                std::ceil(sine * constants::slab_normal_unit), double{CellSlab::slab_any_way}));
+                std::ceil(sine_ * constants::slab_normal_unit), double{CellSlab::slab_any_way}));
         return slab;
     }
 
 private:
-    Vec3d area_;
+    void hold(Vec3d from_middle) {
+        low_ = std::min(dot(stored_, from_middle), low_);
+        high_ = std::max(dot(stored_, from_middle), high_);
+    }
+    void face(Vec3d normal) {
+        cosine_ = std::min(dot(axis_, normal), cosine_);
+        sine_ = std::max(length(cross(axis_, normal)), sine_);
+    }
+
+    Vec3d area_, stored_, axis_;
+    bool is_empty_ = true;
+    double low_ = INFINITY, high_ = -INFINITY, cosine_ = 1, sine_ = 0;
+    CellSlab slab_;
     std::vector<Vec3d> corners_;  ///< from the middle
     std::vector<Vec3d> normals_;
 };
@@ -150,35 +166,24 @@ public:
     LayerBuilder(const ClearanceGridLayout& grid, std::int32_t z)
         : grid_(grid), z_(z), cells_(grid.index_of(0, 0, 1)) {}
 
-    /// Clips the triangle to the layer, each row of the layer and each cell of the row.
-    void add(const GridTriangle& t) {
-        const double span = reach *
-                            (std::abs(t.normal.x) + std::abs(t.normal.y) + std::abs(t.normal.z));
-        const auto is_near = [&](Vec3d middle) {
-            return std::abs(dot(t.normal, middle - t.corner[0])) <= span;
-        };
-        const Polygon whole(t);
-        if (t.is_small) {
-            const Vec3d area = whole.area();
-            for (std::int32_t y = t.first[1]; y <= t.last[1]; ++y)
-                for (std::int32_t x = t.first[0]; x <= t.last[0]; ++x) {
-                    const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
-                    if (is_near(middle))
-                        cells_[grid_.index_of(x, y, 0)].add(t.normal, t.corner, area, middle);
-                }
-            return;
+    /// Adds the triangles to the cells that they are in. Of small ones there may be very many in a
+    /// cell; so they are looked at twice, and not kept.
+    void add(std::span<const GridTriangle> triangles, std::span<const std::uint32_t> of_layer) {
+        for (const std::uint32_t i : of_layer) {
+            const GridTriangle& t = triangles[i];
+            if (t.is_small)
+                for_each_cell(
+                    t, [area = Polygon(t).area()](SlabBuilder& cell, Vec3d) { cell.add(area); });
+            else
+                clip(t);
         }
-        const Polygon in_layer = whole.clipped(2, z_);
-        for (std::int32_t y = t.first[1]; y <= t.last[1] && !in_layer.is_empty(); ++y) {
-            const Polygon in_row = in_layer.clipped(1, y);
-            for (std::int32_t x = t.first[0]; x <= t.last[0] && !in_row.is_empty(); ++x) {
-                const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
-                if (!is_near(middle)) continue;
-                const Polygon in_cell = in_row.clipped(0, x);
-                if (!in_cell.is_empty())
-                    cells_[grid_.index_of(x, y, 0)].add(t.normal, in_cell.corners(), in_cell.area(),
-                                                        middle);
-            }
+        for (SlabBuilder& cell : cells_) cell.choose_normal();
+        for (const std::uint32_t i : of_layer) {
+            const GridTriangle& t = triangles[i];
+            if (t.is_small)
+                for_each_cell(t, [&t](SlabBuilder& cell, Vec3d middle) {
+                    cell.hold(t.normal, t.corner, middle);
+                });
         }
     }
 
@@ -186,6 +191,37 @@ public:
     std::span<const SlabBuilder> cells() const { return cells_; }
 
 private:
+    static bool is_near(const GridTriangle& t, Vec3d middle) {
+        const double span = reach *
+                            (std::abs(t.normal.x) + std::abs(t.normal.y) + std::abs(t.normal.z));
+        return std::abs(dot(t.normal, middle - t.corner[0])) <= span;
+    }
+
+    /// Calls f(cell, middle) for the cells that the triangle's box and its plane are near.
+    template <class F>
+    void for_each_cell(const GridTriangle& t, const F& f) {
+        for (std::int32_t y = t.first[1]; y <= t.last[1]; ++y)
+            for (std::int32_t x = t.first[0]; x <= t.last[0]; ++x) {
+                const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
+                if (is_near(t, middle)) f(cells_[grid_.index_of(x, y, 0)], middle);
+            }
+    }
+
+    /// Clips the triangle to the layer, each row of the layer and each cell of the row.
+    void clip(const GridTriangle& t) {
+        const Polygon in_layer = Polygon(t).clipped(2, z_);
+        for (std::int32_t y = t.first[1]; y <= t.last[1] && !in_layer.is_empty(); ++y) {
+            const Polygon in_row = in_layer.clipped(1, y);
+            for (std::int32_t x = t.first[0]; x <= t.last[0] && !in_row.is_empty(); ++x) {
+                const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
+                if (!is_near(t, middle)) continue;
+                const Polygon in_cell = in_row.clipped(0, x);
+                if (!in_cell.is_empty())
+                    cells_[grid_.index_of(x, y, 0)].add_and_keep(t.normal, in_cell, middle);
+            }
+        }
+    }
+
     const ClearanceGridLayout& grid_;
     std::int32_t z_;
     std::vector<SlabBuilder> cells_;
@@ -225,7 +261,7 @@ SlabGrid build_slab_grid(const ClearanceGrid& clearance, std::span<const Vec3f> 
     workers.share_out("slabs", static_cast<std::uint32_t>(layers.size()), 1,
                       [&](std::uint32_t z, std::uint32_t) {
                           LayerBuilder builder(grid, static_cast<std::int32_t>(z));
-                          for (const std::uint32_t i : of_layer[z]) builder.add(placed[i]);
+                          builder.add(placed, of_layer[z]);
                           std::size_t cell = grid.index_of(0, 0, static_cast<std::int32_t>(z));
                           for (const SlabBuilder& slab : builder.cells()) {
                               if (!slab.is_empty()) {
