@@ -43,7 +43,7 @@ public:
                 least = min_of(between_edges(own_[k], own_[after(k)], other[i], other[after(i)]),
                                least);
         FourDistances result;
-        Four above, below;
+        Four above = 0, below = 0;
         least = min_of(over_face(own_, other, least, above, below, result.unknown), least);
         const Four made_up = Four(FourDistances::error) * root_of(extent_squared);
         const Four limit = Four(0.5f) * root_of(least) - made_up;

@@ -12,7 +12,7 @@ namespace {
 /// A point and its number side by side: sorting then reads memory in order.
 struct Numbered {
     Vec3d point;
-    std::uint32_t number;
+    std::uint32_t number = 0;
 };
 
 int longest_axis(const Box& box) {

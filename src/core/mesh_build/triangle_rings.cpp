@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <vector>
 
 #include "core/base/workers.hpp"
 #include "core/device/bits.hpp"
