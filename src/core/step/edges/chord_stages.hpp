@@ -137,12 +137,16 @@ private:
                 near[i].triangles.room = static_cast<float>(ahead + margin - way);
             }
         }
-        if (wanted != Chords::all && !is_known) {
+        // What is proved of an edge is proved of what it crosses: the two change together. Where
+        // nothing new is proved, chords at ends leave both as they are.
+        const bool is_proved = triangles.count() < 2 && ahead > 0;
+        if (wanted == Chords::within || (wanted == Chords::at_ends && !is_known && is_proved)) {
             near[i].crosses = triangles.count() == 1  ? triangles.first()
                               : triangles.count() > 1 ? some_triangle
                                                       : no_triangle;
-            if (triangles.count() < 2 && ahead > 0)
-                proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
+            near[i].expiry = d.odometer;
+            near[i].room = 0;
+            if (is_proved) proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
         }
         if (wanted == Chords::within) {
             if (triangles.count() > 0) marks.set(item.directed / 2, PairMarks::edge_crosses);
