@@ -1,6 +1,5 @@
 #include "core/mesh_build/own_exits.hpp"
 
-#include <utility>
 
 #include "core/base/workers.hpp"
 #include "core/mesh/box_nodes.hpp"
