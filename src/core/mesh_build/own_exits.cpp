@@ -1,6 +1,5 @@
 #include "core/mesh_build/own_exits.hpp"
 
-
 #include "core/base/workers.hpp"
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/mesh_view.hpp"
