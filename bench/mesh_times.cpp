@@ -13,10 +13,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
-#include <numbers>
 
 #include "pierce/embree_backend.hpp"
 #include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
 
 namespace {
 
@@ -26,23 +26,13 @@ MeshData bumpy_torus(double triangles) {
     // Five triangles along the ring for each two around the tube are about as high as wide.
     const auto around = static_cast<std::uint32_t>(std::sqrt(triangles / 5)),
                along = static_cast<std::uint32_t>(triangles / 2 / around);
-    MeshData mesh;
-    for (std::uint32_t i = 0; i < along; ++i)
-        for (std::uint32_t j = 0; j < around; ++j) {
-            const double a = 2 * std::numbers::pi * i / along,
-                         b = 2 * std::numbers::pi * j / around,
-                         tube = 0.4 + 0.02 * std::sin(7 * a + 3 * b), ring = 1 + tube * std::cos(b);
-            mesh.positions.push_back(
-                to_float({ring * std::cos(a), ring * std::sin(a), tube * std::sin(b)}));
-        }
-    for (std::uint32_t i = 0; i < along; ++i)
-        for (std::uint32_t j = 0; j < around; ++j) {
-            const std::uint32_t next = (i + 1) % along, side = (j + 1) % around;
-            const std::uint32_t p = i * around + j, q = next * around + j, r = next * around + side,
-                                s = i * around + side;
-            mesh.triangles.push_back({{p, q, r}});
-            mesh.triangles.push_back({{p, r, s}});
-        }
+    MeshData mesh = scenes::torus(1, 0.4, along, around);
+    for (Vec3f& p : mesh.positions) {
+        const Vec3d at = to_double(p);
+        const double a = std::atan2(at.y, at.x), b = std::atan2(at.z, std::hypot(at.x, at.y) - 1);
+        const Vec3d middle{std::cos(a), std::sin(a), 0};
+        p = to_float(middle + (1 + 0.05 * std::sin(7 * a + 3 * b)) * (at - middle));
+    }
     return mesh;
 }
 
