@@ -64,8 +64,11 @@ void add_inside(const Placed& source, const Placed& target, std::vector<InsideVe
 }  // namespace
 
 RecordingTruth::RecordingTruth(const scenes::Recording& recording) : recording_(recording) {
-    for (const scenes::SceneMesh& mesh : recording.meshes)
-        rest_.emplace_back(in_double(mesh.data.positions), mesh.data.triangles);
+    for (const scenes::SceneMesh& mesh : recording.meshes) {
+        const Mesh surface(mesh.name, mesh.data, {.inside = mesh.inside});
+        triangles_.emplace_back(surface.triangles().begin(), surface.triangles().end());
+        rest_.emplace_back(in_double(mesh.data.positions), triangles_.back());
+    }
 }
 
 FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
@@ -78,7 +81,7 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
             const std::span<const Vec3f> positions = recording_.positions(b, frame);
             if (!is_usable(positions)) continue;
             placed.mesh = &deformed.emplace_back(in_double(positions),
-                                                 recording_.meshes[body.mesh].data.triangles);
+                                                 triangles_[body.mesh]);
         } else {
             const Pose pose = recording_.pose(b, frame);
             if (!is_usable(pose)) continue;

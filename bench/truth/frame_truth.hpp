@@ -36,7 +36,8 @@ public:
 
 private:
     const scenes::Recording& recording_;
-    std::vector<ExactMesh> rest_;  ///< per mesh
+    std::vector<std::vector<Triangle>> triangles_;  ///< per mesh, those of its surface
+    std::vector<ExactMesh> rest_;                   ///< per mesh
 };
 
 }  // namespace pierce::truth

@@ -1,10 +1,13 @@
 #include "pierce/bullet/bullet_dispatcher.hpp"
 
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBody.h>
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -58,11 +61,15 @@ struct Dispatcher::State {
     std::vector<Binding> bindings;
     Pairs pairs;
     std::vector<Vec3f> positions;  ///< scratch
+    std::deque<btSoftBody::Face> hit_faces;  ///< of the last step's contacts; Bullet has their
+                                             ///< addresses
     double response_milliseconds = 0;
     std::uint32_t reduced_contacts = 0;
 
     bool is_bound(const btCollisionObject* object) const { return by_object.contains(object); }
-    void bind(btCollisionObject& object, btSoftBody* soft, BodyId body);
+    void bind(Dispatcher& dispatcher, btCollisionObject& object, btSoftBody* soft, BodyId body);
+    void unbind(Dispatcher& dispatcher, std::size_t binding);
+    btSoftBody::Face& face_of(const Binding& target, const Contact& contact);
     void read_bodies();
     void write_contacts(Dispatcher& dispatcher);
     void write_manifolds(Dispatcher& dispatcher, const Binding& a, const Binding& b,
@@ -70,10 +77,49 @@ struct Dispatcher::State {
     void release_untouched(Dispatcher& dispatcher);
 };
 
-void Dispatcher::State::bind(btCollisionObject& object, btSoftBody* soft, BodyId body) {
+void Dispatcher::State::bind(Dispatcher& dispatcher, btCollisionObject& object, btSoftBody* soft,
+                             BodyId body) {
+    if (const auto last = by_object.find(&object); last != by_object.end())
+        unbind(dispatcher, last->second);
+    if (const auto last = by_body.find(body); last != by_body.end())
+        unbind(dispatcher, last->second);
     by_object[&object] = bindings.size();
     by_body[body] = bindings.size();
     bindings.push_back({&object, soft, body});
+}
+
+/// Leaves nothing that points to the object.
+void Dispatcher::State::unbind(Dispatcher& dispatcher, std::size_t binding) {
+    const Binding gone = bindings[binding];
+    std::erase_if(pairs, [&](const auto& entry) {
+        const auto& [bodies, pair] = entry;
+        if (bodies.first != gone.body && bodies.second != gone.body) return false;
+        for (btPersistentManifold* manifold : pair.manifolds) dispatcher.releaseManifold(manifold);
+        return true;
+    });
+    for (const Binding& other : bindings) {
+        if (other.soft == nullptr) continue;
+        other.soft->m_rcontacts.resizeNoInitialize(0);
+        other.soft->m_scontacts.resizeNoInitialize(0);
+    }
+    by_object.erase(gone.object);
+    by_body.erase(gone.body);
+    bindings[binding] = bindings.back();
+    bindings.pop_back();
+    if (binding == bindings.size()) return;
+    by_object[bindings[binding].object] = binding;
+    by_body[bindings[binding].body] = binding;
+}
+
+/// The triangle that was hit, as Bullet's solver wants it. The soft body's own faces need not be
+/// those of the mesh's surface.
+btSoftBody::Face& Dispatcher::State::face_of(const Binding& target, const Contact& contact) {
+    const Mesh& mesh = world.mesh(world.mesh_of(target.body));
+    btSoftBody::Face& face = hit_faces.emplace_back();
+    for (int k = 0; k < 3; ++k)
+        face.m_n[k] = &target.soft->m_nodes[static_cast<int>(
+            mesh.triangles()[contact.triangle].vertex[k])];
+    return face;
 }
 
 /// Copies poses and positions from Bullet.
@@ -150,6 +196,7 @@ void Dispatcher::State::release_untouched(Dispatcher& dispatcher) {
 
 void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
     reduced_contacts = 0;
+    hit_faces.clear();
     const std::span<const Contact> contacts = world.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
         while (end < contacts.size() && contacts[end].a == contacts[begin].a &&
@@ -169,11 +216,11 @@ void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
             const Binding& source = c.source == Side::a ? binding_a : binding_b;
             const Binding& target = c.source == Side::a ? binding_b : binding_a;
             if (source.soft != nullptr && target.soft != nullptr)
-                add_soft_soft(*source.soft, *target.soft, c);
+                add_soft_soft(*source.soft, face_of(target, c), *target.soft, c);
             else if (source.soft != nullptr)
                 add_soft_rigid(*source.soft, *target.object, c);
             else
-                add_rigid_soft(*source.object, *target.soft, c);
+                add_rigid_soft(*source.object, face_of(target, c), *target.soft, c);
             ++reduced_contacts;
         }
     }
@@ -189,15 +236,23 @@ Dispatcher::Dispatcher(btCollisionConfiguration* configuration, World& world,
                        .by_body = {},
                        .bindings = {},
                        .pairs = {},
-                       .positions = {}}) {
+                       .positions = {},
+                       .hit_faces = {}}) {
     // Pierce handles pairs of bound objects. The callback has no user pointer, but it gets this
     // dispatcher as an argument.
     setNearCallback([](btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
                        const btDispatcherInfo& info) {
         const State& state = *static_cast<Dispatcher&>(dispatcher).state_;
         if (state.is_bound(static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject)) &&
-            state.is_bound(static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject)))
+            state.is_bound(static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject))) {
+            // Contacts that Bullet found before both were bound go with their algorithm.
+            if (pair.m_algorithm != nullptr) {
+                pair.m_algorithm->~btCollisionAlgorithm();
+                dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
+                pair.m_algorithm = nullptr;
+            }
             return;
+        }
         defaultNearCallback(pair, dispatcher, info);
     });
 }
@@ -207,17 +262,22 @@ Dispatcher::~Dispatcher() {
         for (btPersistentManifold* manifold : pair.manifolds) releaseManifold(manifold);
 }
 
-void Dispatcher::bind(btRigidBody& rigid, BodyId body) { state_->bind(rigid, nullptr, body); }
+void Dispatcher::bind(btRigidBody& rigid, BodyId body) {
+    state_->bind(*this, rigid, nullptr, body);
+}
 
 void Dispatcher::bind(btSoftBody& soft, BodyId body) {
     const Mesh& mesh = state_->world.mesh(state_->world.mesh_of(body));
-    if (soft.m_nodes.size() != static_cast<int>(mesh.positions().size()) ||
-        soft.m_faces.size() != static_cast<int>(mesh.triangles().size()))
-        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes and " +
-                         std::to_string(soft.m_faces.size()) + " faces, mesh '" + mesh.name() +
-                         "' has " + std::to_string(mesh.positions().size()) + " vertices and " +
-                         std::to_string(mesh.triangles().size()) + " triangles");
-    state_->bind(soft, &soft, body);
+    if (soft.m_nodes.size() != static_cast<int>(mesh.positions().size()))
+        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) +
+                         " nodes, mesh '" + mesh.name() + "' has " +
+                         std::to_string(mesh.positions().size()) + " vertices");
+    state_->bind(*this, soft, &soft, body);
+}
+
+void Dispatcher::unbind(const btCollisionObject& object) {
+    if (const auto bound = state_->by_object.find(&object); bound != state_->by_object.end())
+        state_->unbind(*this, bound->second);
 }
 
 void Dispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs,

@@ -2,6 +2,8 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
+
 namespace pierce::bullet {
 namespace {
 
@@ -9,6 +11,20 @@ btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights,
                    btVector3 btSoftBody::Node::*position) {
     return btSoftBody::BaryEval(face.m_n[0]->*position, face.m_n[1]->*position,
                                 face.m_n[2]->*position, weights);
+}
+
+Grip grip_at(const btSoftBody& target, const btSoftBody::Face& face, const btVector3& weights,
+             const btVector3& gap) {
+    Grip grip{.node = {}, .place = weights, .gap = gap};
+    for (int k = 0; k < 3; ++k)
+        grip.node[k] = static_cast<int>(face.m_n[k] - &target.m_nodes[0]);
+    return grip;
+}
+
+/// True if the target still has the nodes: it may have lost some.
+bool has_nodes(const btSoftBody& target, const Grip& grip) {
+    return std::ranges::all_of(grip.node,
+                               [&](int node) { return node < target.m_nodes.size(); });
 }
 
 }  // namespace
@@ -37,12 +53,13 @@ SoftContactRow::SoftContactRow(const btSoftBody::SContact& contact, btSoftBody& 
       normal_(contact.m_normal),
       margin_(contact.m_margin),
       friction_(contact.m_friction),
-      stays_(grip != nullptr && grip->face < target.m_faces.size()) {
+      stays_(grip != nullptr && has_nodes(target, *grip)) {
     if (stays_)
         grip_ = *grip;
     else
-        grip_ = {static_cast<int>(contact.m_face - &target.m_faces[0]), contact.m_weights,
-                 node_->m_q - point_of(*contact.m_face, contact.m_weights, &btSoftBody::Node::m_q)};
+        grip_ = grip_at(
+            target, *contact.m_face, contact.m_weights,
+            node_->m_q - point_of(*contact.m_face, contact.m_weights, &btSoftBody::Node::m_q));
 }
 
 /// How a rigid target moves the contact in this step.
@@ -58,8 +75,10 @@ btVector3 SoftContactRow::from_target() const {
 
 btVector3 SoftContactRow::from_grip() const {
     if (rigid_ != nullptr) return node_->m_x - carried() - held_;
-    return node_->m_x -
-           point_of(target_->m_faces[grip_.face], grip_.place, &btSoftBody::Node::m_x) - grip_.gap;
+    const btVector3 place = btSoftBody::BaryEval(
+        target_->m_nodes[grip_.node[0]].m_x, target_->m_nodes[grip_.node[1]].m_x,
+        target_->m_nodes[grip_.node[2]].m_x, grip_.place);
+    return node_->m_x - place - grip_.gap;
 }
 
 void SoftContactRow::move(const btVector3& way) {
@@ -99,9 +118,8 @@ void SoftContactRow::solve() {
 Grip SoftContactRow::grip() const {
     if (stays_) return grip_;
     if (rigid_ != nullptr)
-        return {0, rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x), {0, 0, 0}};
-    return {static_cast<int>(soft_->m_face - &target_->m_faces[0]), soft_->m_weights,
-            from_target()};
+        return {{}, rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x), {0, 0, 0}};
+    return grip_at(*target_, *soft_->m_face, soft_->m_weights, from_target());
 }
 
 }  // namespace pierce::bullet

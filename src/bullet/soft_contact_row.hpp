@@ -6,10 +6,10 @@ namespace pierce::bullet {
 
 /// The place on a target that a node in contact holds on to.
 struct Grip {
-    int face = 0;     ///< of a soft target
-    btVector3 place;  ///< of a soft target: weights of the face's nodes; of other targets: a point
-                      ///< in the target's frame
-    btVector3 gap;    ///< of a soft target: from the place to the node
+    int node[3] = {};  ///< of a soft target: the nodes of the face, by index
+    btVector3 place;   ///< of a soft target: their weights; of other targets: a point in the
+                       ///< target's frame
+    btVector3 gap;     ///< of a soft target: from the place to the node
 };
 
 /// A node's contact while a step is solved. The pushes that the node has been given are summed up:

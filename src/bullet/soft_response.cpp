@@ -70,8 +70,8 @@ void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisi
 
 }  // namespace
 
-void add_soft_soft(btSoftBody& source, btSoftBody& target, const Contact& contact) {
-    btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
+void add_soft_soft(btSoftBody& source, btSoftBody::Face& face, const btSoftBody& target,
+                   const Contact& contact) {
     const btVector3 w = to_bullet(
         Vec3d{contact.barycentric[0], contact.barycentric[1], contact.barycentric[2]});
     for (const SourceNode& from : source_nodes(source, contact)) {
@@ -105,8 +105,8 @@ void add_soft_rigid(btSoftBody& source, const btCollisionObject& target, const C
         add_plane_contact(source, *from.node, target, normal, hit + from.offset, hit, from.weight);
 }
 
-void add_rigid_soft(const btCollisionObject& source, btSoftBody& target, const Contact& contact) {
-    btSoftBody::Face& face = target.m_faces[static_cast<int>(contact.triangle)];
+void add_rigid_soft(const btCollisionObject& source, btSoftBody::Face& face, btSoftBody& target,
+                    const Contact& contact) {
     const Vec3d way = source_point(contact) - target_point(contact);
     for (int k = 0; k < 3; ++k) {
         if (contact.barycentric[k] <= 0) continue;

@@ -20,19 +20,19 @@ namespace {
 /// order of addresses.
 using Touch = std::pair<const btSoftBody::Node*, const btCollisionObject*>;
 
-/// Finds the body that a face belongs to.
-class FaceOwners {
+/// Finds the body that a node belongs to.
+class NodeOwners {
 public:
-    explicit FaceOwners(const btAlignedObjectArray<btSoftBody*>& bodies) {
+    explicit NodeOwners(const btAlignedObjectArray<btSoftBody*>& bodies) {
         for (int i = 0; i < bodies.size(); ++i)
-            if (bodies[i]->m_faces.size() > 0) by_first_.emplace(&bodies[i]->m_faces[0], bodies[i]);
+            if (bodies[i]->m_nodes.size() > 0) by_first_.emplace(&bodies[i]->m_nodes[0], bodies[i]);
     }
-    btSoftBody& of(const btSoftBody::Face* face) const {
-        return *std::prev(by_first_.upper_bound(face))->second;
+    btSoftBody& of(const btSoftBody::Node* node) const {
+        return *std::prev(by_first_.upper_bound(node))->second;
     }
 
 private:
-    std::map<const btSoftBody::Face*, btSoftBody*, std::less<>> by_first_;
+    std::map<const btSoftBody::Node*, btSoftBody*, std::less<>> by_first_;
 };
 
 void prepare_anchors(btSoftBody& soft) {
@@ -103,7 +103,7 @@ void SoftSolver::solveConstraints(btScalar dt) {
         btSoftBody* body;
         std::size_t rows_end;
     };
-    const FaceOwners owners(m_softBodySet);
+    const NodeOwners owners(m_softBodySet);
     std::vector<Part> parts;
     std::vector<SoftContactRow> rows;
     std::vector<Touch> touches;
@@ -122,7 +122,7 @@ void SoftSolver::solveConstraints(btScalar dt) {
         }
         for (int k = 0; k < body.m_scontacts.size(); ++k) {
             const btSoftBody::SContact& contact = body.m_scontacts[k];
-            btSoftBody& target = owners.of(contact.m_face);
+            btSoftBody& target = owners.of(contact.m_face->m_n[0]);
             touches.emplace_back(contact.m_node, &target);
             rows.emplace_back(contact, target, state_->grip_of(touches.back()));
         }

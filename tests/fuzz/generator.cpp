@@ -87,6 +87,8 @@ private:
         Call& call = push(Kind::add_mesh);
         call.data = is_tame_ ? proper_mesh(choices_) : any_mesh(choices_);
         for (Vec3f& p : call.data.positions) p = to_float(scale_ * to_double(p));
+        if (choices_.one_in(8))
+            call.inside = choices_.pick({Inside::closed, Inside::winding, Inside::none});
         meshes_.push_back(call.data);
     }
 

@@ -9,23 +9,26 @@ namespace pierce::fuzz {
 namespace {
 
 /// Bit for bit: two zeros of different sign, too, are two.
-bool are_same(const Mesh& a, const MeshData& b) {
+bool are_same(const MeshData& a, const MeshData& b) {
     const auto bits = [](Vec3f p) {
         return std::array{std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
                           std::bit_cast<std::uint32_t>(p.z)};
     };
-    return std::ranges::equal(a.positions(), b.positions, {}, bits, bits) &&
-           std::ranges::equal(a.triangles(), b.triangles);
+    return std::ranges::equal(a.positions, b.positions, {}, bits, bits) &&
+           std::ranges::equal(a.triangles, b.triangles);
 }
 
 }  // namespace
 
-std::shared_ptr<const Mesh> MeshPool::made_of(const MeshData& data) {
-    const auto known = std::ranges::find_if(
-        meshes_, [&](const auto& mesh) { return are_same(*mesh, data); });
-    if (known != meshes_.end()) return *known;
-    return meshes_.emplace_back(
-        std::make_shared<const Mesh>("mesh " + std::to_string(meshes_.size()), data));
+std::shared_ptr<const Mesh> MeshPool::made_of(const MeshData& data, Inside inside) {
+    const auto known = std::ranges::find_if(meshes_, [&](const Made& made) {
+        return made.inside == inside && are_same(made.mesh->data(), data);
+    });
+    if (known != meshes_.end()) return known->mesh;
+    const std::string name = "mesh " + std::to_string(meshes_.size());
+    meshes_.push_back(
+        {std::make_shared<const Mesh>(name, data, MeshOptions{.inside = inside}), inside});
+    return meshes_.back().mesh;
 }
 
 }  // namespace pierce::fuzz

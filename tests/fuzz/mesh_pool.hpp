@@ -12,10 +12,15 @@ namespace pierce::fuzz {
 class MeshPool {
 public:
     /// The mesh made of `data`. Throws what Mesh's constructor throws.
-    std::shared_ptr<const Mesh> made_of(const MeshData& data);
+    std::shared_ptr<const Mesh> made_of(const MeshData& data, Inside inside = Inside::automatic);
 
 private:
-    std::vector<std::shared_ptr<const Mesh>> meshes_;
+    struct Made {
+        std::shared_ptr<const Mesh> mesh;
+        Inside inside;  ///< that was asked for
+    };
+
+    std::vector<Made> meshes_;
 };
 
 }  // namespace pierce::fuzz

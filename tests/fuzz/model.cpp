@@ -53,9 +53,15 @@ void move(ModelBody& b, const std::vector<Vec3f>& positions) {
 
 }  // namespace
 
+Model::ModelMesh::ModelMesh(const MeshData& data, Inside rule) : given(data), inside(rule) {
+    const Mesh made("model", data, {.inside = rule});
+    surface = {data.positions, {made.triangles().begin(), made.triangles().end()}};
+    has_inside = made.inside().exists();
+}
+
 void Model::skip(const Call& call) {
     using Kind = Call::Kind;
-    if (call.kind == Kind::add_mesh) meshes_.emplace_back();
+    if (call.kind == Kind::add_mesh) meshes_.push_back({{}, Inside::none, {}, false});
     if (call.kind == Kind::add_fixed_body || call.kind == Kind::add_rigid_body ||
         call.kind == Kind::add_deforming_body)
         bodies_.emplace_back();
@@ -74,7 +80,7 @@ void Model::apply(const Call& call, const Player& player) {
     };
     switch (call.kind) {
         case Kind::add_mesh:
-            meshes_.push_back(call.data);
+            meshes_.emplace_back(call.data, call.inside);
             break;
         case Kind::add_fixed_body:
             add(Motion::fixed);
@@ -84,7 +90,7 @@ void Model::apply(const Call& call, const Player& player) {
             break;
         case Kind::add_deforming_body: {
             ModelBody& b = add(Motion::deforming);
-            b.positions = b.start = call.positions.empty() ? meshes_[call.mesh].positions
+            b.positions = b.start = call.positions.empty() ? meshes_[call.mesh].given.positions
                                                            : call.positions;
             break;
         }
@@ -171,7 +177,8 @@ Player Model::fresh(const MakeBackend& backend, Temporal temporal,
         if (number[b->mesh] == std::numeric_limits<std::uint32_t>::max()) {
             number[b->mesh] = static_cast<std::uint32_t>(player.meshes().size());
             Call call{.kind = Call::Kind::add_mesh};
-            call.data = meshes_[b->mesh];
+            call.data = meshes_[b->mesh].given;
+            call.inside = meshes_[b->mesh].inside;
             player.play(call);
         }
         const bool deforms = b->motion == Motion::deforming;

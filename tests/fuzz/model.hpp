@@ -34,7 +34,9 @@ public:
     const Settings& settings() const { return settings_; }
     /// Those in the world, in the order of their handles' indices.
     std::vector<const ModelBody*> bodies() const;
-    const MeshData& mesh(const ModelBody& body) const { return meshes_[body.mesh]; }
+    /// The surface that contacts name: with Inside::winding, another than the given one.
+    const MeshData& mesh(const ModelBody& body) const { return meshes_[body.mesh].surface; }
+    bool has_inside(const ModelBody& body) const { return meshes_[body.mesh].has_inside; }
     bool has_sheets() const;
 
     /// Where a body's vertices are when the step begins and when it ends, in world space.
@@ -47,7 +49,21 @@ public:
 
 private:
     Settings settings_;
-    std::vector<MeshData> meshes_;
+    struct ModelMesh {
+        MeshData given;
+        Inside inside = Inside::automatic;  ///< that was asked for
+        MeshData surface = {};
+        bool has_inside = false;
+
+        ModelMesh(const MeshData& data, Inside rule);
+        ModelMesh(MeshData its_data, Inside rule, MeshData its_surface, bool its_has_inside)
+            : given(std::move(its_data)),
+              inside(rule),
+              surface(std::move(its_surface)),
+              has_inside(its_has_inside) {}
+    };
+
+    std::vector<ModelMesh> meshes_;
     std::vector<ModelBody> bodies_;
 };
 

@@ -22,6 +22,7 @@ namespace {
 struct Surface : SolidSurface {
     const ModelBody* body = nullptr;
     Box box;
+    bool has_inside = false;
     bool proper = false;  ///< closed, does not meet itself, faces outward everywhere
     double touch = 0;  ///< [length] a place closer to the surface than this is on it, for all that
                        ///< is promised
@@ -77,7 +78,8 @@ private:
         s.touch = 4 * constants::touch_tolerance * s.box.extent() + 1e-13 * coordinate;
         // What is too large to multiply is not judged.
         s.active = s.active && coordinate < 1e30;
-        s.proper = s.active && s.touch > 0 && s.is_proper(s.touch);
+        s.has_inside = model_.has_inside(b);
+        s.proper = s.active && s.has_inside && s.touch > 0 && s.is_proper(s.touch);
         return s;
     }
 
@@ -458,7 +460,7 @@ private:
     /// True unless a vertex comes into a solid through a triangle for certain: what leaves is its
     /// ray's to report.
     bool leaves_solid(const std::array<MovingPoint, 4>& c, const Surface& target) const {
-        if (target.body->collision.sheet || !is_closed(target)) return false;
+        if (target.body->collision.sheet || !target.has_inside || !is_closed(target)) return false;
         const std::optional<truth::ExactTime> time = truth::first_meeting_of_vertex_and_face(
             truth::exact(c));
         if (!time) return true;

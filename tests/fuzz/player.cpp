@@ -63,7 +63,7 @@ std::string Player::answer(const Call& c) {
     using Kind = Call::Kind;
     switch (c.kind) {
         case Kind::add_mesh:
-            meshes_.push_back(world_.add_mesh(pool_->made_of(c.data)));
+            meshes_.push_back(world_.add_mesh(pool_->made_of(c.data, c.inside)));
             break;
         case Kind::remove_mesh:
             world_.remove_mesh(mesh(c.mesh));

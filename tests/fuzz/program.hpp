@@ -40,6 +40,7 @@ struct Call {
     std::uint32_t other = 0;   ///< body, of explain
     std::uint32_t vertex = 0;  ///< of explain
     MeshData data{};
+    Inside inside = Inside::automatic;  ///< of add_mesh
     Pose start_pose{}, pose{};  ///< the position of `pose` is the origin of cast_rays, too
     std::vector<Vec3f> start{}, positions{};  ///< the directions of cast_rays, too
     Collision collision{};

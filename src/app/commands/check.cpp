@@ -11,11 +11,13 @@
 #include "app/output/provenance.hpp"
 #include "pierce/error.hpp"
 #include "pierce/mesh_check.hpp"
+#include "pierce/mesh_fix.hpp"
 #include "scenes/files/mesh_io.hpp"
 
 namespace pierce::app {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int sound = 0, has_findings = 1, unreadable = 2;
@@ -44,9 +46,20 @@ void print(const std::string& file, const MeshReport& report) {
         report.vertices, report.triangles, report.components, report.components == 1 ? "" : "s",
         report.traits.volume, size.x, size.y, size.z);
     fmt::print("mean edge {:.6g}\n", report.traits.mean_edge_length);
+    fmt::print("  inside: {}\n", describe(report.inside));
     for (const MeshFinding& finding : report.findings)
         fmt::print("  {} {}: {}{}\n      {}\n", changes_detection(finding.kind) ? "!" : "-",
                    name(finding.kind), finding.count, places_text(finding), meaning(finding.kind));
+}
+
+json to_json(const MeshInside& inside) {
+    return {{"rule", name(inside.rule)},
+            {"joined_vertices", inside.joined_vertices},
+            {"turned_triangles", inside.turned_triangles},
+            {"left_out_triangles", inside.left_out_triangles},
+            {"holes", inside.holes},
+            {"cap_triangles", inside.cap_triangles},
+            {"cap_share", inside.cap_share}};
 }
 
 json to_json(const std::string& file, const MeshReport& report) {
@@ -67,6 +80,7 @@ json to_json(const std::string& file, const MeshReport& report) {
     json result = {{"file", file},
                    {"sound", report.sound()},
                    {"closed", report.closed},
+                   {"inside", to_json(report.inside)},
                    {"vertices", report.vertices},
                    {"triangles", report.triangles},
                    {"components", report.components},
@@ -79,15 +93,38 @@ json to_json(const std::string& file, const MeshReport& report) {
 
 }  // namespace
 
+namespace {
+
+/// Writes the mesh repaired, and says what was done.
+void fix(const fs::path& file, const fs::path& out) {
+    const MeshData mesh = scenes::read_mesh(file);
+    const FixedMesh fixed = fix_mesh(mesh);
+    scenes::write_obj(out, fixed.mesh);
+    const MeshInside& done = fixed.done;
+    fmt::print("{}: {} of {} vertices, {} triangles of {}: {} turned, {} left out, {} hole{} closed by "
+               "{}; {}\n",
+               out.string(), fixed.mesh.positions.size(), mesh.positions.size(),
+               fixed.mesh.triangles.size(), mesh.triangles.size(), done.turned_triangles,
+               done.left_out_triangles, done.holes, done.holes == 1 ? "" : "s",
+               done.cap_triangles, done.exists() ? "closed" : "still open");
+}
+
+}  // namespace
+
 int check(const CheckOptions& options) {
+    if (!options.fix.empty() && options.meshes.size() != 1)
+        throw InputError("--fix writes one mesh, but there are " +
+                         std::to_string(options.meshes.size()));
     check_writable(options.json);
     json meshes = json::array();
     int worst = sound;
     for (const std::filesystem::path& file : options.meshes) {
         try {
-            const MeshReport report = check_mesh(scenes::read_mesh(file),
-                                                 {options.self_intersections});
+            const MeshReport report = check_mesh(
+                scenes::read_mesh(file),
+                {.self_intersections = options.self_intersections, .inside = options.inside});
             print(file.string(), report);
+            if (!options.fix.empty()) fix(file, options.fix);
             meshes.push_back(to_json(file.string(), report));
             worst = std::max(worst, report.sound() ? sound : has_findings);
         } catch (const InputError& error) {

@@ -3,11 +3,15 @@
 #include <filesystem>
 #include <vector>
 
+#include "pierce/inside.hpp"
+
 namespace pierce::app {
 
 struct CheckOptions {
     std::vector<std::filesystem::path> meshes;
     bool self_intersections = false;
+    Inside inside = Inside::automatic;
+    std::filesystem::path fix;   ///< where the first mesh goes, repaired; empty: nowhere
     std::filesystem::path json;  ///< empty: none
 };
 

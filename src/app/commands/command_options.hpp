@@ -73,6 +73,16 @@ inline void add_temporal(CLI::App& command, Settings& settings) {
         ->check(CLI::Range(1u, 1000000u));
 }
 
+/// What is inside of meshes.
+inline void add_inside(CLI::App& command, Inside& inside) {
+    command
+        .add_option_function<std::string>(
+            "--inside", [&inside](const std::string& rule) { inside = *inside_named(rule); },
+            "what is inside of meshes that do not say: automatic (the default), closed, winding or "
+            "none")
+        ->check(CLI::IsMember({"automatic", "closed", "winding", "none"}));
+}
+
 /// Backend, threads, coverage and memory.
 inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
     rays.mesh_progress = show_meshes();
@@ -83,6 +93,7 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
         ->capture_default_str();
     command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
+    add_inside(command, rays.inside);
     add_coverage(command, rays.world);
     add_temporal(command, rays.world);
 }

@@ -119,6 +119,13 @@ void add_check(CLI::App& app, int& code) {
     command->add_option("meshes", options->meshes, "OBJ, PLY, STL or OFF files")->required();
     command->add_flag("--self-intersections", options->self_intersections,
                       "look for triangles that cross, too");
+    add_inside(*command, options->inside);
+    command
+        ->add_option("--fix", options->fix,
+                     "write the mesh, of which there must be one, to OUT, an OBJ file: "
+                     "vertices joined, triangles turned to face one way, doubles left out, holes "
+                     "closed; what was done is printed")
+        ->type_name("OUT");
     command->add_option("--json", options->json, "write the findings to FILE")->type_name("FILE");
     command->callback([options, &code] { code = check(*options); });
 }

@@ -14,6 +14,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
+#include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/leaves.hpp"
 #include "core/mesh_build/mesh_edges.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
@@ -31,16 +32,21 @@ namespace {
 template <class T>
 using Vector = std::vector<T>;
 
-void check_indices(const std::string& name, const MeshData& data) {
+}  // namespace
+
+void check_mesh_data(const std::string& name, const MeshData& data) {
+    if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");
+    check_positions(name, data.positions);
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (std::uint32_t v : data.triangles[t].vertex)
             if (v >= data.positions.size())
                 throw InputError("mesh '" + name + "': triangle " + std::to_string(t) +
                                  " names vertex " + std::to_string(v) + ", but there are " +
                                  std::to_string(data.positions.size()));
+    if (std::max(data.positions.size(), 3 * data.triangles.size()) > constants::max_elements)
+        throw InputError("mesh '" + name + "' has more than " +
+                         std::to_string(constants::max_elements) + " vertices or corners");
 }
-
-}  // namespace
 
 /// What a Mesh owns. The arrays are filled one after the other. The code that fills one reads
 /// earlier ones through `view`.
@@ -48,6 +54,10 @@ struct Mesh::Parts {
     std::string name;
     MeshOptions options;
     MeshTraits traits;
+    MeshInside inside;
+    std::vector<Triangle> given_triangles;    ///< empty if `arrays.triangles` are those
+    std::vector<std::uint32_t> places;  ///< per triangle, its place among those that were given;
+                                        ///< empty as above
     MeshArrays<Vector> arrays;
     MeshView view;
     std::mutex lock;  ///< of what is made later
@@ -62,6 +72,7 @@ private:
     void see_arrays() {
         for_each_array([](auto& seen, const auto& owned) { seen = view_of(owned); }, view, arrays);
     }
+    HalfEdges choose_triangles(MeshData& data);
     void divide_into_patches(Workers& workers);
     void measure_boxes();
     void find_edges();
@@ -73,13 +84,7 @@ private:
 
 Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
     : name(std::move(its_name)), options(std::move(its_options)) {
-    if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");
-    check_positions(name, data.positions);
-    check_indices(name, data);
-    if (std::max(data.positions.size(), 3 * data.triangles.size()) > constants::max_elements)
-        throw InputError("mesh '" + name + "' has more than " +
-                         std::to_string(constants::max_elements) + " vertices or corners");
-
+    check_mesh_data(name, data);
     Workers crew = workers();
     Vec3d sum;
     for (Vec3f p : data.positions) {
@@ -87,10 +92,9 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
         sum += to_double(p);
     }
     view.centroid = sum * (1.0 / static_cast<double>(data.positions.size()));
-    const HalfEdges sides(data.triangles, data.positions.size());
-    traits = traits_of(data, sides, view.centroid);
+    const HalfEdges sides = choose_triangles(data);
     view.mean_edge_length = traits.mean_edge_length;
-    view.closed = traits.closed();
+    view.closed = inside.exists();
     arrays.positions = std::move(data.positions);
     arrays.triangles = std::move(data.triangles);
     see_arrays();
@@ -108,6 +112,23 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
     crew.side_by_side(
         "boxes", [&] { measure_boxes(); }, [&] { find_edges(); }, [&] { measure_patches(); });
     see_arrays();
+}
+
+/// Decides what is inside, and with which triangles. Returns their sides.
+HalfEdges Mesh::Parts::choose_triangles(MeshData& data) {
+    HalfEdges sides(data.triangles, data.positions.size());
+    traits = traits_of(data, sides, view.centroid);
+    ClosedSurface surface = surface_with_inside(data, traits, options.inside);
+    inside = surface.inside;
+    if (inside.rule != Inside::winding) return sides;
+    given_triangles = std::exchange(data.triangles, std::move(surface.triangles));
+    places = std::move(surface.given);
+    sides = HalfEdges(data.triangles, data.positions.size());
+    const MeshTraits of_surface = traits_of(data, sides, view.centroid);
+    traits.degenerate_triangles = of_surface.degenerate_triangles;
+    traits.volume = of_surface.volume;
+    traits.mean_edge_length = of_surface.mean_edge_length;
+    return sides;
 }
 
 void Mesh::Parts::divide_into_patches(Workers& workers) {
@@ -200,8 +221,15 @@ const std::string& Mesh::name() const { return parts_->name; }
 std::span<const Vec3f> Mesh::positions() const { return parts_->arrays.positions; }
 std::span<const Vec3f> Mesh::normals() const { return parts_->arrays.normals; }
 std::span<const Triangle> Mesh::triangles() const { return parts_->arrays.triangles; }
-MeshData Mesh::data() const { return {parts_->arrays.positions, parts_->arrays.triangles}; }
+std::uint32_t Mesh::given_triangle(std::uint32_t triangle) const {
+    return parts_->places.empty() ? triangle : parts_->places[triangle];
+}
+MeshData Mesh::data() const {
+    return {parts_->arrays.positions,
+            parts_->places.empty() ? parts_->arrays.triangles : parts_->given_triangles};
+}
 const MeshTraits& Mesh::traits() const { return parts_->traits; }
+const MeshInside& Mesh::inside() const { return parts_->inside; }
 
 MeshView Mesh::view() const { return view(MeshNeeds::all()); }
 

@@ -14,6 +14,7 @@
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/vertex_normal.hpp"
+#include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/self_intersections.hpp"
 
@@ -275,6 +276,7 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
     if (!part.ids.empty()) {
         report.traits = traits_of(part.mesh, sides, report.box.center());
         report.closed = report.traits.closed();
+        report.inside = surface_with_inside(part.mesh, report.traits, options.inside).inside;
     }
     check_vertices(part.mesh, report.closed, connections, findings);
     const std::vector<Component> components = components_of(part.mesh, connections,

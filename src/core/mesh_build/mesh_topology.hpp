@@ -11,6 +11,9 @@
 
 namespace pierce {
 
+/// Throws InputError for a mesh that is refused (Mesh).
+void check_mesh_data(const std::string& name, const MeshData& data);
+
 /// The traits of a mesh with valid indices and finite positions. `sides`: of its triangles;
 /// `origin` is a point near the mesh,
 /// which keeps the volume accurate.

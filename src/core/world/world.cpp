@@ -123,7 +123,7 @@ Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
 void World::set_collision(BodyId body, const Collision& collision) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     state_->check_collision(
-        entry, collision,
+        entry.motion, state_->mesh_of(entry), collision,
         "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'");
     entry.collision = collision;
     state_->change();
@@ -203,9 +203,8 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
         throw InputError("body " + std::to_string(body.index) +
                          " is rigid: only a deforming body changes its mesh");
     check_count(positions.size(), shape);
-    if (entry.collision != Collision{} && !entry.collision.sheet && !shape.traits().closed())
-        throw InputError("mesh '" + shape.name() +
-                         "' has no inside: its body can meet itself only as a sheet");
+    state_->check_collision(entry.motion, shape, entry.collision,
+                            "body " + std::to_string(body.index));
     entry.mesh = mesh;
     // The next step compares with the last shape, vertex by vertex, if both have as many patches.
     if (entry.seen.size() != patch_count(shape.view({}))) entry.seen.clear();

@@ -18,7 +18,7 @@ namespace pierce {
 namespace {
 
 constexpr std::uint64_t mark = 0x646c726f77637270;  // "prcworld"
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 
 }  // namespace
 
@@ -140,12 +140,14 @@ namespace {
 struct SavedMesh {
     std::string name;
     MeshData data;
+    Inside inside = Inside::closed;
     std::uint64_t key = 0;
 };
 
 template <class A>
 void transfer(A& archive, SavedMesh& m) {
     transfer_all(archive, m.name, m.data.positions, m.data.triangles, m.key);
+    transfer(archive, m.inside, Inside::none);
 }
 
 void require(bool holds, const char* what) {
@@ -186,7 +188,7 @@ void World::save(std::ostream& out) const {
         transfer_all(archive, slot.generation, slot.used);
         if (!slot.used) continue;
         const Mesh& mesh = *slot.thing.mesh;
-        SavedMesh saved{mesh.name(), mesh.data(), slot.thing.key};
+        SavedMesh saved{mesh.name(), mesh.data(), mesh.inside().rule, slot.thing.key};
         transfer(archive, saved);
     }
     transfer_length(archive, s.bodies.slots().size());
@@ -231,7 +233,8 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     restore_slots<SavedMesh>(archive, s.meshes, [&](SavedMesh saved) {
         require(saved.key != 0 && saved.key < s.next_key && keys.insert(saved.key).second,
                 "a mesh with a wrong key");
-        return MeshEntry{std::make_shared<const Mesh>(std::move(saved.name), std::move(saved.data)),
+        return MeshEntry{std::make_shared<const Mesh>(std::move(saved.name), std::move(saved.data),
+                                                      MeshOptions{.inside = saved.inside}),
                          saved.key};
     });
     restore_slots<BodyEntry>(archive, s.bodies, [&](BodyEntry body) {
@@ -261,7 +264,7 @@ void World::State::check_restored(const BodyEntry& body) const {
                             ? is_usable(body.positions) && (!body.moved || is_usable(body.start))
                             : is_usable(body.pose) && (!body.moved || is_usable(body.start_pose));
     require(usable || !body.usable, "a body in a place that is none");
-    check_collision(body, body.collision, "a saved body");
+    check_collision(body.motion, mesh, body.collision, "a saved body");
 }
 
 }  // namespace pierce

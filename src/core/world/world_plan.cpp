@@ -34,11 +34,21 @@ void World::State::add_nodes() {
     level_begin[BoxLevels::most] = static_cast<std::uint32_t>(node_items.size());
 }
 
+namespace {
+
+std::string why_open(const MeshTraits& traits) {
+    if (traits.closed()) return "closed, but to be a surface";
+    return "open (" + std::to_string(traits.inconsistent_edges) +
+           " edges without a partner of opposite direction)";
+}
+
+}  // namespace
+
 void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
     plan.fixed_bodies += body.motion == Motion::fixed;
     plan.rigid_bodies += body.motion == Motion::rigid;
     plan.deforming_bodies += body.motion == Motion::deforming;
-    plan.open_bodies += !mesh.traits().closed();
+    plan.open_bodies += !mesh.inside().exists();
     const auto note = [&](const std::string& text) {
         const std::string line = "mesh '" + mesh.name() + "': " + text;
         if (std::ranges::find(plan.notes, line) == plan.notes.end()) plan.notes.push_back(line);
@@ -48,30 +58,34 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(
             "sheet: contacts of its surface over the motion of a step, whatever is inside or "
             "outside");
-    else if (!traits.closed())
-        note("open (" + std::to_string(traits.inconsistent_edges) +
-             " edges without a partner of opposite direction): it has no inside, so nothing "
-             "penetrates it; its own rays "
-             "are limited in length and rules R2 and R3 do not apply");
+    else if (!mesh.inside().exists())
+        note(why_open(traits) +
+             ": it has no inside, so nothing penetrates it; its own rays are limited in length and "
+             "rules R2 and R3 do not apply");
     else if (traits.volume < 0)
         note(
             "inside out (negative volume): its normals point inward, so rays start in the wrong "
             "direction");
+    if (!body.collision.sheet && mesh.inside().rule == Inside::winding)
+        note(pierce::describe(mesh.inside()));
     if (traits.degenerate_triangles > 0)
         note(std::to_string(traits.degenerate_triangles) +
              " triangles have no area and are never hit");
 }
 
-void World::State::check_collision(const BodyEntry& body, const Collision& collision,
+void World::State::check_collision(Motion motion, const Mesh& mesh, const Collision& collision,
                                    const std::string& name) const {
     const bool asks = collision.sheet || collision.self != SelfCollision::off;
-    if (asks && body.motion != Motion::deforming)
+    if (asks && motion != Motion::deforming)
         throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
     if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
         throw InputError(name + " needs a thickness that is finite and not negative");
     if (!collision.sheet && collision.thickness > 0)
         throw InputError(name + " has a thickness but is no sheet");
-    if (!collision.sheet && asks && !mesh_of(body).traits().closed())
+    if (collision.sheet && mesh.inside().rule == Inside::winding)
+        throw InputError(name + " cannot be a sheet: the holes of mesh '" + mesh.name() +
+                         "' are closed; add the mesh with Inside::none");
+    if (!collision.sheet && asks && !mesh.inside().exists())
         throw InputError(name + " has no inside: it can meet itself only as a sheet");
     if (!collision.sheet && asks && collision.self != SelfCollision::on)
         throw InputError(name + " is a solid: rays along velocities are for sheets");
@@ -136,7 +150,7 @@ void World::State::make_plan() {
         if (!slot.used) continue;
         any_deforms = any_deforms || slot.thing.motion == Motion::deforming;
         const Collision& collision = slot.thing.collision;
-        solids = solids || (!collision.sheet && mesh_of(slot.thing).traits().closed());
+        solids = solids || (!collision.sheet && mesh_of(slot.thing).inside().exists());
         plan.sheets = plan.sheets || collision.sheet;
         plan.velocity_rays = plan.velocity_rays ||
                              (collision.sheet && (collision.self == SelfCollision::rays ||

@@ -94,7 +94,7 @@ struct World::State {
     void check_stepped(const char* who) const;
 
     /// Throws InputError, naming the body, for a Collision that the body cannot have.
-    void check_collision(const BodyEntry& body, const Collision& collision,
+    void check_collision(Motion motion, const Mesh& mesh, const Collision& collision,
                          const std::string& name) const;
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;

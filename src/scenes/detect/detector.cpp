@@ -223,8 +223,16 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
     : world(std::move(backend), settings) {
     std::vector<MeshId> meshes;
     meshes.reserve(scene.meshes.size());
-    for (const SceneMesh& mesh : scene.meshes)
-        meshes.push_back(world.add_mesh(mesh.name, mesh.data, options));
+    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+        const SceneMesh& mesh = scene.meshes[m];
+        MeshOptions its_options = options;
+        if (mesh.inside != Inside::automatic) its_options.inside = mesh.inside;
+        if (std::ranges::any_of(scene.bodies, [&](const SceneBody& b) {
+                return b.mesh == m && b.collision.sheet;
+            }))
+            its_options.inside = Inside::none;
+        meshes.push_back(world.add_mesh(mesh.name, mesh.data, its_options));
+    }
     for (const SceneBody& body : scene.bodies) {
         const MeshId mesh = meshes[body.mesh];
         switch (body.motion) {

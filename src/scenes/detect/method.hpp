@@ -49,11 +49,14 @@ struct RaySettings {
     std::optional<TreeBuilder> builder = {};  ///< of "bvh" and "cuda"; none: the backend's own
     bool rebuild = false;                     ///< of these two: trees are built in every step
     bool graph = true;                        ///< of "cuda": false to time stage by stage
+    Inside inside = Inside::automatic;        ///< of meshes that do not say
     /// Told how far meshes are (MeshOptions).
     std::function<void(std::string_view what, double share)> mesh_progress = {};
 
     MeshOptions mesh_options() const {
-        return {.threads = static_cast<std::uint32_t>(threads), .progress = mesh_progress};
+        return {.inside = inside,
+                .threads = static_cast<std::uint32_t>(threads),
+                .progress = mesh_progress};
     }
 };
 

@@ -36,9 +36,13 @@ fs::path inside(const fs::path& folder, const std::string& name, const std::stri
 }
 
 SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::string& where) {
+    const auto rule = inside_named(entry.value("inside", std::string(name(Inside::automatic))));
+    if (!rule)
+        throw InputError(where + ": inside is none of automatic, closed, winding and none");
     return {entry.at("name").get<std::string>(),
             read_mesh(inside(folder, entry.at("file").get<std::string>(), where)),
-            {}};
+            {},
+            *rule};
 }
 
 json collision_json(const Collision& collision) {
@@ -147,6 +151,8 @@ void write_recording(const Recording& recording, const fs::path& folder) {
         const std::string file = "mesh_" + std::to_string(m) + ".obj";
         write_obj(folder / file, recording.meshes[m].data);
         scene["meshes"].push_back({{"name", recording.meshes[m].name}, {"file", file}});
+        if (recording.meshes[m].inside != Inside::automatic)
+            scene["meshes"].back()["inside"] = name(recording.meshes[m].inside);
     }
     for (std::size_t b = 0; b < recording.bodies.size(); ++b) {
         const RecordedBody& body = recording.bodies[b];

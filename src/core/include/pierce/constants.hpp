@@ -372,6 +372,32 @@ inline constexpr double rebuild_cost = 20.0;
 /// [rays].
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
 
+/// A run of so few triangles is not divided further, and a run counts as one dipole for points that
+/// are so many times its radius away (Barill et al. 2018): hundredths of a winding number are lost.
+inline constexpr std::uint32_t winding_leaf = 8;
+inline constexpr double winding_reach = 2.0;
+
+/// A triangle of a solid's surface has a winding number within this of 1/2 [1]. A patch is left out
+/// if this share of the area of its samples is none.
+inline constexpr double surface_winding = 0.25, wall_share = 0.9;
+inline constexpr std::uint32_t wall_samples = 16;
+
+/// Borders so near [mean edge length] are the sides of a gap if the band between them has less than
+/// this share of the area of two separate caps.
+inline constexpr double gap_width = 1.0, gap_area = 0.5;
+inline constexpr std::uint32_t gap_neighbors = 16;  ///< in a spatial order
+
+/// A hole of so many edges gets the cap of the least area; the work grows with their cube.
+inline constexpr std::uint32_t exact_cap_edges = 128;
+
+/// A mesh is nearly closed up to this share of caps among its area and among its triangles, if each
+/// cap has few edges or this share of the area [1]. So a cube may lack a triangle, but not a side.
+inline constexpr double caps_of_area = 1.0 / 6, caps_of_triangles = 0.125, small_cap = 0.02;
+inline constexpr std::uint32_t small_cap_edges = 12;
+
+/// Caps with a larger share of the area make no solid [1]: a sheet's cap is the sheet once more.
+inline constexpr double largest_caps = 0.75;
+
 /// The number of places that a finding of the mesh check keeps: enough to look at, few enough to
 /// print.
 inline constexpr std::uint32_t finding_places = 8;

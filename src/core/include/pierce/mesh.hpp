@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pierce/inside.hpp"
 #include "pierce/vec3.hpp"
 
 namespace pierce {
@@ -25,7 +26,7 @@ struct MeshData {
     std::vector<Triangle> triangles;
 };
 
-/// What the check of a mesh's topology found; decides which contact rules apply to the mesh.
+/// What the check of a mesh's topology found. Edges are those of the mesh as it was given.
 struct MeshTraits {
     std::uint32_t boundary_edges = 0;        ///< edges with one triangle
     std::uint32_t non_manifold_edges = 0;    ///< edges with more than two triangles
@@ -35,7 +36,7 @@ struct MeshTraits {
     double volume = 0;                       ///< signed; negative: the mesh is inside out
     double mean_edge_length = 0;
 
-    /// True if the surface has no border and one orientation, so that it has an inside.
+    /// True if the surface has no border and one orientation.
     bool closed() const { return inconsistent_edges == 0; }
 };
 
@@ -44,6 +45,7 @@ struct MeshView;
 
 /// How a mesh is made.
 struct MeshOptions {
+    Inside inside = Inside::automatic;
     std::uint32_t threads = 0;  ///< 0: one per processor; the mesh is the same for every number
     /// What is being made, and the share of it that is made, from 0 to 1. It is called now and
     /// then once making has taken 0.2 s, by one thread at a time, and at last with 1. It must not
@@ -65,10 +67,16 @@ public:
     ~Mesh();
 
     const std::string& name() const;
+    /// What decides whether a point is inside.
+    const MeshInside& inside() const;
     std::span<const Vec3f> positions() const;
     /// Per vertex, unit and outward; zero where undefined.
     std::span<const Vec3f> normals() const;
+    /// The triangles that contacts name. They are those that were given, unless inside().rule is
+    /// Inside::winding: then some are left out or turned, and triangles that close holes are added.
     std::span<const Triangle> triangles() const;
+    /// The place of one of triangles() among those that were given; no_triangle if it closes a hole.
+    std::uint32_t given_triangle(std::uint32_t triangle) const;
     /// A copy of the data that the mesh was made from.
     MeshData data() const;
     const MeshTraits& traits() const;

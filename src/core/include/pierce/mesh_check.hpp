@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pierce/box.hpp"
+#include "pierce/inside.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/mesh_defect.hpp"
 
@@ -12,6 +13,7 @@ namespace pierce {
 struct MeshCheckOptions {
     bool self_intersections = false;  ///< true: look for self-intersections, too; this is the one
                                       ///< check that takes longer than reading the mesh
+    Inside inside = Inside::automatic;
 };
 
 /// All defects of one kind.
@@ -31,7 +33,8 @@ struct MeshReport {
     std::uint32_t components = 0;  ///< of triangles connected by vertices
     MeshTraits traits;
     Box box;              ///< of all finite vertices
-    bool closed = false;  ///< has triangles and, by its MeshTraits, an inside
+    bool closed = false;  ///< has triangles and is closed by its MeshTraits
+    MeshInside inside;    ///< of a Mesh with the options' rule
 
     /// The finding of a kind, or null.
     const MeshFinding* find(MeshDefect kind) const;

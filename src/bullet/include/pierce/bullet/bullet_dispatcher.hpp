@@ -28,11 +28,16 @@ public:
     ~Dispatcher() override;
 
     /// Binds a rigid body: from now on its world transform moves `body`, and contacts of `body`
-    /// push it.
+    /// push it. Here and below, what the object or the body was bound to before is unbound.
     void bind(btRigidBody& rigid, BodyId body);
-    /// Binds a soft body, which must have one node per vertex and one face per triangle of the
-    /// mesh, in their order. Throws InputError if the counts differ.
+    /// Binds a soft body, which must have one node per vertex of the mesh, in their order. Throws
+    /// InputError if the counts differ. If they change later, as where the body tears, bind it
+    /// again.
     void bind(btSoftBody& soft, BodyId body);
+    /// Ends a binding, at any time between two steps; nothing happens if there is none. Nothing in
+    /// Bullet or here points to the object afterwards on Pierce's account, and its pairs get
+    /// Bullet's own contacts. An object must be unbound before it is deleted.
+    void unbind(const btCollisionObject& object);
 
     /// Bullet calls this once per step.
     void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,

@@ -1,0 +1,192 @@
+#include "core/mesh_build/closed_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/mesh/coincident_vertices.hpp"
+#include "core/mesh/half_edges.hpp"
+#include "core/mesh_build/caps.hpp"
+#include "core/mesh_build/mesh_topology.hpp"
+#include "core/mesh_build/oriented_triangles.hpp"
+#include "core/mesh_build/winding_tree.hpp"
+#include "pierce/constants.hpp"
+
+namespace pierce {
+namespace {
+
+Vec3d middle_of(std::span<const Vec3f> positions, const Triangle& t) {
+    Vec3d sum;
+    for (std::uint32_t v : t.vertex) sum += to_double(positions[v]);
+    return (1.0 / 3) * sum;
+}
+
+double area_of(std::span<const Vec3f> positions, const Triangle& t) {
+    const Vec3d a = to_double(positions[t.vertex[0]]);
+    return 0.5 * length(cross(to_double(positions[t.vertex[1]]) - a,
+                              to_double(positions[t.vertex[2]]) - a));
+}
+
+/// Per patch: it does not separate inside from outside. On the surface of a solid the winding
+/// number is 1/2, the mean of 1 and 0. On a wall within, both sides are inside, and on a scrap that
+/// floats around, both are outside.
+std::vector<bool> patches_that_separate_nothing(std::span<const Vec3f> positions,
+                                                const OrientedTriangles& surface) {
+    std::vector<bool> result(surface.patches, false);
+    const WindingTree winding(positions, surface.triangles);
+    std::vector<std::uint32_t> begin(surface.patches + 1, 0), members(surface.triangles.size());
+    for (std::uint32_t p : surface.patch) ++begin[p + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    for (std::uint32_t t = 0; t < surface.patch.size(); ++t) members[next[surface.patch[t]]++] = t;
+    for (std::uint32_t p = 0; p < surface.patches; ++p) {
+        const std::uint32_t size = begin[p + 1] - begin[p],
+                            samples = std::min(size, constants::wall_samples);
+        double all = 0, separates = 0;
+        for (std::uint32_t i = 0; i < samples; ++i) {
+            const std::uint32_t t = members[begin[p] + static_cast<std::uint32_t>(
+                                                           std::uint64_t{i} * size / samples)];
+            const Triangle& triangle = surface.triangles[t];
+            const double area = area_of(positions, triangle);
+            all += area;
+            if (std::fabs(winding.at(middle_of(positions, triangle), t) - 0.5) <
+                constants::surface_winding)
+                separates += area;
+        }
+        result[p] = !(separates > (1 - constants::wall_share) * all);
+    }
+    return result;
+}
+
+OrientedTriangles without_patches(const OrientedTriangles& surface, const std::vector<bool>& out) {
+    OrientedTriangles rest;
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+        if (out[surface.patch[t]]) continue;
+        rest.triangles.push_back(surface.triangles[t]);
+        rest.given.push_back(surface.given[t]);
+        rest.turned.push_back(surface.turned[t]);
+    }
+    return rest;
+}
+
+/// What the caps of a surface add to it.
+struct CapSums {
+    std::size_t triangles = 0;
+    double area = 0;
+    double largest = 0;  ///< area of a cap with many edges
+};
+
+CapSums sums_of(const std::vector<Cap>& caps) {
+    CapSums sums;
+    for (const Cap& cap : caps) {
+        sums.triangles += cap.triangles.size();
+        sums.area += cap.area;
+        if (cap.border_edges > constants::small_cap_edges)
+            sums.largest = std::max(sums.largest, cap.area);
+    }
+    return sums;
+}
+
+/// True if the holes are a defect of the mesh, and not openings that it is meant to have.
+bool is_nearly_closed(const CapSums& caps, double area, std::size_t triangles) {
+    return caps.area <= constants::caps_of_area * area &&
+           static_cast<double>(caps.triangles) <=
+               constants::caps_of_triangles * static_cast<double>(triangles) &&
+           caps.largest <= constants::small_cap * area;
+}
+
+/// A surface on the way to be closed.
+struct Draft {
+    OrientedTriangles surface;
+    std::uint32_t joined_vertices = 0;
+    double area = 0;
+    std::vector<Cap> caps;
+};
+
+void measure(const MeshData& mesh, Draft& draft) {
+    double edges = 0;
+    draft.area = 0;
+    for (const Triangle& t : draft.surface.triangles) {
+        draft.area += area_of(mesh.positions, t);
+        for (int k = 0; k < 3; ++k)
+            edges += length(to_double(mesh.positions[t.vertex[(k + 1) % 3]]) -
+                            to_double(mesh.positions[t.vertex[k]]));
+    }
+    const auto sides = 3.0 * static_cast<double>(draft.surface.triangles.size());
+    draft.caps = caps_of(mesh.positions, draft.surface.triangles, sides > 0 ? edges / sides : 0);
+}
+
+Draft draft_of(const MeshData& mesh) {
+    Draft draft;
+    const std::vector<std::uint32_t> first = first_at_position(mesh.positions);
+    std::vector<Triangle> joined = mesh.triangles;
+    for (std::uint32_t v = 0; v < first.size(); ++v) draft.joined_vertices += first[v] != v;
+    for (Triangle& t : joined)
+        for (std::uint32_t& v : t.vertex) v = first[v];
+    draft.surface = oriented_triangles(mesh.positions, joined);
+    measure(mesh, draft);
+    return draft;
+}
+
+/// The triangles of a draft and of its caps.
+ClosedSurface finished(Draft draft, std::size_t given_triangles) {
+    const auto count = [](std::size_t number) { return static_cast<std::uint32_t>(number); };
+    const CapSums caps = sums_of(draft.caps);
+    ClosedSurface result;
+    result.inside = {
+        .rule = Inside::none,
+        .joined_vertices = draft.joined_vertices,
+        .turned_triangles = count(
+            static_cast<std::size_t>(std::ranges::count(draft.surface.turned, true))),
+        .left_out_triangles = count(given_triangles - draft.surface.triangles.size()),
+        .holes = count(draft.caps.size()),
+        .cap_triangles = count(caps.triangles),
+        .cap_share = draft.area > 0 ? caps.area / draft.area : 0};
+    result.triangles = std::move(draft.surface.triangles);
+    result.given = std::move(draft.surface.given);
+    for (const Cap& cap : draft.caps)
+        result.triangles.insert(result.triangles.end(), cap.triangles.begin(),
+                                cap.triangles.end());
+    result.given.resize(result.triangles.size(), no_triangle);
+    return result;
+}
+
+}  // namespace
+
+ClosedSurface closed_surface(const MeshData& mesh, Inside rule) {
+    Draft draft = draft_of(mesh);
+    const auto may_be_solid = [&] {
+        return sums_of(draft.caps).area < constants::largest_caps * draft.area;
+    };
+    if (!may_be_solid()) return {};
+    if (draft.surface.patches > 1) {
+        draft.surface = without_patches(
+            draft.surface, patches_that_separate_nothing(mesh.positions, draft.surface));
+        measure(mesh, draft);
+    }
+    if (!may_be_solid() ||
+        (rule == Inside::automatic && !is_nearly_closed(sums_of(draft.caps), draft.area,
+                                                        draft.surface.triangles.size())))
+        return {};
+    ClosedSurface result = finished(std::move(draft), mesh.triangles.size());
+    result.inside.rule = Inside::winding;
+    return result;
+}
+
+ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule) {
+    if (rule == Inside::winding || (rule == Inside::automatic && !traits.closed()))
+        return closed_surface(mesh, rule);
+    ClosedSurface as_given;
+    if (rule != Inside::none && traits.closed()) as_given.inside.rule = Inside::closed;
+    return as_given;
+}
+
+ClosedSurface mended_surface(const MeshData& mesh) {
+    Draft draft = draft_of(mesh);
+    std::erase_if(draft.caps, [&](const Cap& cap) {
+        return cap.area > constants::small_cap * draft.area;
+    });
+    return finished(std::move(draft), mesh.triangles.size());
+}
+
+}  // namespace pierce

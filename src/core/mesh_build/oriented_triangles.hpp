@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+
+/// The triangles of a mesh, each once, turned so that neighbours face the same way.
+struct OrientedTriangles {
+    std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> given;  ///< per triangle, its id in the mesh
+    std::vector<bool> turned;          ///< per triangle
+    std::vector<std::uint32_t> patch;  ///< per triangle, the number of its patch: triangles that are
+                                       ///< connected by edges with two triangles
+    std::uint32_t patches = 0;
+};
+
+/// Leaves out triangles that have a vertex twice, and all but one of those with the same vertices.
+/// Within a patch, those of the smaller area are turned; a triangle that is given both ways has no
+/// say. Where a patch cannot be oriented, as a Moebius strip, some neighbours still disagree.
+OrientedTriangles oriented_triangles(std::span<const Vec3f> positions,
+                                     std::span<const Triangle> triangles);
+
+}  // namespace pierce

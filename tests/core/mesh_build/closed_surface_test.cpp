@@ -1,0 +1,328 @@
+// A surface that is made closed: which triangles are turned, left out or added, and that it winds
+// around the same points as the mesh did before it was damaged.
+#include "core/mesh_build/closed_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/half_edges.hpp"
+#include "core/mesh_build/caps.hpp"
+#include "core/mesh_build/mesh_topology.hpp"
+#include "core/mesh_build/winding_tree.hpp"
+#include "pierce/constants.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+MeshTraits traits_of(const MeshData& data) {
+    return traits_of(data, HalfEdges(data.triangles, data.positions.size()), {});
+}
+
+double mean_edge(const MeshData& data) { return traits_of(data).mean_edge_length; }
+
+/// The surface of a mesh as a mesh, and what was done.
+std::pair<MeshData, MeshInside> solid(const MeshData& mesh, Inside rule = Inside::automatic) {
+    ClosedSurface surface = closed_surface(mesh, rule);
+    EXPECT_EQ(surface.triangles.size(), surface.given.size());
+    return {{mesh.positions, std::move(surface.triangles)}, surface.inside};
+}
+
+/// True if both meshes have the same triangles in the same order, facing the same way.
+bool same_triangles(const MeshData& mesh, const MeshData& other) {
+    return std::ranges::equal(mesh.triangles, other.triangles, [](Triangle t, const Triangle& o) {
+        for (int turn = 0; turn < 2 && t != o; ++turn)
+            std::ranges::rotate(t.vertex, t.vertex + 1);
+        return t == o;
+    });
+}
+
+/// Fails unless the surface is closed and winds around random points as `whole` does, but for a
+/// share of them.
+void expect_same_inside(const MeshData& surface, const MeshData& whole, double share,
+                        const std::string& what) {
+    ASSERT_EQ(traits_of(surface).inconsistent_edges, 0u) << what;
+    const WindingTree winding(surface.positions, surface.triangles),
+        exact(whole.positions, whole.triangles);
+    test::Random random(7);
+    Box box;
+    for (Vec3f p : whole.positions) box.extend(to_double(p));
+    int differ = 0;
+    constexpr int points = 500;
+    for (int i = 0; i < points; ++i) {
+        Vec3d p;
+        for (int k = 0; k < 3; ++k)
+            p[k] = random.uniform(box.lower[k], box.upper[k]);
+        const double w = winding.exactly_at(p);
+        ASSERT_NEAR(w, std::round(w), 1e-6) << what;
+        differ += std::lround(w) != std::lround(exact.exactly_at(p));
+    }
+    EXPECT_LE(differ, share * points) << what;
+}
+
+TEST(ClosedSurfaceTest, BoxWithAMissingOrATurnedTriangle) {
+    const MeshData box = scenes::box({0, 0, 0}, {1, 2, 3});
+    for (std::uint32_t t = 0; t < box.triangles.size(); ++t) {
+        MeshData open = box;
+        open.triangles.erase(open.triangles.begin() + t);
+        const auto [closed, inside] = solid(open);
+        EXPECT_EQ(inside.rule, Inside::winding);
+        EXPECT_EQ(inside.holes, 1u);
+        EXPECT_EQ(inside.cap_triangles, 1u);
+        expect_same_inside(closed, box, 0, "without triangle " + std::to_string(t));
+
+        MeshData flipped = box;
+        std::swap(flipped.triangles[t].vertex[0], flipped.triangles[t].vertex[1]);
+        const auto [turned, how] = solid(flipped);
+        EXPECT_EQ(how.turned_triangles, 1u);
+        EXPECT_EQ(how.cap_triangles, 0u);
+        expect_same_inside(turned, box, 0, "with triangle " + std::to_string(t) + " turned");
+    }
+}
+
+TEST(ClosedSurfaceTest, OpeningsAreNoHoles) {
+    MeshData crate = scenes::box({0, 0, 0}, {1, 1, 3});
+    std::erase_if(crate.triangles, [&](const Triangle& t) {
+        return std::ranges::all_of(t.vertex, [&](auto v) { return crate.positions[v].z == 3; });
+    });
+    ASSERT_EQ(crate.triangles.size(), 10u);
+    EXPECT_FALSE(solid(crate).second.exists());
+    EXPECT_TRUE(solid(crate).first.triangles.empty());
+    EXPECT_TRUE(solid(crate, Inside::winding).second.exists());
+
+    const MeshData tube = scenes::tube(1, 6, 24, 20), sheet = scenes::grid(1, 1, 20, 20);
+    EXPECT_FALSE(solid(tube).second.exists());
+    EXPECT_TRUE(solid(tube, Inside::winding).second.exists());
+    EXPECT_FALSE(solid(sheet).second.exists());
+    EXPECT_FALSE(solid(sheet, Inside::winding).second.exists());
+}
+
+/// A mesh in which every triangle has vertices of its own, as STL files hold it.
+TEST(ClosedSurfaceTest, SoupOfTriangles) {
+    const MeshData ball = scenes::sphere(1, 3);
+    MeshData soup;
+    for (const Triangle& t : ball.triangles) {
+        for (std::uint32_t v : t.vertex) soup.positions.push_back(ball.positions[v]);
+        const auto n = static_cast<std::uint32_t>(soup.positions.size());
+        soup.triangles.push_back({{n - 3, n - 2, n - 1}});
+    }
+    const auto [closed, inside] = solid(soup);
+    EXPECT_EQ(inside.joined_vertices, soup.positions.size() - ball.positions.size());
+    EXPECT_EQ(inside.cap_triangles, 0u);
+    EXPECT_EQ(inside.left_out_triangles, 0u);
+    expect_same_inside(closed, ball, 0, "soup");
+}
+
+TEST(ClosedSurfaceTest, DoubledTrianglesCountOnce) {
+    const MeshData ball = scenes::sphere(1, 3);
+    MeshData doubled = ball, both_ways = ball;
+    for (std::uint32_t t = 0; t < 100; ++t) {
+        const Triangle& triangle = ball.triangles[3 * t];
+        doubled.triangles.push_back(
+            {{triangle.vertex[1], triangle.vertex[2], triangle.vertex[0]}});
+        both_ways.triangles.push_back(
+            {{triangle.vertex[1], triangle.vertex[0], triangle.vertex[2]}});
+    }
+    for (const MeshData* mesh : {&doubled, &both_ways}) {
+        const auto [closed, inside] = solid(*mesh);
+        EXPECT_EQ(inside.left_out_triangles, 100u);
+        EXPECT_TRUE(same_triangles(closed, ball));
+    }
+}
+
+TEST(ClosedSurfaceTest, WallsAndScrapsAreLeftOut) {
+    // Two boxes with a wall between them, which is given once.
+    MeshData boxes = scenes::box({0, 0, 0}, {2, 1, 1});
+    const MeshData whole = boxes;
+    boxes = scenes::joined(scenes::box({0, 0, 0}, {1, 1, 1}), scenes::box({1, 0, 0}, {2, 1, 1}));
+    bool wall = true;
+    std::erase_if(boxes.triangles, [&](const Triangle& t) {
+        const bool between = std::ranges::all_of(
+            t.vertex, [&](auto v) { return boxes.positions[v].x == 1; });
+        if (!between) return false;
+        const auto id = &t - boxes.triangles.data();
+        return !wall || id >= 12;
+    });
+    ASSERT_EQ(boxes.triangles.size(), 22u);
+    const auto [merged, inside] = solid(boxes);
+    EXPECT_EQ(inside.left_out_triangles, 2u);
+    EXPECT_EQ(inside.cap_triangles, 0u);
+    expect_same_inside(merged, whole, 0, "wall");
+
+    // A disc that floats in a ball, and one that floats beside it.
+    const MeshData ball = scenes::sphere(1, 3);
+    MeshData disc = scenes::grid(0.8, 0.8, 6, 6), scrap = disc;
+    for (Vec3f& p : scrap.positions) p.x += 3;
+    MeshData all = scenes::joined(scenes::joined(ball, disc), scrap);
+    all.triangles.erase(all.triangles.begin());
+    const auto [rest, how] = solid(all);
+    EXPECT_EQ(how.left_out_triangles, 100u);
+    EXPECT_EQ(how.cap_triangles, 1u);
+    expect_same_inside(rest, ball, 0, "disc");
+}
+
+/// A ball in two halves with a gap between them, of vertices that do not face each other.
+TEST(ClosedSurfaceTest, GapsAreBridged) {
+    const std::uint32_t around = 40;
+    MeshData tube = scenes::capsule(1, 1, around, 8), halves = tube;
+    std::vector<Triangle> kept;
+    const auto count = static_cast<std::uint32_t>(tube.positions.size());
+    for (Vec3f p : tube.positions) {
+        const double angle = 0.03;
+        halves.positions.push_back(
+            {p.x + 0.02f, static_cast<float>(p.y * std::cos(angle) - p.z * std::sin(angle)),
+             static_cast<float>(p.y * std::sin(angle) + p.z * std::cos(angle))});
+    }
+    for (Triangle t : tube.triangles) {
+        if (std::ranges::all_of(t.vertex, [&](auto v) { return tube.positions[v].x > 1.2f; }))
+            for (std::uint32_t& v : t.vertex) v += count;
+        kept.push_back(t);
+    }
+    halves.triangles = kept;
+    ASSERT_EQ(traits_of(halves).boundary_edges, 2 * around);
+    const auto [closed, inside] = solid(halves);
+    EXPECT_EQ(inside.rule, Inside::winding);
+    EXPECT_EQ(inside.holes, 1u);
+    EXPECT_EQ(inside.cap_triangles, traits_of(halves).boundary_edges);
+    expect_same_inside(closed, tube, 0.02, "gap");
+}
+
+TEST(ClosedSurfaceTest, TJunctionsAreClosed) {
+    MeshData box = scenes::box({0, 0, 0}, {1, 1, 1});
+    const MeshData whole = box;
+    // One triangle is cut at the middle of a side, its neighbour is not.
+    const Triangle t = box.triangles[5];
+    const auto middle = static_cast<std::uint32_t>(box.positions.size());
+    box.positions.push_back(
+        to_float(0.5 * (to_double(box.positions[t.vertex[0]]) +
+                        to_double(box.positions[t.vertex[1]]))));
+    box.triangles[5] = {{t.vertex[0], middle, t.vertex[2]}};
+    box.triangles.push_back({{middle, t.vertex[1], t.vertex[2]}});
+    const auto [closed, inside] = solid(box);
+    EXPECT_EQ(inside.rule, Inside::winding);
+    EXPECT_EQ(inside.cap_triangles, 1u);
+    EXPECT_EQ(inside.cap_share, 0);
+    expect_same_inside(closed, whole, 0, "T-junction");
+}
+
+TEST(ClosedSurfaceTest, DamagedMeshesKeepTheirInside) {
+    const std::vector<std::pair<std::string, MeshData>> shapes = {
+        {"torus", scenes::torus(1, 0.4, 40, 20)},
+        {"ball", scenes::sphere(1, 3)},
+        {"capsule", scenes::capsule(0.5, 1, 24, 12)}};
+    for (const auto& [name, whole] : shapes)
+        for (const double damage : {0.01, 0.03, 0.1})
+            for (std::uint32_t seed = 0; seed < 4; ++seed) {
+                test::Random random(seed);
+                MeshData torn = whole, flipped = whole;
+                const auto hit = [&] { return random.uniform(0, 1) < damage; };
+                std::erase_if(torn.triangles, [&](const Triangle&) { return hit(); });
+                for (Triangle& t : flipped.triangles)
+                    if (hit()) std::swap(t.vertex[0], t.vertex[1]);
+                const std::string what = name + " damaged by " + std::to_string(damage) +
+                                         ", seed " + std::to_string(seed);
+                expect_same_inside(solid(torn, Inside::winding).first, whole, 0.01,
+                                   what + ", torn");
+                const auto [turned, inside] = solid(flipped, Inside::winding);
+                EXPECT_TRUE(same_triangles(turned, whole)) << what;
+            }
+}
+
+/// Caps by all triangulations.
+double least_area(const std::vector<Vec3d>& loop, std::size_t i, std::size_t j) {
+    if (j < i + 2) return 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = i + 1; k < j; ++k)
+        least = std::min(least, least_area(loop, i, k) + least_area(loop, k, j) +
+                                    0.5 * length(cross(loop[k] - loop[i], loop[j] - loop[i])));
+    return least;
+}
+
+TEST(CapsTest, AreOfLeastAreaAndCloseTheSurface) {
+    test::Random random(1);
+    for (int round = 0; round < 50; ++round) {
+        // A fan around a vertex: its border is a hole of as many edges.
+        const int edges = random.integer(3, 9);
+        MeshData fan;
+        fan.positions.push_back({0, 0, 2});
+        std::vector<Vec3d> loop;
+        for (int i = 0; i < edges; ++i) {
+            const double angle = 2 * std::numbers::pi * i / edges;
+            fan.positions.push_back(
+                to_float(Vec3d{std::cos(angle), std::sin(angle), 0} + random.in_box(0.5)));
+            fan.triangles.push_back({{0, static_cast<std::uint32_t>(1 + i),
+                                      static_cast<std::uint32_t>(1 + (i + 1) % edges)}});
+        }
+        for (int i = edges; i > 0; --i)
+            loop.push_back(to_double(fan.positions[static_cast<std::size_t>(i)]));
+        const std::vector<Cap> caps = caps_of(fan.positions, fan.triangles, mean_edge(fan));
+        ASSERT_EQ(caps.size(), 1u);
+        EXPECT_EQ(caps[0].border_edges, static_cast<std::uint32_t>(edges));
+        EXPECT_NEAR(caps[0].area, least_area(loop, 0, loop.size() - 1), 1e-12);
+        for (const Triangle& t : caps[0].triangles) fan.triangles.push_back(t);
+        EXPECT_EQ(traits_of(fan).inconsistent_edges, 0u);
+    }
+}
+
+TEST(CapsTest, CloseAnySurface) {
+    test::Random random(2);
+    for (int round = 0; round < 100; ++round) {
+        MeshData mesh;
+        const int vertices = random.integer(4, 60);
+        for (int v = 0; v < vertices; ++v)
+            mesh.positions.push_back(to_float(random.in_box(1)));
+        const auto any = [&] { return static_cast<std::uint32_t>(random.integer(0, vertices - 1)); };
+        for (int t = 0; t < 200; ++t) {
+            const Triangle one{{any(), any(), any()}};
+            if (one.vertex[0] == one.vertex[1] || one.vertex[1] == one.vertex[2] ||
+                one.vertex[2] == one.vertex[0])
+                continue;
+            mesh.triangles.push_back(one);
+        }
+        for (const Cap& cap : caps_of(mesh.positions, mesh.triangles, mean_edge(mesh)))
+            mesh.triangles.insert(mesh.triangles.end(), cap.triangles.begin(),
+                                  cap.triangles.end());
+        EXPECT_EQ(traits_of(mesh).inconsistent_edges, 0u);
+    }
+}
+
+TEST(WindingTreeTest, TreeAgreesWithTheSumOfSolidAngles) {
+    const MeshData ball = scenes::sphere(1, 4);
+    MeshData open = ball;
+    open.triangles.resize(open.triangles.size() / 2);
+    test::Random random(3);
+    for (const MeshData* mesh : {&ball, static_cast<const MeshData*>(&open)}) {
+        const WindingTree winding(mesh->positions, mesh->triangles);
+        double sum = 0, worst = 0;
+        constexpr int points = 300;
+        for (int i = 0; i < points; ++i) {
+            const Vec3d p = random.in_box(1.5);
+            const double off = std::fabs(winding.at(p) - winding.exactly_at(p));
+            sum += off;
+            worst = std::max(worst, off);
+        }
+        EXPECT_LT(sum / points, 0.01);
+        EXPECT_LT(worst, 0.06);
+    }
+    // On the surface it is the mean of both sides.
+    const WindingTree winding(ball.positions, ball.triangles);
+    for (std::uint32_t t = 0; t < ball.triangles.size(); t += 100) {
+        Vec3d middle;
+        for (std::uint32_t v : ball.triangles[t].vertex)
+            middle += (1.0 / 3) * to_double(ball.positions[v]);
+        EXPECT_NEAR(winding.exactly_at(middle, t), 0.5, 1e-6);
+        EXPECT_NEAR(winding.at(middle, t), 0.5, 0.06);
+    }
+}
+
+}  // namespace
+}  // namespace pierce
