@@ -102,22 +102,26 @@ private:
 
     struct MeshCopy {
         Arrays arrays;
-        MeshView view;
-        MeshArrays<ConstView> copied;  ///< the arrays on the host
+        MeshArrays<ConstView> on_host, on_device;
     };
 
-    const MeshCopy& copy_of(const BodyView& body) {
+    /// A body's mesh on the device.
+    MeshView copy_of(const BodyView& body) {
         MeshCopy& copy = meshes_[body.mesh_key];
-        static_cast<MeshShape&>(copy.view) = body.mesh;
-        // Plans differ in which arrays they need.
+        MeshView view;
+        static_cast<MeshShape&>(view) = body.mesh;
+        // Plans, and bodies of one plan, differ in which arrays they need.
         for_each_array(
-            [&](auto& on_device, auto& copied, const auto& host) {
-                if (copied.data == host.data && copied.size == host.size) return;
-                on_device = copy.arrays.add(executor_, host);
-                copied = host;
+            [&](auto& seen, auto& on_device, auto& on_host, const auto& host) {
+                if (host.size == 0) return;
+                if (on_host.data != host.data || on_host.size != host.size) {
+                    on_device = copy.arrays.add(executor_, host);
+                    on_host = host;
+                }
+                seen = on_device;
             },
-            copy.view, copy.copied, body.mesh);
-        return copy;
+            view, copy.on_device, copy.on_host, body.mesh);
+        return view;
     }
 
     void forget_unused(View<const BodyView> bodies) {
@@ -166,8 +170,7 @@ private:
         for (std::uint32_t b = 0; b < views.size(); ++b) {
             BodyView& view = views[b];
             if (view.mesh_key == 0) continue;
-            const MeshCopy& mesh = copy_of(view);
-            view.mesh = mesh.view;
+            view.mesh = copy_of(view);
             if (view.motion == Motion::deforming) {
                 view.positions = {positions_.data() + first_vertex_[b], view.positions.size};
                 view.start = {starts_.data() + first_vertex_[b], view.start.size};
@@ -180,10 +183,10 @@ private:
                 next_node += view.box_nodes.size;
                 next_seen += host.seen[b].size;
             } else {
-                view.positions = mesh.view.positions;
-                view.blocks = mesh.view.blocks;
-                view.patches = mesh.view.patches;
-                view.box_nodes = mesh.view.box_nodes;
+                view.positions = view.mesh.positions;
+                view.blocks = view.mesh.blocks;
+                view.patches = view.mesh.patches;
+                view.box_nodes = view.mesh.box_nodes;
             }
         }
         executor_.upload(std::span<const BodyView>(views), bodies_);

@@ -14,6 +14,7 @@
 #include "pierce/bullet/bullet_dispatcher.hpp"
 #include "pierce/bullet/contact_frame.hpp"
 #include "pierce/bullet/contact_reduction.hpp"
+#include "pierce/bullet/soft_solver.hpp"
 #include "pierce/error.hpp"
 #include "pierce/penalty_force.hpp"
 #include "pierce/reference_backends.hpp"
@@ -316,6 +317,128 @@ TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
     EXPECT_LT(rigid.getLinearVelocity().x(), 1.7) << "and the rigid one was slowed down";
     bullet_world.removeSoftBody(soft.get());
     bullet_world.removeRigidBody(&rigid);
+}
+
+/// Bullet and Pierce side by side, without gravity.
+struct BoundWorld {
+    World world;
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    bullet::Dispatcher dispatcher{&configuration, world};
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    bullet::SoftSolver soft_solver;
+    btSoftRigidDynamicsWorld bullet_world{&dispatcher, &broadphase, &solver, &configuration,
+                                          &soft_solver};
+    btSphereShape shape{1};
+
+    BoundWorld() {
+        bullet_world.setGravity({0, 0, 0});
+        bullet_world.getWorldInfo().m_gravity.setZero();
+    }
+    std::unique_ptr<btRigidBody> add_rigid(btScalar x) {
+        auto rigid = std::make_unique<btRigidBody>(
+            btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape, {1, 1, 1}));
+        rigid->getWorldTransform().setOrigin({x, 0, 0});
+        rigid->setInterpolationWorldTransform(rigid->getWorldTransform());
+        bullet_world.addRigidBody(rigid.get());
+        return rigid;
+    }
+    std::unique_ptr<btSoftBody> add_soft(const MeshData& mesh, btScalar x) {
+        std::vector<btScalar> coordinates;
+        for (Vec3f p : mesh.positions) coordinates.insert(coordinates.end(), {p.x + x, p.y, p.z});
+        std::vector<int> indices;
+        for (const Triangle& t : mesh.triangles)
+            for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
+        std::unique_ptr<btSoftBody> soft(btSoftBodyHelpers::CreateFromTriMesh(
+            bullet_world.getWorldInfo(), coordinates.data(), indices.data(),
+            static_cast<int>(mesh.triangles.size()), false));
+        soft->setTotalMass(1);
+        soft->m_cfg.collisions = 0;
+        bullet_world.addSoftBody(soft.get());
+        return soft;
+    }
+    void step() { bullet_world.stepSimulation(btScalar(dt), 0); }
+};
+
+TEST(DispatcherTest, ObjectsComeAndGoAtAnyTime) {
+    BoundWorld scene;
+    const MeshData ball = scenes::sphere(1, 2);
+    MeshData torn = ball;
+    torn.triangles.erase(torn.triangles.begin() + 11);  // its hole is closed by a triangle more
+    const MeshId mesh = scene.world.add_mesh("ball", ball),
+                 torn_mesh = scene.world.add_mesh("torn", torn);
+    test::Random random(8);
+    struct Bound {
+        std::unique_ptr<btRigidBody> rigid;
+        std::unique_ptr<btSoftBody> soft;
+        BodyId body;
+    };
+    std::vector<Bound> bodies;
+    std::uint32_t contacts = 0;
+    for (int step = 0; step < 60; ++step) {
+        if (bodies.size() < 5) {
+            Bound bound;
+            const auto x = static_cast<btScalar>(random.uniform(-2, 2));
+            if (step % 3 == 0) {
+                bound.soft = scene.add_soft(torn, x);
+                bound.body = scene.world.add_deforming_body(torn_mesh);
+                scene.dispatcher.bind(*bound.soft, bound.body);
+            } else {
+                bound.rigid = scene.add_rigid(x);
+                bound.body = scene.world.add_rigid_body(mesh);
+                scene.dispatcher.bind(*bound.rigid, bound.body);
+            }
+            bodies.push_back(std::move(bound));
+        }
+        scene.step();
+        contacts += scene.dispatcher.reduced_contacts();
+        if (step % 4 != 3) continue;
+        // The object is deleted; another one may come to the same address.
+        const auto gone = bodies.begin() + random.integer(0, static_cast<int>(bodies.size()) - 1);
+        if (gone->soft) {
+            scene.dispatcher.unbind(*gone->soft);
+            scene.bullet_world.removeSoftBody(gone->soft.get());
+        } else {
+            scene.dispatcher.unbind(*gone->rigid);
+            scene.bullet_world.removeRigidBody(gone->rigid.get());
+        }
+        scene.world.remove_body(gone->body);
+        bodies.erase(gone);
+    }
+    EXPECT_GT(contacts, 200u);
+    for (Bound& bound : bodies) {
+        if (bound.soft)
+            scene.bullet_world.removeSoftBody(bound.soft.get());
+        else
+            scene.bullet_world.removeRigidBody(bound.rigid.get());
+    }
+}
+
+TEST(DispatcherTest, BindingAgainEndsTheLastBinding) {
+    BoundWorld scene;
+    const MeshId mesh = scene.world.add_mesh("ball", scenes::sphere(1, 2));
+    const auto first = scene.add_rigid(0), second = scene.add_rigid(1.5);
+    scene.step();
+    const int by_bullet = scene.dispatcher.getNumManifolds();
+    EXPECT_GT(by_bullet, 0) << "Bullet's own contacts, before anything is bound";
+    const BodyId a = scene.world.add_rigid_body(mesh), b = scene.world.add_rigid_body(mesh),
+                 c = scene.world.add_rigid_body(mesh);
+    scene.dispatcher.bind(*first, a);
+    scene.dispatcher.bind(*second, b);
+    scene.step();
+    EXPECT_GT(scene.dispatcher.reduced_contacts(), 0u);
+    scene.dispatcher.bind(*second, c);
+    scene.world.remove_body(b);
+    scene.step();
+    EXPECT_GT(scene.dispatcher.reduced_contacts(), 0u);
+    scene.dispatcher.unbind(*second);
+    scene.dispatcher.unbind(*second);
+    scene.world.remove_body(c);
+    scene.step();
+    EXPECT_EQ(scene.dispatcher.reduced_contacts(), 0u);
+    EXPECT_GT(scene.dispatcher.getNumManifolds(), 0) << "Bullet's own contacts again";
+    scene.bullet_world.removeRigidBody(first.get());
+    scene.bullet_world.removeRigidBody(second.get());
 }
 
 }  // namespace

@@ -297,7 +297,7 @@ TEST_P(HardBodiesTest, OpenOnesAreNamedByThePlan) {
             const bool noted = std::ranges::any_of(scene.notes(), [&](const std::string& note) {
                 return note.find(name) != std::string::npos;
             });
-            EXPECT_EQ(noted, !Mesh("", *data).traits().closed());
+            EXPECT_EQ(noted, !Mesh("", *data).inside().exists());
         }
     }
 }

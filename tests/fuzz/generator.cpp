@@ -92,6 +92,38 @@ private:
         meshes_.push_back(call.data);
     }
 
+    /// A mesh from another one: some triangles are others, and one may be gone.
+    void change_mesh() {
+        const std::uint32_t before = any_mesh_number();
+        if (meshes_[before].triangles.empty() || meshes_[before].positions.empty())
+            return add_mesh();
+        Call& call = push(Kind::add_mesh);
+        call.before = before;
+        call.data = meshes_[before];
+        std::vector<Triangle>& triangles = call.data.triangles;
+        const auto any = [&] {
+            return choices_.below(static_cast<std::uint32_t>(triangles.size()));
+        };
+        for (std::uint32_t changes = choices_.below(3) + 1; changes > 0; --changes) {
+            const std::uint32_t t = any(), k = choices_.below(3);
+            switch (choices_.below(3)) {
+                case 0:
+                    if (triangles.size() > 1) triangles.erase(triangles.begin() + t);
+                    break;
+                case 1: {
+                    const auto v = static_cast<std::uint32_t>(call.data.positions.size());
+                    call.data.positions.push_back(
+                        call.data.positions[triangles[t].vertex[k] % call.data.positions.size()]);
+                    triangles[t].vertex[k] = v;
+                    break;
+                }
+                default:
+                    std::swap(triangles[t].vertex[0], triangles[any()].vertex[k]);
+            }
+        }
+        meshes_.push_back(call.data);
+    }
+
     std::uint32_t any_mesh_number() {
         return choices_.below(static_cast<std::uint32_t>(meshes_.size()));
     }
@@ -285,7 +317,10 @@ private:
     void change_something() {
         switch (choices_.below(16)) {
             case 0:
-                add_mesh();
+                if (choices_.one_in(2))
+                    add_mesh();
+                else
+                    change_mesh();
                 break;
             case 1:
             case 2:
@@ -311,7 +346,8 @@ private:
                 Call& call = push(Kind::set_mesh);
                 call.body = b;
                 call.mesh = bodies_[b].mesh = mesh;
-                call.positions = bodies_[b].positions = any_positions(mesh, nullptr);
+                if (bodies_[b].motion == Motion::deforming || choices_.one_in(8))
+                    call.positions = bodies_[b].positions = any_positions(mesh, nullptr);
                 break;
             }
             case 11: {

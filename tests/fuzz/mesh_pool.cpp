@@ -20,14 +20,18 @@ bool are_same(const MeshData& a, const MeshData& b) {
 
 }  // namespace
 
-std::shared_ptr<const Mesh> MeshPool::made_of(const MeshData& data, Inside inside) {
+std::shared_ptr<const Mesh> MeshPool::made_of(const MeshData& data, Inside inside,
+                                              const Mesh* before) {
     const auto known = std::ranges::find_if(meshes_, [&](const Made& made) {
-        return made.inside == inside && are_same(made.mesh->data(), data);
+        return made.inside == inside && made.before == before && are_same(made.mesh->data(), data);
     });
     if (known != meshes_.end()) return known->mesh;
     const std::string name = "mesh " + std::to_string(meshes_.size());
-    meshes_.push_back(
-        {std::make_shared<const Mesh>(name, data, MeshOptions{.inside = inside}), inside});
+    const MeshOptions options{.inside = inside};
+    meshes_.push_back({before != nullptr
+                           ? std::make_shared<const Mesh>(name, data, *before, options)
+                           : std::make_shared<const Mesh>(name, data, options),
+                       inside, before});
     return meshes_.back().mesh;
 }
 

@@ -11,13 +11,15 @@ namespace pierce::fuzz {
 /// measuring its meshes.
 class MeshPool {
 public:
-    /// The mesh made of `data`. Throws what Mesh's constructor throws.
-    std::shared_ptr<const Mesh> made_of(const MeshData& data, Inside inside = Inside::automatic);
+    /// The mesh made of `data`, from `before` unless that is null. Throws what Mesh's constructor
+    /// throws.
+    std::shared_ptr<const Mesh> made_of(const MeshData& data, Inside inside, const Mesh* before);
 
 private:
     struct Made {
         std::shared_ptr<const Mesh> mesh;
         Inside inside;  ///< that was asked for
+        const Mesh* before;
     };
 
     std::vector<Made> meshes_;

@@ -123,6 +123,7 @@ void Model::apply(const Call& call, const Player& player) {
         case Kind::set_mesh: {
             ModelBody& b = bodies_[call.body];
             b.mesh = call.mesh;
+            if (b.motion != Motion::deforming) break;
             b.positions = b.start = call.positions;
             b.moved = true;
             b.finite = is_good(call.positions);

@@ -63,7 +63,10 @@ std::string Player::answer(const Call& c) {
     using Kind = Call::Kind;
     switch (c.kind) {
         case Kind::add_mesh:
-            meshes_.push_back(world_.add_mesh(pool_->made_of(c.data, c.inside)));
+            made_.resize(meshes_.size());
+            made_.push_back(pool_->made_of(
+                c.data, c.inside, c.before < made_.size() ? made_[c.before].get() : nullptr));
+            meshes_.push_back(world_.add_mesh(made_.back()));
             break;
         case Kind::remove_mesh:
             world_.remove_mesh(mesh(c.mesh));
@@ -97,7 +100,10 @@ std::string Player::answer(const Call& c) {
                               std::span<const Vec3f>(c.positions));
             break;
         case Kind::set_mesh:
-            world_.set_mesh(body(c.body), mesh(c.mesh), c.positions);
+            if (c.positions.empty())
+                world_.set_mesh(body(c.body), mesh(c.mesh));
+            else
+                world_.set_mesh(body(c.body), mesh(c.mesh), c.positions);
             break;
         case Kind::forget_sides:
             world_.forget_sides();

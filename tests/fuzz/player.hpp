@@ -51,7 +51,8 @@ private:
     MakeBackend make_;
     std::shared_ptr<MeshPool> pool_;
     World world_;
-    std::vector<MeshId> meshes_;  ///< null for what was refused
+    std::vector<MeshId> meshes_;                     ///< null for what was refused
+    std::vector<std::shared_ptr<const Mesh>> made_;  ///< the same; may be shorter
     std::vector<BodyId> bodies_;
 };
 

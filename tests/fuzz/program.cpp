@@ -120,6 +120,7 @@ json call(const Call& c) {
         j["positions"] = points(c.data.positions);
         j["triangles"] = json::array();
         for (const Triangle& t : c.data.triangles) j["triangles"].push_back(t.vertex);
+        if (c.before != Call::no_mesh) j["before"] = c.before;
         if (c.inside != Inside::automatic) j["inside"] = static_cast<int>(c.inside);
     }
     if (any_of({Kind::remove_mesh, Kind::add_fixed_body, Kind::add_rigid_body,
@@ -165,6 +166,7 @@ Call call_of(const json& j) {
         c.data.positions = points_of(j.at("positions"));
         for (const json& t : j.at("triangles"))
             c.data.triangles.push_back({{t.at(0), t.at(1), t.at(2)}});
+        c.before = j.value("before", Call::no_mesh);
         c.inside = enum_of(j.value("inside", json(0)), Inside::none);
     } else if (j.contains("positions")) {
         c.positions = points_of(j["positions"]);

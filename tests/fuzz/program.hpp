@@ -34,14 +34,17 @@ struct Call {
         restore,  ///< save(), and restore() into a new world
     };
 
+    static constexpr std::uint32_t no_mesh = 0xffffffffu;
+
     Kind kind = Kind::detect;
     std::uint32_t mesh = 0;
     std::uint32_t body = 0;
     std::uint32_t other = 0;   ///< body, of explain
     std::uint32_t vertex = 0;  ///< of explain
     MeshData data{};
-    Inside inside = Inside::automatic;  ///< of add_mesh
-    Pose start_pose{}, pose{};  ///< the position of `pose` is the origin of cast_rays, too
+    Inside inside = Inside::automatic;  ///< of add_mesh, like the next one
+    std::uint32_t before = no_mesh;     ///< the mesh that it comes from
+    Pose start_pose{}, pose{};          ///< the position of `pose` is the origin of cast_rays, too
     std::vector<Vec3f> start{}, positions{};  ///< the directions of cast_rays, too
     Collision collision{};
 };

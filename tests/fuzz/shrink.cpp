@@ -49,6 +49,8 @@ Program without(const Program& program, std::size_t begin, std::size_t end) {
         const bool keep = (i < begin || i >= end) && (!names_mesh(c) || known(mesh, c.mesh)) &&
                           (!names_body(c) || known(body, c.body)) &&
                           (c.kind != Kind::explain || known(body, c.other));
+        if (c.before != Call::no_mesh)
+            c.before = known(mesh, c.before) ? *mesh[c.before] : Call::no_mesh;
         if (c.kind == Kind::add_mesh) mesh.push_back(keep ? std::optional(meshes++) : std::nullopt);
         if (keep && names_mesh(c)) c.mesh = *mesh[c.mesh];
         if (adds_body(c)) body.push_back(keep ? std::optional(bodies++) : std::nullopt);

@@ -99,6 +99,7 @@ TEST_F(FrameTruthTest, NormalsAreInWorldSpace) {
 TEST_F(FrameTruthTest, ContainedBodiesOverlapUnlessOneIsOpen) {
     const std::uint32_t big = add_mesh(cube(2)), small = add_mesh(cube(0.5)),
                         open = add_mesh(open_cube());
+    recording.meshes[open].inside = Inside::none;
     add(big, Motion::rigid, pose({}));
     add(small, Motion::rigid, pose({1, 1, 1}));
     recording.frame_count = 1;

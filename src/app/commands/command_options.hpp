@@ -94,6 +94,10 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
     command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
     add_inside(command, rays.inside);
+    command
+        .add_option("--mesh-cache", rays.mesh_cache,
+                    "keep what is measured of meshes in DIR, and find it there the next time")
+        ->type_name("DIR");
     add_coverage(command, rays.world);
     add_temporal(command, rays.world);
 }

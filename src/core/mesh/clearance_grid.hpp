@@ -57,6 +57,11 @@ struct ClearanceGrid {
     std::vector<std::uint8_t> steps;
 };
 
+/// Where the cells of that grid are; no cells if the surface has no extent.
+ClearanceGridLayout clearance_layout(std::span<const Vec3f> positions,
+                                     std::span<const Triangle> triangles,
+                                     std::uint32_t resolution = constants::grid_resolution);
+
 /// Builds the grid of a closed surface, with `resolution` cells along its longest side: cells a
 /// triangle may touch are marked, the outside is flooded from the border, and every outside cell
 /// gets the gap to the nearest cell that is not outside (separable exact distance transform, after

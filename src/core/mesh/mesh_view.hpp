@@ -205,6 +205,8 @@ struct MeshNeeds {
     bool stars = false;      ///< star_clearance
     bool own_exits = false;  ///< own_exit
 
+    friend bool operator==(const MeshNeeds&, const MeshNeeds&) = default;
+
     static constexpr MeshNeeds all() {
         return {.clearance = true, .rings = true, .slabs = true, .stars = true, .own_exits = true};
     }
@@ -224,6 +226,8 @@ struct MeshShape {
 
 /// A mesh as stages see it. Offsets and ids are checked only when the mesh is made.
 struct MeshView : MeshArrays<ConstView>, MeshShape {
+    /// False if all vertices lie in one place.
+    PIERCE_HD bool has_extent() const { return box.extent() > 0; }
     /// A lower bound of the distance of points to the rest shape; of a mesh that is not closed
     /// nothing is known.
     PIERCE_HD ClearanceGridView clearance() const { return {clearance_at, clearance_steps}; }

@@ -8,6 +8,10 @@
 
 namespace pierce {
 
+PIERCE_HD inline bool has_triangles(const MeshView& mesh, std::uint32_t v) {
+    return mesh.corner_offsets[v] < mesh.corner_offsets[v + 1];
+}
+
 /// The unit outward normal of vertex `v`: its triangles' normals weighted by their angle at `v`,
 /// which makes its sign right for inside tests (Baerentzen and Aanaes 2005). Zero if the triangles
 /// cancel or have no area.

@@ -20,24 +20,29 @@ struct Cells {
     }
 };
 
-Cells make_cells(const Box& solid, std::uint32_t resolution) {
-    Cells cells;
+Cells make_cells(const ClearanceGridLayout& layout) {
+    Cells cells{layout, {}};
+    const std::int32_t count = layout.size[0] * layout.size[1] * layout.size[2];
+    cells.state.assign(static_cast<std::size_t>(count), unknown);
+    return cells;
+}
+
+ClearanceGridLayout layout_around(const Box& solid, std::uint32_t resolution) {
+    ClearanceGridLayout layout;
     const Vec3d size = solid.upper - solid.lower;
     const double longest = std::max({size.x, size.y, size.z});
     // Two of the cells form the border, so that the outside is connected all around.
-    cells.layout.cell = longest / (resolution - 2);
-    const double h = cells.layout.cell;
-    cells.layout.per_length = 1.0 / h;
-    cells.layout.step = h / constants::clearance_steps_per_cell;
+    layout.cell = longest / (resolution - 2);
+    const double h = layout.cell;
+    layout.per_length = 1.0 / h;
+    layout.step = h / constants::clearance_steps_per_cell;
     for (int i = 0; i < 3; ++i) {
         const auto inner = static_cast<std::int32_t>(std::ceil(size[i] / h));
-        cells.layout.size[i] = std::max(inner, 1) + 2;
-        cells.layout.box.lower[i] = solid.center()[i] - 0.5 * h * cells.layout.size[i];
-        cells.layout.box.upper[i] = solid.center()[i] + 0.5 * h * cells.layout.size[i];
+        layout.size[i] = std::max(inner, 1) + 2;
+        layout.box.lower[i] = solid.center()[i] - 0.5 * h * layout.size[i];
+        layout.box.upper[i] = solid.center()[i] + 0.5 * h * layout.size[i];
     }
-    const std::int32_t count = cells.layout.size[0] * cells.layout.size[1] * cells.layout.size[2];
-    cells.state.assign(static_cast<std::size_t>(count), unknown);
-    return cells;
+    return layout;
 }
 
 /// Marks every cell that the triangle may touch: the cells of its box that its plane also meets.
@@ -155,14 +160,21 @@ std::vector<Gap> squared_gaps(const Cells& cells) {
 
 }  // namespace
 
-ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
-                                   std::span<const Triangle> triangles, std::uint32_t resolution) {
+ClearanceGridLayout clearance_layout(std::span<const Vec3f> positions,
+                                     std::span<const Triangle> triangles,
+                                     std::uint32_t resolution) {
     Box solid;
     for (const Triangle& t : triangles)
         for (std::uint32_t v : t.vertex) solid.extend(to_double(positions[v]));
-    if (!(solid.extent() > 0)) return {};
+    return solid.extent() > 0 ? layout_around(solid, resolution) : ClearanceGridLayout{};
+}
 
-    Cells cells = make_cells(solid, resolution);
+ClearanceGrid build_clearance_grid(std::span<const Vec3f> positions,
+                                   std::span<const Triangle> triangles, std::uint32_t resolution) {
+    const ClearanceGridLayout layout = clearance_layout(positions, triangles, resolution);
+    if (layout.size[0] == 0) return {};
+
+    Cells cells = make_cells(layout);
     for (const Triangle& t : triangles)
         mark_triangle(cells, to_double(positions[t.vertex[0]]), to_double(positions[t.vertex[1]]),
                       to_double(positions[t.vertex[2]]));

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <optional>
+#include <utility>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/mesh/coincident_vertices.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh_build/caps.hpp"
@@ -44,8 +48,8 @@ std::vector<bool> patches_that_separate_nothing(std::span<const Vec3f> positions
                             samples = std::min(size, constants::wall_samples);
         double all = 0, separates = 0;
         for (std::uint32_t i = 0; i < samples; ++i) {
-            const std::uint32_t t = members[begin[p] + static_cast<std::uint32_t>(
-                                                           std::uint64_t{i} * size / samples)];
+            const std::uint32_t t = members[begin[p] + static_cast<std::uint32_t>(std::uint64_t{i} *
+                                                                                  size / samples)];
             const Triangle& triangle = surface.triangles[t];
             const double area = area_of(positions, triangle);
             all += area;
@@ -67,6 +71,44 @@ OrientedTriangles without_patches(const OrientedTriangles& surface, const std::v
         rest.turned.push_back(surface.turned[t]);
     }
     return rest;
+}
+
+double volume_of(std::span<const Vec3f> positions, const Triangle& t, Vec3d origin) {
+    const Vec3d a = to_double(positions[t.vertex[0]]) - origin,
+                b = to_double(positions[t.vertex[1]]) - origin,
+                c = to_double(positions[t.vertex[2]]) - origin;
+    return dot(a, cross(b, c)) / 6;
+}
+
+/// Turns parts with a negative volume, unless they lie in others, as the walls of cavities do.
+void turn_inside_out_parts(std::span<const Vec3f> positions, OrientedTriangles& surface) {
+    DisjointSets vertices = connected_vertices(surface.triangles, positions.size());
+    std::map<std::uint32_t, std::vector<std::uint32_t>> parts;
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+        parts[vertices.root(surface.triangles[t].vertex[0])].push_back(t);
+    std::vector<std::uint32_t> turned;
+    std::optional<WindingTree> winding;
+    for (const auto& [root, part] : parts) {
+        Vec3d middle;
+        for (std::uint32_t t : part) middle += middle_of(positions, surface.triangles[t]);
+        middle = (1 / static_cast<double>(part.size())) * middle;
+        double volume = 0;
+        for (std::uint32_t t : part) volume += volume_of(positions, surface.triangles[t], middle);
+        if (!(volume < 0)) continue;
+        if (parts.size() > 1) {
+            if (!winding) winding.emplace(positions, surface.triangles);
+            // On a part that faces inward, the part itself counts as -1/2.
+            const double others = 0.5 +
+                                  winding->at(middle_of(positions, surface.triangles[part[0]]),
+                                              part[0]);
+            if (std::fabs(others) > 0.5) continue;
+        }
+        turned.insert(turned.end(), part.begin(), part.end());
+    }
+    for (std::uint32_t t : turned) {
+        std::swap(surface.triangles[t].vertex[1], surface.triangles[t].vertex[2]);
+        surface.turned[t] = !surface.turned[t];
+    }
 }
 
 /// What the caps of a surface add to it.
@@ -124,6 +166,7 @@ Draft draft_of(const MeshData& mesh) {
     for (Triangle& t : joined)
         for (std::uint32_t& v : t.vertex) v = first[v];
     draft.surface = oriented_triangles(mesh.positions, joined);
+    turn_inside_out_parts(mesh.positions, draft.surface);
     measure(mesh, draft);
     return draft;
 }
@@ -133,22 +176,26 @@ ClosedSurface finished(Draft draft, std::size_t given_triangles) {
     const auto count = [](std::size_t number) { return static_cast<std::uint32_t>(number); };
     const CapSums caps = sums_of(draft.caps);
     ClosedSurface result;
-    result.inside = {
-        .rule = Inside::none,
-        .joined_vertices = draft.joined_vertices,
-        .turned_triangles = count(
-            static_cast<std::size_t>(std::ranges::count(draft.surface.turned, true))),
-        .left_out_triangles = count(given_triangles - draft.surface.triangles.size()),
-        .holes = count(draft.caps.size()),
-        .cap_triangles = count(caps.triangles),
-        .cap_share = draft.area > 0 ? caps.area / draft.area : 0};
+    result.inside = {.rule = Inside::none,
+                     .joined_vertices = draft.joined_vertices,
+                     .turned_triangles = 0,
+                     .left_out_triangles = count(given_triangles - draft.surface.triangles.size()),
+                     .holes = count(draft.caps.size()),
+                     .cap_triangles = count(caps.triangles),
+                     .cap_share = draft.area > 0 ? caps.area / draft.area : 0};
     result.triangles = std::move(draft.surface.triangles);
     result.given = std::move(draft.surface.given);
     for (const Cap& cap : draft.caps)
-        result.triangles.insert(result.triangles.end(), cap.triangles.begin(),
-                                cap.triangles.end());
+        result.triangles.insert(result.triangles.end(), cap.triangles.begin(), cap.triangles.end());
     result.given.resize(result.triangles.size(), no_triangle);
+    result.turned = std::move(draft.surface.turned);
+    result.turned.resize(result.triangles.size(), false);
     return result;
+}
+
+void count_turned(ClosedSurface& surface) {
+    surface.inside.turned_triangles = static_cast<std::uint32_t>(
+        std::ranges::count(surface.turned, true));
 }
 
 }  // namespace
@@ -165,11 +212,12 @@ ClosedSurface closed_surface(const MeshData& mesh, Inside rule) {
         measure(mesh, draft);
     }
     if (!may_be_solid() ||
-        (rule == Inside::automatic && !is_nearly_closed(sums_of(draft.caps), draft.area,
-                                                        draft.surface.triangles.size())))
+        (rule == Inside::automatic &&
+         !is_nearly_closed(sums_of(draft.caps), draft.area, draft.surface.triangles.size())))
         return {};
     ClosedSurface result = finished(std::move(draft), mesh.triangles.size());
     result.inside.rule = Inside::winding;
+    count_turned(result);
     return result;
 }
 
@@ -183,10 +231,11 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits
 
 ClosedSurface mended_surface(const MeshData& mesh) {
     Draft draft = draft_of(mesh);
-    std::erase_if(draft.caps, [&](const Cap& cap) {
-        return cap.area > constants::small_cap * draft.area;
-    });
-    return finished(std::move(draft), mesh.triangles.size());
+    std::erase_if(draft.caps,
+                  [&](const Cap& cap) { return cap.area > constants::small_cap * draft.area; });
+    ClosedSurface result = finished(std::move(draft), mesh.triangles.size());
+    count_turned(result);
+    return result;
 }
 
 }  // namespace pierce

@@ -10,9 +10,10 @@ namespace pierce {
 
 /// A surface between the vertices of a mesh; it is closed if it has an inside.
 struct ClosedSurface {
-    std::vector<Triangle> triangles;   ///< those of the mesh that are kept, in their order, and then
-                                       ///< caps
+    std::vector<Triangle> triangles;  ///< those of the mesh that are kept, in their order, and then
+                                      ///< caps
     std::vector<std::uint32_t> given;  ///< per triangle, its id in the mesh; no_triangle for caps
+    std::vector<bool> turned;          ///< per triangle: it faces the other way than it was given
     MeshInside inside;
 };
 
@@ -27,8 +28,8 @@ ClosedSurface closed_surface(const MeshData& mesh, Inside rule);
 /// Inside::winding: then the triangles are those that were given.
 ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule);
 
-/// The same as closed_surface() for a mesh that stays open: nothing is left out but doubles, and only holes with small
-/// caps are closed.
+/// The same as closed_surface() for a mesh that stays open: nothing is left out but doubles, and
+/// only holes with small caps are closed.
 ClosedSurface mended_surface(const MeshData& mesh);
 
 }  // namespace pierce

@@ -38,11 +38,12 @@ std::string describe(const MeshInside& inside) {
         return std::to_string(count) + " " + (count == 1 ? one : many);
     };
     const double per_mille = std::round(1000 * inside.cap_share);
-    std::string text = "not closed: the winding number decides what is inside, with " +
-                       counted(inside.holes, "hole", "holes") + " closed by " +
-                       counted(inside.cap_triangles, "triangle", "triangles") + " (" +
-                       std::to_string(static_cast<int>(per_mille) / 10) + "." +
-                       std::to_string(static_cast<int>(per_mille) % 10) + " % of the area)";
+    std::string text = "the winding number decides what is inside";
+    if (inside.holes > 0)
+        text += ", " + counted(inside.holes, "hole", "holes") + " closed by " +
+                counted(inside.cap_triangles, "triangle", "triangles") + " (" +
+                std::to_string(static_cast<int>(per_mille) / 10) + "." +
+                std::to_string(static_cast<int>(per_mille) % 10) + " % of the area)";
     if (inside.turned_triangles > 0)
         text += ", " + counted(inside.turned_triangles, "triangle", "triangles") + " turned";
     if (inside.left_out_triangles > 0)

@@ -1,7 +1,9 @@
 #include "pierce/mesh.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +18,8 @@
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/leaves.hpp"
+#include "core/mesh_build/mesh_cache.hpp"
+#include "core/mesh_build/mesh_change.hpp"
 #include "core/mesh_build/mesh_edges.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/own_exits.hpp"
@@ -28,9 +32,6 @@
 
 namespace pierce {
 namespace {
-
-template <class T>
-using Vector = std::vector<T>;
 
 }  // namespace
 
@@ -55,12 +56,17 @@ struct Mesh::Parts {
     MeshOptions options;
     MeshTraits traits;
     MeshInside inside;
-    std::vector<Triangle> given_triangles;    ///< empty if `arrays.triangles` are those
+    std::vector<Triangle> given_triangles;  ///< empty if `arrays.triangles` are those
     std::vector<std::uint32_t> places;  ///< per triangle, its place among those that were given;
                                         ///< empty as above
-    MeshArrays<Vector> arrays;
+    MeshArrays<MeshVector> arrays;
     MeshView view;
-    std::mutex lock;  ///< of what is made later
+    std::optional<MeshCache> cache;
+    bool is_cached = false;                    ///< the cache was asked
+    bool is_changed = false;                   ///< it comes from another mesh
+    std::unique_ptr<const MeshChange> change;  ///< from that mesh, until all is known that is taken
+                                               ///< over
+    std::mutex lock;                           ///< of what is made later
     MeshNeeds made;
 
     Parts(std::string its_name, MeshData data, MeshOptions its_options);
@@ -85,6 +91,7 @@ private:
 Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
     : name(std::move(its_name)), options(std::move(its_options)) {
     check_mesh_data(name, data);
+    if (!options.cache.empty()) cache.emplace(options.cache);
     Workers crew = workers();
     Vec3d sum;
     for (Vec3f p : data.positions) {
@@ -125,7 +132,6 @@ HalfEdges Mesh::Parts::choose_triangles(MeshData& data) {
     places = std::move(surface.given);
     sides = HalfEdges(data.triangles, data.positions.size());
     const MeshTraits of_surface = traits_of(data, sides, view.centroid);
-    traits.degenerate_triangles = of_surface.degenerate_triangles;
     traits.volume = of_surface.volume;
     traits.mean_edge_length = of_surface.mean_edge_length;
     return sides;
@@ -174,6 +180,11 @@ void Mesh::Parts::measure_patches() {
 
 void Mesh::Parts::make(const MeshNeeds& needs) {
     if (!view.closed) return;
+    if (cache && !is_cached && needs != MeshNeeds{}) {
+        made = cache->load(view, arrays, view);
+        is_cached = true;
+    }
+    const MeshNeeds had = made;
     Workers crew = workers();
     const auto make_once = [](bool needed, bool& done, auto&& work) {
         if (!needed || done) return;
@@ -182,20 +193,27 @@ void Mesh::Parts::make(const MeshNeeds& needs) {
     };
     make_once(needs.clearance, made.clearance, [&] { make_clearance(); });
     make_once(needs.rings, made.rings, [&] { make_rings(crew); });
-    make_once(needs.slabs, made.slabs, [&] { make_slabs(crew); });
-    make_once(needs.stars, made.stars, [&] { arrays.star_clearance = star_clearance(view, crew); });
+    make_once(needs.slabs && !is_changed, made.slabs, [&] { make_slabs(crew); });
+    make_once(needs.stars, made.stars,
+              [&] { arrays.star_clearance = star_clearance(view, crew, change.get()); });
     make_once(needs.own_exits, made.own_exits, [&] { arrays.own_exit = own_exits_of(view, crew); });
+    if (made.clearance && made.rings) change.reset();
     see_arrays();
+    if (cache && made != had) cache->store(view, made);
 }
 
 void Mesh::Parts::make_clearance() {
-    ClearanceGrid clearance = build_clearance_grid(arrays.positions, arrays.triangles);
+    ClearanceGrid clearance;
+    if (!is_changed)
+        clearance = build_clearance_grid(arrays.positions, arrays.triangles);
+    else if (std::optional<ClearanceGrid> known = change->clearance())
+        clearance = std::move(*known);
     arrays.clearance_steps = std::move(clearance.steps);
     view.clearance_at = clearance.layout;
 }
 
 void Mesh::Parts::make_rings(Workers& workers) {
-    arrays.rings = rings_of(view, workers);
+    arrays.rings = rings_of(view, workers, change.get());
     view.simple = traits.volume > 0 && arrays.parts.size() == 1 &&
                   std::ranges::all_of(arrays.rings, [](const TriangleRing& r) {
                       return r.gap > 0 && r.openness > 0;
@@ -213,6 +231,13 @@ void Mesh::Parts::make_slabs(Workers& workers) {
 
 Mesh::Mesh(std::string name, MeshData data, MeshOptions options)
     : parts_(std::make_unique<Parts>(std::move(name), std::move(data), std::move(options))) {}
+Mesh::Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options)
+    : Mesh(std::move(name), std::move(data), std::move(options)) {
+    const std::lock_guard guard(before.parts_->lock);
+    parts_->is_changed = true;
+    parts_->cache.reset();
+    parts_->change = std::make_unique<const MeshChange>(before.parts_->view, parts_->view);
+}
 Mesh::Mesh(Mesh&&) noexcept = default;
 Mesh& Mesh::operator=(Mesh&&) noexcept = default;
 Mesh::~Mesh() = default;

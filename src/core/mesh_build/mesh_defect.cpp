@@ -19,18 +19,16 @@ constexpr Description descriptions[mesh_defect_count] = {
     {MeshDefect::bad_index, "triangles with a bad index", MeshElement::triangle, true,
      "the mesh is refused; all else is said of what is left without them"},
     {MeshDefect::border_edge, "border edges", MeshElement::edge, true,
-     "the mesh is open: it has no inside, so nothing is found to penetrate it; its own rays are "
-     "limited in length and rules "
-     "R2 and R3 do not apply"},
+     "the mesh is not closed: its inside, if it has one, is decided by the winding number; without "
+     "one, nothing is found to penetrate it, its own rays are limited in length, and rules R2 and "
+     "R3 do not apply"},
     {MeshDefect::flipped_edge, "flipped edges", MeshElement::edge, true,
-     "the triangles disagree about the outside, so the mesh counts as open, and rays leave its "
-     "vertices there in a "
-     "direction "
-     "that means nothing"},
+     "the triangles disagree about the outside, so the mesh is not closed; unless it gets an "
+     "inside "
+     "by the winding number, rays leave its vertices there in a direction that means nothing"},
     {MeshDefect::non_manifold_edge, "non-manifold edges", MeshElement::edge, true,
-     "walks end there, and the mesh counts as open unless as many of the triangles run through the "
-     "edge one way as the "
-     "other"},
+     "walks end there, and the mesh is not closed unless as many of the triangles run through the "
+     "edge one way as the other"},
     {MeshDefect::inside_out, "components inside out", MeshElement::triangle, true,
      "inside and outside are exchanged: its rays start in the wrong direction, what is in it is "
      "not found, and what is in "

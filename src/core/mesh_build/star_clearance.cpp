@@ -15,12 +15,19 @@ namespace {
 
 constexpr std::uint32_t vertices_at_once = 256;  ///< of a thread
 
-double distance_to_rest(const MeshView& mesh, const BoxLevels& levels, std::uint32_t v) {
+double longest_edge(const MeshView& mesh, std::uint32_t v) {
     const auto at = [&](std::uint32_t u) { return to_double(mesh.positions[u]); };
-    double nearest = 0;
+    double longest = 0;
     for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
-        nearest = std::max({nearest, length(at(mesh.corners[i].next) - at(v)),
+        longest = std::max({longest, length(at(mesh.corners[i].next) - at(v)),
                             length(at(mesh.corners[i].previous) - at(v))});
+    return longest;
+}
+
+double distance_to_rest(const MeshView& mesh, const BoxLevels& levels, std::uint32_t v,
+                        double reach) {
+    const auto at = [&](std::uint32_t u) { return to_double(mesh.positions[u]); };
+    double nearest = reach;
     QuickBox region;
     region.extend(mesh.positions[v]);
     for_each_group(
@@ -42,16 +49,24 @@ double distance_to_rest(const MeshView& mesh, const BoxLevels& levels, std::uint
 
 }  // namespace
 
-std::vector<float> star_clearance(const MeshView& mesh, Workers& workers) {
+std::vector<float> star_clearance(const MeshView& mesh, Workers& workers,
+                                  const MeshChange* change) {
     const BoxLevels levels(mesh.triangles.size);
     const double rounding = constants::touch_tolerance * mesh.box.extent();
     std::vector<float> clearance(mesh.positions.size);
-    workers.share_out("stars", mesh.positions.size, vertices_at_once,
-                      [&](std::uint32_t begin, std::uint32_t end) {
-                          for (std::uint32_t v = begin; v < end; ++v)
-                              clearance[v] = round_down(
-                                  std::max(distance_to_rest(mesh, levels, v) - rounding, 0.0));
-                      });
+    workers.share_out(
+        "stars", mesh.positions.size, vertices_at_once,
+        [&](std::uint32_t begin, std::uint32_t end) {
+            for (std::uint32_t v = begin; v < end; ++v) {
+                const double reach = longest_edge(mesh, v);
+                const auto known = change != nullptr ? change->star(mesh, v, reach + rounding)
+                                                     : std::nullopt;
+                clearance[v] = known
+                                   ? *known
+                                   : round_down(std::max(
+                                         distance_to_rest(mesh, levels, v, reach) - rounding, 0.0));
+            }
+        });
     return clearance;
 }
 

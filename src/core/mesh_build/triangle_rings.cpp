@@ -196,9 +196,10 @@ private:
 class RingFinder {
 public:
     /// `boxes`: of the triangles.
-    RingFinder(const MeshView& mesh, std::span<const QuickBox> boxes)
+    RingFinder(const MeshView& mesh, std::span<const QuickBox> boxes, const MeshChange* change)
         : mesh_(mesh),
           boxes_(boxes),
+          change_(change),
           levels_(mesh.triangles.size),
           rounding_(constants::touch_tolerance * mesh.box.extent()) {}
 
@@ -206,18 +207,21 @@ public:
         TriangleRing ring;
         const Corners own = corners_of(mesh_, t);
         list_ring(mesh_, t, triangles_);
-        measure_normals(mesh_, t, triangles_, normals_, ring);
-        for (int k = 0; k < 3; ++k) {
-            const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
-            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) /
-                                        length(edge));
-        }
         // The rest of the surface is looked for as far as the ring reaches.
         double reach = 0;
         const Vec3d center = center_of(own);
         for (const Corners& c : triangles_)
             for (Vec3d p : c) reach = std::max(length_squared(p - center), reach);
         reach = std::sqrt(reach);
+        // A box in float32 is rounded outward, so a little more than the reach is looked at.
+        if (change_ != nullptr)
+            if (const auto known = change_->ring(mesh_, t, reach + rounding_)) return *known;
+        measure_normals(mesh_, t, triangles_, normals_, ring);
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
+            ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) /
+                                        length(edge));
+        }
         const double openness = look_around(t, reach);
         ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
         ring.gap = round_down(std::max(gap_beyond_ring(t, reach) - rounding_, 0.0));
@@ -275,6 +279,7 @@ private:
 
     const MeshView& mesh_;
     std::span<const QuickBox> boxes_;
+    const MeshChange* change_;  ///< may be null
     BoxLevels levels_;
     double rounding_;
     std::vector<Corners> triangles_;
@@ -284,14 +289,15 @@ private:
 
 }  // namespace
 
-std::vector<TriangleRing> rings_of(const MeshView& mesh, Workers& workers) {
+std::vector<TriangleRing> rings_of(const MeshView& mesh, Workers& workers,
+                                   const MeshChange* change) {
     std::vector<QuickBox> boxes(mesh.triangles.size);
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
         boxes[t] = box_of(mesh, mesh.positions, t);
     std::vector<TriangleRing> rings(mesh.triangles.size);
     workers.share_out("rings", mesh.triangles.size, triangles_at_once,
                       [&](std::uint32_t begin, std::uint32_t end) {
-                          RingFinder finder(mesh, boxes);
+                          RingFinder finder(mesh, boxes, change);
                           for (std::uint32_t t = begin; t < end; ++t) rings[t] = finder.find(t);
                       });
     return rings;

@@ -63,6 +63,11 @@ MeshId World::add_mesh(std::string name, MeshData data, MeshOptions options) {
         std::make_shared<const Mesh>(std::move(name), std::move(data), std::move(options)));
 }
 
+MeshId World::add_mesh(std::string name, MeshData data, MeshId before, MeshOptions options) {
+    return add_mesh(std::make_shared<const Mesh>(std::move(name), std::move(data),
+                                                 this->mesh(before), std::move(options)));
+}
+
 MeshId World::add_mesh(std::shared_ptr<const Mesh> mesh) {
     if (!mesh) throw InputError("there is no mesh to add");
     return state_->meshes.add({std::move(mesh), state_->next_key++});
@@ -201,7 +206,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     const Mesh& shape = this->mesh(mesh);
     if (entry.motion != Motion::deforming)
         throw InputError("body " + std::to_string(body.index) +
-                         " is rigid: only a deforming body changes its mesh");
+                         " is rigid: its mesh is set without positions");
     check_count(positions.size(), shape);
     state_->check_collision(entry.motion, shape, entry.collision,
                             "body " + std::to_string(body.index));
@@ -213,6 +218,15 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     entry.device_positions = entry.device_start = nullptr;
     entry.positions_version = state_->next_key++;
     entry.usable = is_usable(positions);
+    state_->change();
+}
+
+void World::set_mesh(BodyId body, MeshId mesh) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    state_->meshes.get(mesh, "mesh");
+    if (entry.motion == Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) + " deforms: a mesh needs positions");
+    entry.mesh = mesh;
     state_->change();
 }
 

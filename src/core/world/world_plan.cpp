@@ -118,7 +118,7 @@ MeshNeeds needs_of(const Plan& plan, Motion motion) {
     const bool own_exits = !plan.settings.inside_is_contact();
     return {.clearance = true,
             .rings = plan.remembers() || plan.misses_no_overlap() || plan.reprojects,
-            .slabs = plan.misses_no_overlap(),
+            .slabs = plan.misses_no_overlap() && motion != Motion::deforming,
             .stars = plan.traces_own_exits || plan.meets_itself,
             .own_exits = own_exits && motion != Motion::deforming};
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -50,11 +51,13 @@ struct RaySettings {
     bool rebuild = false;                     ///< of these two: trees are built in every step
     bool graph = true;                        ///< of "cuda": false to time stage by stage
     Inside inside = Inside::automatic;        ///< of meshes that do not say
+    std::filesystem::path mesh_cache = {};    ///< of what is measured of meshes; empty: none
     /// Told how far meshes are (MeshOptions).
     std::function<void(std::string_view what, double share)> mesh_progress = {};
 
     MeshOptions mesh_options() const {
         return {.inside = inside,
+                .cache = mesh_cache,
                 .threads = static_cast<std::uint32_t>(threads),
                 .progress = mesh_progress};
     }

@@ -288,13 +288,12 @@ void add_defects(std::vector<HardCase>& cases) {
            cube_with_flipped_triangle(),
            0.5625,
            {},
-           {},
-           0}},
+           by_separation(0.5625, {-1, 0, 0}),
+           0.5625}},
          {{cube_with_flipped_triangle(), MeshDefect::flipped_edge, 3}},
-         "an entry through the flipped triangle, exits through others; no contact",
-         "the exact answer is that the center is inside (winding number 5/6); to Pierce such a "
-         "mesh is open and "
-         "has no inside: a note of the plan and the mesh check say so"});
+         "an entry through the flipped triangle, exits through others; the center is inside "
+         "(winding number 5/6), and the small cube leaves by 0.5625",
+         ""});
     cases.push_back({22,
                      "missing_triangle",
                      {{cube_with_missing_triangle(), center, at_defect, Meets::nothing, 0},
@@ -304,13 +303,12 @@ void add_defects(std::vector<HardCase>& cases) {
                        cube_with_missing_triangle(),
                        0.5625,
                        {},
-                       {},
-                       0}},
+                       by_separation(0.5625, {-1, 0, 0}),
+                       0.5625}},
                      {{cube_with_missing_triangle(), MeshDefect::border_edge, 3}},
-                     "nothing through the hole, exits elsewhere; no contact",
-                     "the exact answer is that the center is inside (winding number 11/12); to "
-                     "Pierce such a mesh is open and "
-                     "has no inside: a note of the plan and the mesh check say so"});
+                     "nothing through the hole, exits elsewhere; the center is inside (winding "
+                     "number 11/12), and the small cube leaves by 0.5625",
+                     ""});
     cases.push_back({23,
                      "internal_wall",
                      {{joined(cube(), placed(cube(), 1, {1, 0, 0})),

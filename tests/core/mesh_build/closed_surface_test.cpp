@@ -18,6 +18,8 @@
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/winding_tree.hpp"
 #include "pierce/constants.hpp"
+#include "pierce/error.hpp"
+#include "pierce/mesh_fix.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
@@ -40,8 +42,7 @@ std::pair<MeshData, MeshInside> solid(const MeshData& mesh, Inside rule = Inside
 /// True if both meshes have the same triangles in the same order, facing the same way.
 bool same_triangles(const MeshData& mesh, const MeshData& other) {
     return std::ranges::equal(mesh.triangles, other.triangles, [](Triangle t, const Triangle& o) {
-        for (int turn = 0; turn < 2 && t != o; ++turn)
-            std::ranges::rotate(t.vertex, t.vertex + 1);
+        for (int turn = 0; turn < 2 && t != o; ++turn) std::ranges::rotate(t.vertex, t.vertex + 1);
         return t == o;
     });
 }
@@ -60,8 +61,7 @@ void expect_same_inside(const MeshData& surface, const MeshData& whole, double s
     constexpr int points = 500;
     for (int i = 0; i < points; ++i) {
         Vec3d p;
-        for (int k = 0; k < 3; ++k)
-            p[k] = random.uniform(box.lower[k], box.upper[k]);
+        for (int k = 0; k < 3; ++k) p[k] = random.uniform(box.lower[k], box.upper[k]);
         const double w = winding.exactly_at(p);
         ASSERT_NEAR(w, std::round(w), 1e-6) << what;
         differ += std::lround(w) != std::lround(exact.exactly_at(p));
@@ -127,8 +127,7 @@ TEST(ClosedSurfaceTest, DoubledTrianglesCountOnce) {
     MeshData doubled = ball, both_ways = ball;
     for (std::uint32_t t = 0; t < 100; ++t) {
         const Triangle& triangle = ball.triangles[3 * t];
-        doubled.triangles.push_back(
-            {{triangle.vertex[1], triangle.vertex[2], triangle.vertex[0]}});
+        doubled.triangles.push_back({{triangle.vertex[1], triangle.vertex[2], triangle.vertex[0]}});
         both_ways.triangles.push_back(
             {{triangle.vertex[1], triangle.vertex[0], triangle.vertex[2]}});
     }
@@ -146,8 +145,8 @@ TEST(ClosedSurfaceTest, WallsAndScrapsAreLeftOut) {
     boxes = scenes::joined(scenes::box({0, 0, 0}, {1, 1, 1}), scenes::box({1, 0, 0}, {2, 1, 1}));
     bool wall = true;
     std::erase_if(boxes.triangles, [&](const Triangle& t) {
-        const bool between = std::ranges::all_of(
-            t.vertex, [&](auto v) { return boxes.positions[v].x == 1; });
+        const bool between = std::ranges::all_of(t.vertex,
+                                                 [&](auto v) { return boxes.positions[v].x == 1; });
         if (!between) return false;
         const auto id = &t - boxes.triangles.data();
         return !wall || id >= 12;
@@ -202,9 +201,8 @@ TEST(ClosedSurfaceTest, TJunctionsAreClosed) {
     // One triangle is cut at the middle of a side, its neighbour is not.
     const Triangle t = box.triangles[5];
     const auto middle = static_cast<std::uint32_t>(box.positions.size());
-    box.positions.push_back(
-        to_float(0.5 * (to_double(box.positions[t.vertex[0]]) +
-                        to_double(box.positions[t.vertex[1]]))));
+    box.positions.push_back(to_float(
+        0.5 * (to_double(box.positions[t.vertex[0]]) + to_double(box.positions[t.vertex[1]]))));
     box.triangles[5] = {{t.vertex[0], middle, t.vertex[2]}};
     box.triangles.push_back({{middle, t.vertex[1], t.vertex[2]}});
     const auto [closed, inside] = solid(box);
@@ -235,6 +233,85 @@ TEST(ClosedSurfaceTest, DamagedMeshesKeepTheirInside) {
                 const auto [turned, inside] = solid(flipped, Inside::winding);
                 EXPECT_TRUE(same_triangles(turned, whole)) << what;
             }
+}
+
+TEST(ClosedSurfaceTest, WhatIsInsideOutIsTurnedButCavitiesAreNot) {
+    MeshData ball = scenes::sphere(1, 3), hollow = scenes::sphere(0.5, 2);
+    const auto turn = [](MeshData& mesh) {
+        for (Triangle& t : mesh.triangles) std::swap(t.vertex[0], t.vertex[1]);
+    };
+    turn(hollow);
+    const MeshData whole = scenes::joined(ball, hollow);
+    turn(ball);
+    MeshData open = scenes::joined(ball, hollow);
+    open.triangles.erase(open.triangles.begin() + 7);
+    const auto [closed, inside] = solid(open);
+    EXPECT_EQ(inside.turned_triangles, ball.triangles.size() - 1);
+    expect_same_inside(closed, whole, 0, "ball with a cavity, inside out");
+}
+
+TEST(FixMeshTest, ClosesWhatIsNearlyClosed) {
+    MeshData ball = scenes::sphere(1, 3);
+    const MeshData whole = ball;
+    ball.triangles.erase(ball.triangles.begin() + 5);
+    ball.triangles.push_back(ball.triangles[8]);
+    std::swap(ball.triangles[20].vertex[0], ball.triangles[20].vertex[1]);
+    ball.positions.insert(ball.positions.begin(), {9, 9, 9});  // without triangles
+    for (Triangle& t : ball.triangles)
+        for (std::uint32_t& v : t.vertex) ++v;
+    const FixedMesh fixed = fix_mesh(ball);
+    EXPECT_EQ(fixed.done.rule, Inside::winding);
+    EXPECT_EQ(fixed.done.turned_triangles, 1u);
+    EXPECT_EQ(fixed.done.left_out_triangles, 1u);
+    EXPECT_EQ(fixed.done.cap_triangles, 1u);
+    EXPECT_EQ(fixed.mesh.positions, whole.positions);
+    ASSERT_EQ(fixed.vertices.size(), whole.positions.size());
+    for (std::uint32_t v = 0; v < fixed.vertices.size(); ++v) EXPECT_EQ(fixed.vertices[v], v + 1);
+    expect_same_inside(fixed.mesh, whole, 0, "fixed");
+    const FixedMesh again = fix_mesh(fixed.mesh);
+    EXPECT_EQ(again.done.rule, Inside::closed);
+    EXPECT_TRUE(same_triangles(again.mesh, fixed.mesh));
+}
+
+TEST(FixMeshTest, LeavesOpenMeshesOpenAndClosesTheirSmallHoles) {
+    MeshData sheet = scenes::grid(1, 1, 20, 20);
+    const std::size_t all = sheet.triangles.size();
+    sheet.triangles.erase(sheet.triangles.begin() + 300);
+    std::swap(sheet.triangles[100].vertex[0], sheet.triangles[100].vertex[1]);
+    const FixedMesh fixed = fix_mesh(sheet);
+    EXPECT_FALSE(fixed.done.exists());
+    EXPECT_EQ(fixed.done.turned_triangles, 1u);
+    EXPECT_EQ(fixed.done.holes, 1u);
+    EXPECT_EQ(fixed.mesh.triangles.size(), all);
+    EXPECT_THROW(fix_mesh({}), InputError);
+    EXPECT_THROW(fix_mesh({{{0, 0, 0}}, {{{0, 1, 2}}}}), InputError);
+}
+
+TEST(MeshInsideTest, TheRuleDecides) {
+    const MeshData box = scenes::box({0, 0, 0}, {1, 1, 1});
+    MeshData open = box;
+    open.triangles.pop_back();
+    const auto rule = [](const MeshData& mesh, Inside inside) {
+        const Mesh made("mesh", mesh, {.inside = inside});
+        EXPECT_EQ(made.view().closed, made.inside().exists());
+        EXPECT_EQ(made.data().triangles, mesh.triangles);
+        return made.inside().rule;
+    };
+    EXPECT_EQ(rule(box, Inside::automatic), Inside::closed);
+    EXPECT_EQ(rule(box, Inside::closed), Inside::closed);
+    EXPECT_EQ(rule(box, Inside::winding), Inside::winding);
+    EXPECT_EQ(rule(box, Inside::none), Inside::none);
+    EXPECT_EQ(rule(open, Inside::automatic), Inside::winding);
+    EXPECT_EQ(rule(open, Inside::closed), Inside::none);
+    EXPECT_EQ(rule(open, Inside::none), Inside::none);
+    const Mesh made("open", open);
+    EXPECT_EQ(made.triangles().size(), 12u);
+    EXPECT_EQ(made.given_triangle(3), 3u);
+    EXPECT_EQ(made.given_triangle(11), no_triangle);
+    for (const Inside inside : {Inside::automatic, Inside::closed, Inside::winding, Inside::none})
+        EXPECT_EQ(inside_named(name(inside)), inside);
+    EXPECT_EQ(inside_named("solid"), std::nullopt);
+    EXPECT_NE(describe(made.inside()).find("1 hole closed by 1 triangle"), std::string::npos);
 }
 
 /// Caps by all triangulations.
@@ -278,9 +355,10 @@ TEST(CapsTest, CloseAnySurface) {
     for (int round = 0; round < 100; ++round) {
         MeshData mesh;
         const int vertices = random.integer(4, 60);
-        for (int v = 0; v < vertices; ++v)
-            mesh.positions.push_back(to_float(random.in_box(1)));
-        const auto any = [&] { return static_cast<std::uint32_t>(random.integer(0, vertices - 1)); };
+        for (int v = 0; v < vertices; ++v) mesh.positions.push_back(to_float(random.in_box(1)));
+        const auto any = [&] {
+            return static_cast<std::uint32_t>(random.integer(0, vertices - 1));
+        };
         for (int t = 0; t < 200; ++t) {
             const Triangle one{{any(), any(), any()}};
             if (one.vertex[0] == one.vertex[1] || one.vertex[1] == one.vertex[2] ||
@@ -289,8 +367,7 @@ TEST(CapsTest, CloseAnySurface) {
             mesh.triangles.push_back(one);
         }
         for (const Cap& cap : caps_of(mesh.positions, mesh.triangles, mean_edge(mesh)))
-            mesh.triangles.insert(mesh.triangles.end(), cap.triangles.begin(),
-                                  cap.triangles.end());
+            mesh.triangles.insert(mesh.triangles.end(), cap.triangles.begin(), cap.triangles.end());
         EXPECT_EQ(traits_of(mesh).inconsistent_edges, 0u);
     }
 }

@@ -9,6 +9,7 @@
 #include "app/output/frame_log.hpp"
 #include "app/output/page.hpp"
 #include "app/reports/accuracy/accuracy_figures.hpp"
+#include "app/reports/accuracy/damaged_meshes.hpp"
 #include "app/reports/accuracy/hard_case_table.hpp"
 
 namespace pierce::app {
@@ -83,6 +84,7 @@ int report_accuracy(const AccuracyReportOptions& options) {
     leaks_figure(options, page);
     resolution_figure(options, page);
     depth_figure(options, page);
+    damaged_meshes(options, page);
     page.line("## The hard cases\n");
     hard_case_table(page);
     page.close();

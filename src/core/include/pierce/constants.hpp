@@ -59,16 +59,12 @@ inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 /// How far a cluster looks for the neighbour it joins, either way along the Morton curve (Meister
 /// and Bittner 2018): twice as far doubles the work and gains a few per cent of a tree's cost.
 inline constexpr std::uint32_t cluster_radius = 8;
-
 /// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side.
 inline constexpr std::uint32_t cell_bits = 12;
-
 /// Bins along each axis between which a split of cells is tried (Wald 2007).
 inline constexpr std::uint32_t split_bins = 16;
-
 /// A range of so few cells is split by looking at every cell: less work than bins, and more exact.
 inline constexpr std::uint32_t few_cells = 8;
-
 /// A range of at most so many cells is split down to its cells at once. With more, the halves of a
 /// range would wait for each other; with less, there would be more launches.
 inline constexpr std::uint32_t split_alone_bits = 6,
@@ -112,7 +108,6 @@ inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
 /// both bodies must be there to overlap [touch tolerance]. Both are more than the distance from
 /// which two crossings count as two, at any angle that is not small.
 inline constexpr double nudge = 4, skin = 16;
-
 /// How much nearer than its box says a triangle may be crossed by an edge [touch tolerance]: one
 /// for the ends of an edge, where crossings count a little before and after, and the rest for
 /// rounding.
@@ -372,21 +367,22 @@ inline constexpr double rebuild_cost = 20.0;
 /// [rays].
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
 
+/// The gap of a ring is smaller than it could be by less than this [reach of the ring].
+inline constexpr double ring_gap_loss = 0x1p-6;
 /// A run of so few triangles is not divided further, and a run counts as one dipole for points that
 /// are so many times its radius away (Barill et al. 2018): hundredths of a winding number are lost.
 inline constexpr std::uint32_t winding_leaf = 8;
 inline constexpr double winding_reach = 2.0;
 
-/// A triangle of a solid's surface has a winding number within this of 1/2 [1]. A patch is left out
-/// if this share of the area of its samples is none.
+/// A triangle of a solid's surface has a winding number within this of 1/2. A patch is left out if
+/// this share of the area of its samples, which are so many, is none.
 inline constexpr double surface_winding = 0.25, wall_share = 0.9;
 inline constexpr std::uint32_t wall_samples = 16;
 
 /// Borders so near [mean edge length] are the sides of a gap if the band between them has less than
-/// this share of the area of two separate caps.
+/// this share of the area of two caps. So many neighbours in a spatial order are looked at.
 inline constexpr double gap_width = 1.0, gap_area = 0.5;
-inline constexpr std::uint32_t gap_neighbors = 16;  ///< in a spatial order
-
+inline constexpr std::uint32_t gap_neighbors = 16;
 /// A hole of so many edges gets the cap of the least area; the work grows with their cube.
 inline constexpr std::uint32_t exact_cap_edges = 128;
 
@@ -394,8 +390,7 @@ inline constexpr std::uint32_t exact_cap_edges = 128;
 /// cap has few edges or this share of the area [1]. So a cube may lack a triangle, but not a side.
 inline constexpr double caps_of_area = 1.0 / 6, caps_of_triangles = 0.125, small_cap = 0.02;
 inline constexpr std::uint32_t small_cap_edges = 12;
-
-/// Caps with a larger share of the area make no solid [1]: a sheet's cap is the sheet once more.
+/// Caps with more of the area make no solid [1]: a sheet's cap is the sheet once more.
 inline constexpr double largest_caps = 0.75;
 
 /// The number of places that a finding of the mesh check keeps: enough to look at, few enough to

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -26,7 +27,8 @@ struct MeshData {
     std::vector<Triangle> triangles;
 };
 
-/// What the check of a mesh's topology found. Edges are those of the mesh as it was given.
+/// What the check of a mesh's topology found. Volume and edge length are those of
+/// Mesh::triangles(), all else is counted in the mesh as it was given.
 struct MeshTraits {
     std::uint32_t boundary_edges = 0;        ///< edges with one triangle
     std::uint32_t non_manifold_edges = 0;    ///< edges with more than two triangles
@@ -46,6 +48,10 @@ struct MeshView;
 /// How a mesh is made.
 struct MeshOptions {
     Inside inside = Inside::automatic;
+    /// A folder in which what is measured is kept, by the mesh's content, and found again by the
+    /// next program; empty: none. It must be trusted as the program itself (docs/meshes.md). A mesh
+    /// made from another one does not use it.
+    std::filesystem::path cache = {};
     std::uint32_t threads = 0;  ///< 0: one per processor; the mesh is the same for every number
     /// What is being made, and the share of it that is made, from 0 to 1. It is called now and
     /// then once making has taken 0.2 s, by one thread at a time, and at last with 1. It must not
@@ -59,9 +65,15 @@ struct MeshOptions {
 class Mesh {
 public:
     /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out
-    /// of range or a position that is not finite or beyond constants::largest_coordinate. Anything
-    /// else is accepted and described by traits().
+    /// of range, a position that is not finite or beyond constants::largest_coordinate, or a cache
+    /// that is no folder and cannot be made one. Anything else is accepted and described by
+    /// traits().
     Mesh(std::string name, MeshData data, MeshOptions options = {});
+    /// A mesh that is mostly `before`, cut, torn or grown. Vertices keep their numbers; new ones
+    /// follow. Which triangles stay is found out, and what is known of them is taken over; grids,
+    /// which pay off over many steps only, are not made anew. So the mesh is ready sooner. Steps
+    /// find the same contacts as with a mesh made from nothing, and take a little longer.
+    Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options = {});
     Mesh(Mesh&&) noexcept;
     Mesh& operator=(Mesh&&) noexcept;
     ~Mesh();
@@ -75,7 +87,8 @@ public:
     /// The triangles that contacts name. They are those that were given, unless inside().rule is
     /// Inside::winding: then some are left out or turned, and triangles that close holes are added.
     std::span<const Triangle> triangles() const;
-    /// The place of one of triangles() among those that were given; no_triangle if it closes a hole.
+    /// The place of one of triangles() among those that were given; no_triangle if it closes a
+    /// hole.
     std::uint32_t given_triangle(std::uint32_t triangle) const;
     /// A copy of the data that the mesh was made from.
     MeshData data() const;

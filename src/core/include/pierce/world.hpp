@@ -50,6 +50,9 @@ public:
     /// Keeps a mesh that other worlds may share; the mesh is checked and measured once. Throws
     /// InputError if `mesh` is null.
     MeshId add_mesh(std::shared_ptr<const Mesh> mesh);
+    /// The same for a mesh that is mostly `before`, cut, torn or grown (Mesh). It costs in
+    /// proportion to this mesh, and measuring it in proportion to what has changed.
+    MeshId add_mesh(std::string name, MeshData data, MeshId before, MeshOptions options = {});
     /// Throws InputError while a body still uses the mesh.
     void remove_mesh(MeshId mesh);
     const Mesh& mesh(MeshId mesh) const;
@@ -97,8 +100,11 @@ public:
     void set_device_positions(BodyId body, const Vec3f* positions);
     /// The same for both ends of the step; a world with a sheet needs both.
     void set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions);
-    /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`.
+    /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`. Only what
+    /// belongs to this body is made anew. What is remembered of pairs without it stays.
     void set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions);
+    /// Gives a fixed or rigid body another mesh. It stays where it is.
+    void set_mesh(BodyId body, MeshId mesh);
 
     /// Makes the next detect() assume that no sheet is through anything when its step begins,
     /// whatever the last detect() found. Everything remembered of sheets is forgotten, including

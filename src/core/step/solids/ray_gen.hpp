@@ -105,22 +105,24 @@ PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, b
 
 /// The inward ray of a vertex into the other body of its pair. If the vertex has no direction, the
 /// ray hits nothing; but where the ray only tells whether the vertex is inside (`only_inside`), any
-/// direction does.
+/// direction does. A vertex without triangles is no part of the surface.
 PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d, std::uint32_t v,
                                 bool only_inside) {
     const BodyView& source = bodies[d.source];
     const BodyView& target = bodies[d.target];
     const Vec3d inward = inward_direction(source, v);
     const bool has_direction = length_squared(inward) > 0,
-               through = !d.is_self() && (only_inside || source.collision.sheet);
-    const Vec3d direction = has_direction || !through ? inward : any_direction();
+               through = !d.is_self() && (only_inside || source.collision.sheet),
+               has_way = has_direction || (through && has_triangles(source.mesh, v));
+    const Vec3d direction = has_direction || !has_way ? inward : any_direction();
     Ray ray;
     ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
     ray.direction = d.to_space.rotation * direction;
-    if (through)
-        ray.t_max = range_through(target, ray.origin);
+    if (!has_way)
+        ray.t_max = -1.0;
     else
-        ray.t_max = has_direction ? inward_range(source, target, v, direction) : -1.0;
+        ray.t_max = through ? range_through(target, ray.origin)
+                            : inward_range(source, target, v, direction);
     ray.target = d.target;
     ray.touch = d.touch;
     if (d.is_self()) {

@@ -39,7 +39,7 @@ struct CullItem {
 PIERCE_HD inline bool is_asked(const BodyView& source, const BodyView& target, bool self,
                                std::uint32_t side) {
     return (self && source.sends_velocity_rays()) ||
-           (target.is_solid() && target.mesh.clearance_steps.size > 0 && !(self && side == 1));
+           (target.is_solid() && target.mesh.has_extent() && !(self && side == 1));
 }
 
 /// Per directed pair (pair * 2 + side): the frames, and the blocks of patches there are to test;
@@ -119,7 +119,8 @@ struct BallsNearby {
     PIERCE_HD BallsNearby(const BodyView& target, const Frame& to_fit, Vec3d center,
                           const Offsets& offsets, const float* radius, double span, double extra) {
         const ClearanceGridView grid = target.mesh.clearance();
-        const Vec3d corner = grid.box.lower;
+        const bool has_grid = grid.steps.size > 0;
+        const Vec3d corner = has_grid ? grid.box.lower : target.fit_box.lower;
         const Vec3d in_grid = to_fit.to_parent(center) - corner;
         const Vec3f c = to_float(in_grid);
         const TurnedOffsets<Share> turned(offsets, to_fit.rotation);
@@ -157,9 +158,9 @@ struct BallsNearby {
             clearance[k] = 0;
             if (beyond_squared[k] > size[k] * size[k])
                 continue;  // the box decides, so the cell is not fetched
-            clearance[k] = step * static_cast<float>(
-                                      grid.steps_at(cell[0][k], cell[1][k], cell[2][k])) -
-                           deviation;
+            const std::uint8_t steps = has_grid ? grid.steps_at(cell[0][k], cell[1][k], cell[2][k])
+                                                : std::uint8_t{0};
+            clearance[k] = step * static_cast<float>(steps) - deviation;
             near |= static_cast<std::uint32_t>(!(clearance[k] > size[k])) << (first + k);
         }
     }

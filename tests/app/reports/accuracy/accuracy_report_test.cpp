@@ -65,6 +65,15 @@ TEST_F(AppTest, ReportsOnAccuracy) {
         EXPECT_GT(std::stod(row.at("inward rays median")), 1.02);
         EXPECT_NEAR(std::stod(row.at("re-projected p95")), 1, 0.1);
     }
+    const Csv damaged = read_csv(out / "damaged_meshes.csv");
+    ASSERT_EQ(damaged.rows.size(), 24u);
+    for (const auto& row : damaged.rows) {
+        EXPECT_LE(std::stod(row.at("inside changed [%]")), 3) << row.at("mesh");
+        EXPECT_LE(std::stoi(row.at("missed pairs")), std::stoi(row.at("missed pairs; not closed")));
+        if (row.at("mesh").ends_with("turned")) {
+            EXPECT_EQ(std::stod(row.at("inside changed [%]")), 0) << row.at("mesh");
+        }
+    }
     std::set<std::string> cases;
     for (const auto& row : hard.rows) cases.insert(row.at("case"));
     EXPECT_EQ(cases.size(), 25u);

@@ -1,0 +1,192 @@
+#include "core/mesh_build/mesh_cache.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <span>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/base/archive.hpp"
+#include "core/mesh_build/slab_grid.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+
+template <class A>
+void transfer(A& archive, MeshNeeds& n) {
+    transfer_all(archive, n.clearance, n.rings, n.slabs, n.stars, n.own_exits);
+}
+
+namespace {
+
+constexpr std::uint64_t mark = 0x6873656d63727000;  // "prcmesh"
+/// To be raised when anything is measured in another way; MeshCacheTest notices.
+constexpr std::uint32_t version = 1;
+
+/// Two numbers that differ for different surfaces.
+std::array<std::uint64_t, 2> key_of(const MeshView& mesh) {
+    std::array<std::uint64_t, 2> key = {0xcbf29ce484222325ull, 0x9e3779b97f4a7c15ull};
+    const auto add = [&](std::uint32_t word) {
+        for (std::uint64_t& k : key) k = (k ^ word) * 0x100000001b3ull;
+        key[1] ^= key[1] >> 29;
+    };
+    add(mesh.positions.size);
+    for (Vec3f p : mesh.positions)
+        for (int r = 0; r < 3; ++r) add(std::bit_cast<std::uint32_t>(p[r]));
+    for (const Triangle& t : mesh.triangles)
+        for (std::uint32_t v : t.vertex) add(v);
+    return key;
+}
+
+/// Elements as they are in memory.
+template <class T>
+void write(ArchiveWriter& archive, std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    transfer_length(archive, values.size());
+    archive.number(values.data(), values.size_bytes());
+}
+
+template <class T>
+void read(ArchiveReader& archive, std::vector<T>& values, std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (transfer_length(archive, 0) != count || count * sizeof(T) > archive.left())
+        throw InputError("a measured mesh has arrays of another length");
+    values.resize(count);
+    archive.number(values.data(), count * sizeof(T));
+}
+
+std::size_t cells_of(const ClearanceGridLayout& layout) {
+    std::size_t cells = 1;
+    for (std::int32_t size : layout.size) cells *= static_cast<std::size_t>(size);
+    return cells;
+}
+
+std::string content_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+MeshCache::MeshCache(std::filesystem::path folder) : folder_(std::move(folder)) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder_, failed);
+    if (!std::filesystem::is_directory(folder_))
+        throw InputError("there is no folder '" + folder_.string() +
+                         "' for measured meshes, and none can be made");
+}
+
+std::filesystem::path MeshCache::file_of(const MeshView& mesh) const {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string name;
+    for (std::uint64_t k : key_of(mesh))
+        for (int shift = 60; shift >= 0; shift -= 4) name += digits[k >> shift & 15];
+    return folder_ / (name + ".mesh");
+}
+
+MeshNeeds MeshCache::load(const MeshView& mesh, MeshArrays<MeshVector>& arrays,
+                          MeshShape& shape) const {
+    const std::string bytes = content_of(file_of(mesh));
+    constexpr std::size_t header = 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
+    if (bytes.size() < header) return {};
+    try {
+        ArchiveReader archive(bytes);
+        std::uint64_t its_mark = 0, sum = 0;
+        std::uint32_t its_version = 0;
+        transfer_all(archive, its_mark, its_version, sum);
+        if (its_mark != mark || its_version != version || sum != checksum(bytes.substr(header)))
+            return {};
+        std::uint64_t key[2] = {};
+        MeshNeeds has;
+        bool simple = false;
+        transfer_all(archive, key, has, simple);
+        if (!std::ranges::equal(key, key_of(mesh))) return {};
+        const std::span positions(mesh.positions.data, mesh.positions.size);
+        const std::span triangles(mesh.triangles.data, mesh.triangles.size);
+        MeshArrays<MeshVector> found;
+        const ClearanceGridLayout clearance_at = clearance_layout(positions, triangles),
+                                  slabs_at = clearance_layout(positions, triangles,
+                                                              slab_resolution(triangles.size()));
+        if (has.clearance) read(archive, found.clearance_steps, cells_of(clearance_at));
+        if (has.rings) read(archive, found.rings, triangles.size());
+        if (has.stars) read(archive, found.star_clearance, positions.size());
+        if (has.own_exits) read(archive, found.own_exit, positions.size());
+        if (has.slabs) {
+            read(archive, found.slab_cells, cells_of(slabs_at));
+            std::uint64_t slabs = 0;
+            transfer(archive, slabs);
+            read(archive, found.slabs, slabs);
+            if (!std::ranges::all_of(found.slab_cells, [&](const SlabCell& cell) {
+                    return cell.slab < found.slabs.size();
+                }))
+                return {};
+        }
+        if (archive.left() != 0) return {};
+        if (has.clearance) {
+            arrays.clearance_steps = std::move(found.clearance_steps);
+            shape.clearance_at = clearance_at;
+        }
+        if (has.rings) {
+            arrays.rings = std::move(found.rings);
+            shape.simple = simple;
+        }
+        if (has.stars) arrays.star_clearance = std::move(found.star_clearance);
+        if (has.own_exits) arrays.own_exit = std::move(found.own_exit);
+        if (has.slabs) {
+            arrays.slab_cells = std::move(found.slab_cells);
+            arrays.slabs = std::move(found.slabs);
+            shape.slabs_at = slabs_at;
+        }
+        return has;
+    } catch (const InputError&) {
+        return {};  // as if there were no file: the mesh is measured
+    }
+}
+
+void MeshCache::store(const MeshView& mesh, const MeshNeeds& made) const {
+    ArchiveWriter archive;
+    const std::array<std::uint64_t, 2> key = key_of(mesh);
+    std::uint64_t first = key[0], second = key[1], slabs = mesh.slabs.size;
+    MeshNeeds has = made;
+    bool simple = mesh.simple;
+    transfer_all(archive, first, second, has, simple);
+    const auto put = [&](const auto& view) { write(archive, std::span(view.data, view.size)); };
+    if (has.clearance) put(mesh.clearance_steps);
+    if (has.rings) put(mesh.rings);
+    if (has.stars) put(mesh.star_clearance);
+    if (has.own_exits) put(mesh.own_exit);
+    if (has.slabs) {
+        put(mesh.slab_cells);
+        transfer(archive, slabs);
+        put(mesh.slabs);
+    }
+    std::uint64_t its_mark = mark, sum = checksum(archive.bytes());
+    std::uint32_t its_version = version;
+    ArchiveWriter header;
+    transfer_all(header, its_mark, its_version, sum);
+
+    // Others may read or write the file at the same time, so it appears as a whole.
+    const std::filesystem::path file = file_of(mesh);
+    std::filesystem::path part = file;
+    part += "." + std::to_string(std::hash<std::thread::id>{}(std::this_thread::get_id())) + "." +
+            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
+    std::error_code failed;
+    {
+        std::ofstream out(part, std::ios::binary);
+        out << header.bytes() << archive.bytes();
+        if (!out.flush()) failed = std::make_error_code(std::errc::io_error);
+    }
+    if (!failed) std::filesystem::rename(part, file, failed);
+    if (failed) std::filesystem::remove(part, failed);
+}
+
+}  // namespace pierce

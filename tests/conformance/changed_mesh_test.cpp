@@ -1,0 +1,196 @@
+// Meshes that are damaged, and meshes that change while steps go on: bodies whose mesh is cut, torn
+// or mended have the contacts that a new world with a new mesh would find.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "pierce/contact_hash.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/backends.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+class ChangedMeshTest : public testing::TestWithParam<test::NamedBackend> {};
+
+std::uint64_t hash_of(const World& world) { return contact_hash(world.contacts()); }
+
+/// A few changes of a mesh, as cutting, tearing and mending make them. Vertices keep their numbers.
+MeshData changed(MeshData mesh, test::Random& random) {
+    const auto any = [&](std::size_t count) {
+        return static_cast<std::size_t>(random.integer(0, static_cast<int>(count) - 1));
+    };
+    for (int change = random.integer(1, 3); change > 0; --change) {
+        const std::size_t t = any(mesh.triangles.size());
+        switch (random.integer(0, 3)) {
+            case 0:  // a triangle goes
+                mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+                break;
+            case 1:  // a triangle is turned around
+                std::swap(mesh.triangles[t].vertex[0], mesh.triangles[t].vertex[1]);
+                break;
+            case 2: {  // a triangle gets a vertex in its middle
+                Vec3d middle;
+                for (std::uint32_t v : mesh.triangles[t].vertex)
+                    middle += (1.0 / 3) * to_double(mesh.positions[v]);
+                const auto v = static_cast<std::uint32_t>(mesh.positions.size());
+                mesh.positions.push_back(to_float(middle));
+                const auto [a, b, c] = std::to_array(mesh.triangles[t].vertex);
+                mesh.triangles[t] = {{a, b, v}};
+                mesh.triangles.push_back({{b, c, v}});
+                mesh.triangles.push_back({{c, a, v}});
+                break;
+            }
+            default: {  // a vertex is torn off from one of its triangles
+                const auto v = static_cast<std::uint32_t>(mesh.positions.size());
+                std::uint32_t& corner = mesh.triangles[t].vertex[random.integer(0, 2)];
+                mesh.positions.push_back(mesh.positions[corner]);
+                mesh.positions.back().x += 0.01f;
+                corner = v;
+            }
+        }
+    }
+    return mesh;
+}
+
+TEST_P(ChangedMeshTest, ContactsAreThoseOfANewWorldWithNewMeshes) {
+    std::size_t contacts = 0, solid = 0, changes = 0;
+    for (int scene = 0; scene < 6; ++scene) {
+        test::Random random(static_cast<std::uint32_t>(scene) + 31);
+        SCOPED_TRACE("scene " + std::to_string(scene));
+        Settings settings;
+        if (scene % 3 == 1) settings.coverage = Coverage::complete;
+        if (scene % 3 == 2) {
+            settings.coverage = Coverage::vertices;
+            settings.reproject = false;
+        }
+        World world(GetParam().make(), settings);
+        struct Body {
+            MeshData data;
+            MeshId mesh;
+            BodyId id;
+            bool deforms;
+            Pose pose;
+        };
+        std::vector<Body> bodies;
+        for (int b = 0; b < 4; ++b) {
+            Body body{test::random_closed_mesh(random), {}, {}, b % 2 == 0, {}};
+            body.mesh = world.add_mesh("mesh " + std::to_string(b), body.data);
+            body.pose = {0.6 * random.in_box(1), random.rotation()};
+            body.id = body.deforms
+                          ? world.add_deforming_body(body.mesh, test::placed(body.data, body.pose))
+                          : world.add_rigid_body(body.mesh, body.pose);
+            bodies.push_back(body);
+        }
+        for (int step = 0; step < 8; ++step) {
+            for (Body& body : bodies) {
+                body.pose.position += 0.03 * random.in_box(1);
+                if (random.integer(0, 2) == 0) {
+                    body.data = changed(body.data, random);
+                    const MeshId before = body.mesh;
+                    body.mesh = world.add_mesh("changed", body.data, before);
+                    if (body.deforms)
+                        world.set_mesh(body.id, body.mesh, test::placed(body.data, body.pose));
+                    else
+                        world.set_mesh(body.id, body.mesh);
+                    world.remove_mesh(before);
+                    ++changes;
+                }
+                if (body.deforms)
+                    world.set_positions(body.id, test::placed(body.data, body.pose));
+                else
+                    world.set_pose(body.id, body.pose);
+            }
+            world.detect();
+
+            Settings plain = settings;
+            plain.temporal = Temporal::off;
+            World fresh(reference_backend(), plain);
+            for (const Body& body : bodies) {
+                const MeshId mesh = fresh.add_mesh("fresh", body.data);
+                solid += fresh.mesh(mesh).inside().rule == Inside::winding;
+                if (body.deforms)
+                    fresh.add_deforming_body(mesh, test::placed(body.data, body.pose));
+                else
+                    fresh.add_rigid_body(mesh, body.pose);
+            }
+            fresh.detect();
+            ASSERT_EQ(hash_of(world), hash_of(fresh))
+                << "step " << step << ": " << world.contacts().size() << " contacts and "
+                << fresh.contacts().size();
+            contacts += world.contacts().size();
+        }
+    }
+    EXPECT_GT(contacts, 2000u);
+    EXPECT_GT(solid, 60u);
+    EXPECT_GT(changes, 40u);
+}
+
+/// The share of the triangles that are gone or turned.
+MeshData damaged(MeshData mesh, double share, bool turned, test::Random& random) {
+    if (turned) {
+        for (Triangle& t : mesh.triangles)
+            if (random.uniform(0, 1) < share) std::swap(t.vertex[0], t.vertex[1]);
+        return mesh;
+    }
+    std::erase_if(mesh.triangles, [&](const Triangle&) { return random.uniform(0, 1) < share; });
+    return mesh;
+}
+
+TEST_P(ChangedMeshTest, DamagedMeshesHaveNearlyTheContactsOfWholeOnes) {
+    const MeshData torus = scenes::torus(1, 0.4, 40, 20), ball = scenes::sphere(0.5, 3);
+    for (const bool turned : {false, true})
+        for (const double share : {0.01, 0.03, 0.1}) {
+            test::Random random(5);
+            SCOPED_TRACE(std::to_string(share) + (turned ? " turned" : " gone"));
+            const MeshData torn = damaged(torus, share, turned, random);
+            const auto detect = [&](const MeshData& mesh, Inside inside,
+                                    std::unique_ptr<Backend> backend) {
+                World world(std::move(backend), {});
+                const MeshId target = world.add_mesh("torus", mesh, {.inside = inside});
+                world.add_rigid_body(target);
+                const MeshId source = world.add_mesh("ball", ball);
+                world.add_rigid_body(source, {{1, 0.2, 0.3}, {}});
+                world.add_deforming_body(source, test::placed(ball, {{-1, 0.2, 0.3}, {}}));
+                world.detect();
+                return world;
+            };
+            const World whole = detect(torus, Inside::automatic, GetParam().make()),
+                        nearly = detect(torn, Inside::winding, GetParam().make()),
+                        reference = detect(torn, Inside::winding, reference_backend()),
+                        open = detect(torn, Inside::closed, GetParam().make());
+            EXPECT_EQ(hash_of(nearly), hash_of(reference));
+            // Vertices of the balls in the torus: the tear changes few of them.
+            const auto inside = [](const World& world) {
+                std::vector<std::pair<BodyId, std::uint32_t>> vertices;
+                for (const Contact& c : world.contacts())
+                    if (c.source == Side::b && !c.is_edge()) vertices.emplace_back(c.b, c.vertex);
+                return vertices;
+            };
+            const auto all = inside(whole), now = inside(nearly);
+            std::vector<std::pair<BodyId, std::uint32_t>> both;
+            std::ranges::set_intersection(all, now, std::back_inserter(both));
+            EXPECT_GT(all.size(), 100u);
+            EXPECT_GE(both.size(), 0.98 * static_cast<double>(all.size()));
+            EXPECT_LE(now.size(), 1.02 * static_cast<double>(all.size()));
+            EXPECT_TRUE(inside(open).empty()) << "no inside, no contacts in it";
+            if (turned) {
+                EXPECT_EQ(both, all);
+            }
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, ChangedMeshTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
+
+}  // namespace
+}  // namespace pierce

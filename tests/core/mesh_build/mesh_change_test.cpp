@@ -1,0 +1,97 @@
+// What is taken over from a mesh that another one comes from.
+#include "core/mesh_build/mesh_change.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+
+#include "core/geometry/closest_point.hpp"
+#include "core/geometry/triangle_pair.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+/// A torus with a bump, from which some triangles are cut out in the middle of their edges.
+MeshData cut(MeshData mesh, test::Random& random, int cuts) {
+    for (; cuts > 0; --cuts) {
+        const auto t = static_cast<std::size_t>(
+            random.integer(0, static_cast<int>(mesh.triangles.size()) - 1));
+        Vec3d middle;
+        for (std::uint32_t v : mesh.triangles[t].vertex)
+            middle += (1.0 / 3) * to_double(mesh.positions[v]);
+        const auto v = static_cast<std::uint32_t>(mesh.positions.size());
+        mesh.positions.push_back(to_float(0.98 * middle));
+        const Triangle whole = mesh.triangles[t];
+        mesh.triangles[t] = {{whole.vertex[0], whole.vertex[1], v}};
+        mesh.triangles.push_back({{whole.vertex[1], whole.vertex[2], v}});
+        mesh.triangles.push_back({{whole.vertex[2], whole.vertex[0], v}});
+    }
+    return mesh;
+}
+
+double distance_to(const MeshView& mesh, Vec3d p) {
+    double least = 1e30;
+    for (const Triangle& t : mesh.triangles) {
+        const Corners c = corners_of(mesh.positions, t);
+        least = std::min(least, length(p - closest_on_triangle(p, c[0], c[1], c[2])));
+    }
+    return least;
+}
+
+TEST(MeshChangeTest, WhatIsMeasuredIsWhatAMeshMadeAnewHas) {
+    test::Random random(3);
+    int taken_over = 0;
+    for (int round = 0; round < 12; ++round) {
+        MeshData data = scenes::torus(1, 0.4, 30, 10);
+        Mesh before("before", data);
+        before.view();
+        for (int step = 0; step < 3; ++step) {
+            data = cut(data, random, random.integer(1, 3));
+            Mesh now("now", data, before);
+            const Mesh fresh("fresh", data);
+            const MeshView changed = now.view(), anew = fresh.view();
+            const MeshChange change(before.view(), anew);
+            ASSERT_EQ(changed.rings.size, anew.rings.size);
+            EXPECT_EQ(changed.simple, anew.simple);
+            for (std::uint32_t t = 0; t < anew.rings.size; ++t) {
+                // Gaps depend a little on the order in which triangles are asked.
+                TriangleRing ring = changed.rings[t];
+                EXPECT_NEAR(ring.gap, anew.rings[t].gap, 0.02 * ring.gap);
+                ring.gap = anew.rings[t].gap;
+                EXPECT_EQ(std::memcmp(&ring, &anew.rings[t], sizeof ring), 0) << "triangle " << t;
+                taken_over += change.ring(anew, t, 0).has_value();
+            }
+            for (std::uint32_t v = 0; v < anew.star_clearance.size; ++v)
+                EXPECT_EQ(changed.star_clearance[v], anew.star_clearance[v]);
+            // A grid is taken over where it still holds.
+            const ClearanceGridView grid = changed.clearance();
+            for (int i = 0; i < 200; ++i) {
+                const Vec3d p = random.in_box(1.6);
+                EXPECT_LE(grid(p), distance_to(anew, p));
+            }
+            before = std::move(now);
+        }
+    }
+    EXPECT_GT(taken_over, 12 * 3 * 300);
+}
+
+TEST(MeshChangeTest, AMeshThatGrowsHasNoGridThatKnowsTooMuch) {
+    const MeshData small = scenes::box({0, 0, 0}, {1, 1, 1}),
+                   two = scenes::joined(small, scenes::box({-3, -3, -3}, {4, 4, -2}));
+    const Mesh before("before", two);
+    before.view();
+    const Mesh now("now", scenes::joined(two, scenes::box({2, 2, 0}, {3, 3, 1})), before);
+    const ClearanceGridView grid = now.view().clearance();
+    test::Random random(4);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3d p = random.in_box(4);
+        EXPECT_LE(grid(p), distance_to(now.view(), p));
+    }
+}
+
+}  // namespace
+}  // namespace pierce
