@@ -8,8 +8,8 @@
 namespace pierce::bullet {
 
 /// Adds a contact of a vertex of one soft body inside another one: Bullet's own node-against-face
-/// contact, for its soft solver, which keeps the address of `face` for the step. Of an edge, each end gets such a contact with its weight, as deep
-/// as the point between the ends.
+/// contact, for its soft solver, which keeps the address of `face` for the step. Of an edge, each
+/// end gets such a contact with its weight, as deep as the point between the ends.
 void add_soft_soft(btSoftBody& source, btSoftBody::Face& face, const btSoftBody& target,
                    const Contact& contact);
 

@@ -35,7 +35,8 @@ public:
             const std::vector<std::uint8_t> bytes = bytes_of(seed);
             Choices choices(bytes);
             data_.push_back(proper_mesh(choices));
-            meshes_.push_back(world_.add_mesh("mesh " + std::to_string(seed), data_.back()));
+            meshes_.push_back(
+                world_.add_mesh("mesh " + std::to_string(seed), data_.back(), {.threads = 1}));
         }
         // Bodies of a place in the list keep their kind, so that the world as a whole stays as
         // large as it is.

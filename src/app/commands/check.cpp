@@ -46,7 +46,8 @@ void print(const std::string& file, const MeshReport& report) {
         report.vertices, report.triangles, report.components, report.components == 1 ? "" : "s",
         report.traits.volume, size.x, size.y, size.z);
     fmt::print("mean edge {:.6g}\n", report.traits.mean_edge_length);
-    fmt::print("  inside: {}\n", describe(report.inside));
+    if (report.inside.rule != Inside::closed)
+        fmt::print("  inside: {}\n", describe(report.inside));
     for (const MeshFinding& finding : report.findings)
         fmt::print("  {} {}: {}{}\n      {}\n", changes_detection(finding.kind) ? "!" : "-",
                    name(finding.kind), finding.count, places_text(finding), meaning(finding.kind));
@@ -101,12 +102,13 @@ void fix(const fs::path& file, const fs::path& out) {
     const FixedMesh fixed = fix_mesh(mesh);
     scenes::write_obj(out, fixed.mesh);
     const MeshInside& done = fixed.done;
-    fmt::print("{}: {} of {} vertices, {} triangles of {}: {} turned, {} left out, {} hole{} closed by "
-               "{}; {}\n",
-               out.string(), fixed.mesh.positions.size(), mesh.positions.size(),
-               fixed.mesh.triangles.size(), mesh.triangles.size(), done.turned_triangles,
-               done.left_out_triangles, done.holes, done.holes == 1 ? "" : "s",
-               done.cap_triangles, done.exists() ? "closed" : "still open");
+    fmt::print(
+        "{}: {}; {} vertices ({} before), {} triangles ({} before): {} turned, {} left out, ",
+        out.string(), done.exists() ? "closed" : "still open", fixed.mesh.positions.size(),
+        mesh.positions.size(), fixed.mesh.triangles.size(), mesh.triangles.size(),
+        done.turned_triangles, done.left_out_triangles);
+    fmt::print("{} hole{} closed by {}\n", done.holes, done.holes == 1 ? "" : "s",
+               done.cap_triangles);
 }
 
 }  // namespace

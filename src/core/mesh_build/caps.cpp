@@ -205,7 +205,11 @@ std::vector<NearLoops> near_loops(std::span<const Vec3f> positions, const std::v
             const double distance = length(points[order[i]] - points[order[j]]);
             if (a->loop == b->loop || !(distance < width)) continue;
             if (a->loop > b->loop) std::swap(a, b);
-            const NearLoops near{a->loop, b->loop, a->at, b->at, distance};
+            const NearLoops near{.first = a->loop,
+                                 .second = b->loop,
+                                 .first_at = a->at,
+                                 .second_at = b->at,
+                                 .distance = distance};
             const auto [at, is_new] = nearest.try_emplace({a->loop, b->loop}, near);
             if (!is_new && distance < at->second.distance) at->second = near;
         }
@@ -238,8 +242,7 @@ std::vector<Cap> caps_of(std::span<const Vec3f> positions, std::span<const Trian
         if (joined[near.first] || joined[near.second]) continue;
         Cap across = filler.fill(
             bridged(loops[near.first], near.first_at, loops[near.second], near.second_at));
-        if (!(across.area < constants::gap_area *
-                                (caps[near.first].area + caps[near.second].area)))
+        if (!(across.area < constants::gap_area * (caps[near.first].area + caps[near.second].area)))
             continue;
         joined[near.first] = joined[near.second] = true;
         caps[near.first] = std::move(across);

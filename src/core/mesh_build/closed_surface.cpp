@@ -171,53 +171,59 @@ Draft draft_of(const MeshData& mesh) {
     return draft;
 }
 
-/// The triangles of a draft and of its caps.
-ClosedSurface finished(Draft draft, std::size_t given_triangles) {
+/// What was done so far, and what it takes to close the rest.
+MeshInside inside_of(const Draft& draft, const MeshData& mesh) {
     const auto count = [](std::size_t number) { return static_cast<std::uint32_t>(number); };
     const CapSums caps = sums_of(draft.caps);
+    return {.rule = Inside::none,
+            .joined_vertices = draft.joined_vertices,
+            .turned_triangles = count(
+                static_cast<std::size_t>(std::ranges::count(draft.surface.turned, true))),
+            .left_out_triangles = count(mesh.triangles.size() - draft.surface.triangles.size()),
+            .holes = count(draft.caps.size()),
+            .cap_triangles = count(caps.triangles),
+            .cap_share = draft.area > 0 ? caps.area / draft.area : 0};
+}
+
+/// The triangles of a draft and of its caps.
+ClosedSurface finished(Draft draft, const MeshData& mesh) {
     ClosedSurface result;
-    result.inside = {.rule = Inside::none,
-                     .joined_vertices = draft.joined_vertices,
-                     .turned_triangles = 0,
-                     .left_out_triangles = count(given_triangles - draft.surface.triangles.size()),
-                     .holes = count(draft.caps.size()),
-                     .cap_triangles = count(caps.triangles),
-                     .cap_share = draft.area > 0 ? caps.area / draft.area : 0};
+    result.inside = inside_of(draft, mesh);
     result.triangles = std::move(draft.surface.triangles);
     result.given = std::move(draft.surface.given);
     for (const Cap& cap : draft.caps)
         result.triangles.insert(result.triangles.end(), cap.triangles.begin(), cap.triangles.end());
     result.given.resize(result.triangles.size(), no_triangle);
-    result.turned = std::move(draft.surface.turned);
-    result.turned.resize(result.triangles.size(), false);
     return result;
 }
 
-void count_turned(ClosedSurface& surface) {
-    surface.inside.turned_triangles = static_cast<std::uint32_t>(
-        std::ranges::count(surface.turned, true));
+/// True if the draft and its caps make a solid by a rule. Leaves out what lies within.
+bool becomes_solid(const MeshData& mesh, Inside rule, Draft& draft) {
+    const auto has_small_caps = [&] {
+        return sums_of(draft.caps).area < constants::largest_caps * draft.area;
+    };
+    if (!has_small_caps()) return false;
+    if (draft.surface.patches > 1) {
+        draft.surface = without_patches(
+            draft.surface, patches_that_separate_nothing(mesh.positions, draft.surface));
+        measure(mesh, draft);
+    }
+    return has_small_caps() &&
+           (rule == Inside::winding ||
+            is_nearly_closed(sums_of(draft.caps), draft.area, draft.surface.triangles.size()));
 }
 
 }  // namespace
 
 ClosedSurface closed_surface(const MeshData& mesh, Inside rule) {
     Draft draft = draft_of(mesh);
-    const auto may_be_solid = [&] {
-        return sums_of(draft.caps).area < constants::largest_caps * draft.area;
-    };
-    if (!may_be_solid()) return {};
-    if (draft.surface.patches > 1) {
-        draft.surface = without_patches(
-            draft.surface, patches_that_separate_nothing(mesh.positions, draft.surface));
-        measure(mesh, draft);
+    if (!becomes_solid(mesh, rule, draft)) {
+        ClosedSurface none;
+        none.inside = inside_of(draft, mesh);
+        return none;
     }
-    if (!may_be_solid() ||
-        (rule == Inside::automatic &&
-         !is_nearly_closed(sums_of(draft.caps), draft.area, draft.surface.triangles.size())))
-        return {};
-    ClosedSurface result = finished(std::move(draft), mesh.triangles.size());
+    ClosedSurface result = finished(std::move(draft), mesh);
     result.inside.rule = Inside::winding;
-    count_turned(result);
     return result;
 }
 
@@ -233,9 +239,7 @@ ClosedSurface mended_surface(const MeshData& mesh) {
     Draft draft = draft_of(mesh);
     std::erase_if(draft.caps,
                   [&](const Cap& cap) { return cap.area > constants::small_cap * draft.area; });
-    ClosedSurface result = finished(std::move(draft), mesh.triangles.size());
-    count_turned(result);
-    return result;
+    return finished(std::move(draft), mesh);
 }
 
 }  // namespace pierce

@@ -13,7 +13,6 @@ struct ClosedSurface {
     std::vector<Triangle> triangles;  ///< those of the mesh that are kept, in their order, and then
                                       ///< caps
     std::vector<std::uint32_t> given;  ///< per triangle, its id in the mesh; no_triangle for caps
-    std::vector<bool> turned;          ///< per triangle: it faces the other way than it was given
     MeshInside inside;
 };
 
@@ -21,7 +20,7 @@ struct ClosedSurface {
 /// face one way, leaves out doubles and what lies within the solid, by the winding number, and
 /// closes holes. With `rule` automatic, only meshes that are nearly closed get an inside, by
 /// constants::caps_of_area and those that follow it; otherwise every mesh whose caps are smaller
-/// than constants::largest_caps of the rest. The result is empty if it gets none.
+/// than constants::largest_caps of the rest. If it gets none, there are no triangles.
 ClosedSurface closed_surface(const MeshData& mesh, Inside rule);
 
 /// The surface of a mesh by a rule, and what is inside it. It is empty unless the rule in effect is

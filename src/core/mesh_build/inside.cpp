@@ -24,26 +24,31 @@ std::optional<Inside> inside_named(std::string_view text) {
     return std::nullopt;
 }
 
+namespace {
+
+std::string counted(std::uint32_t count, const char* one, const char* many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+/// The triangles that close holes, and their share of the area in tenths of a per cent.
+std::string caps_of(const MeshInside& inside) {
+    const auto tenths = std::llround(1000 * inside.cap_share);
+    return counted(inside.cap_triangles, "triangle", "triangles") + " (" +
+           std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the area)";
+}
+
+}  // namespace
+
 std::string describe(const MeshInside& inside) {
-    switch (inside.rule) {
-        case Inside::closed:
-            return "closed: the surface as it was given decides what is inside";
-        case Inside::automatic:
-        case Inside::none:
-            return "no inside";
-        case Inside::winding:
-            break;
-    }
-    const auto counted = [](std::uint32_t count, const char* one, const char* many) {
-        return std::to_string(count) + " " + (count == 1 ? one : many);
-    };
-    const double per_mille = std::round(1000 * inside.cap_share);
+    if (inside.rule == Inside::closed)
+        return "closed: the surface as it was given decides what is inside";
+    if (inside.rule != Inside::winding)
+        return inside.holes == 0 ? "no inside"
+                                 : "no inside: to close " + counted(inside.holes, "hole", "holes") +
+                                       " would take " + caps_of(inside);
     std::string text = "the winding number decides what is inside";
     if (inside.holes > 0)
-        text += ", " + counted(inside.holes, "hole", "holes") + " closed by " +
-                counted(inside.cap_triangles, "triangle", "triangles") + " (" +
-                std::to_string(static_cast<int>(per_mille) / 10) + "." +
-                std::to_string(static_cast<int>(per_mille) % 10) + " % of the area)";
+        text += ", " + counted(inside.holes, "hole", "holes") + " closed by " + caps_of(inside);
     if (inside.turned_triangles > 0)
         text += ", " + counted(inside.turned_triangles, "triangle", "triangles") + " turned";
     if (inside.left_out_triangles > 0)

@@ -31,9 +31,7 @@
 #include "pierce/error.hpp"
 
 namespace pierce {
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 void check_mesh_data(const std::string& name, const MeshData& data) {
     if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");

@@ -39,14 +39,12 @@ void leave_out_doubles(std::span<const Triangle> triangles, OrientedTriangles& r
     std::ranges::stable_sort(sorted, {}, &Sorted::vertices);
     std::vector<std::pair<std::uint32_t, bool>> kept;
     for (auto first = sorted.begin(); first != sorted.end();) {
-        const auto last = std::find_if(first, sorted.end(), [&](const Sorted& s) {
-            return s.vertices != first->vertices;
-        });
+        const auto last = std::find_if(
+            first, sorted.end(), [&](const Sorted& s) { return s.vertices != first->vertices; });
         const auto odd = std::count_if(first, last, [](const Sorted& s) { return s.odd; });
         const bool most_odd = 2 * odd > last - first, tie = 2 * odd == last - first;
-        const auto one = std::find_if(first, last, [&](const Sorted& s) {
-            return tie || s.odd == most_odd;
-        });
+        const auto one = std::find_if(first, last,
+                                      [&](const Sorted& s) { return tie || s.odd == most_odd; });
         kept.emplace_back(one->triangle, !tie);
         first = last;
     }

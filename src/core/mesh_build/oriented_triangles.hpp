@@ -13,8 +13,9 @@ struct OrientedTriangles {
     std::vector<Triangle> triangles;
     std::vector<std::uint32_t> given;  ///< per triangle, its id in the mesh
     std::vector<bool> turned;          ///< per triangle
-    std::vector<std::uint32_t> patch;  ///< per triangle, the number of its patch: triangles that are
-                                       ///< connected by edges with two triangles
+    /// Per triangle, the number of its patch: triangles that are connected by edges with two
+    /// triangles.
+    std::vector<std::uint32_t> patch;
     std::uint32_t patches = 0;
 };
 

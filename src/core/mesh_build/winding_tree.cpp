@@ -56,8 +56,9 @@ double WindingTree::solid_angle(std::uint32_t triangle, Vec3d p) const {
     const double lengths = reach[0] * reach[1] * reach[2];
     const double volume = dot(c[0], cross(c[1], c[2]));
     if (std::fabs(volume) <= constants::coplanar_tolerance * lengths) return 0;
-    return 2 * std::atan2(volume, lengths + dot(c[0], c[1]) * reach[2] + dot(c[1], c[2]) * reach[0] +
-                                      dot(c[2], c[0]) * reach[1]);
+    const double scale = lengths + dot(c[0], c[1]) * reach[2] + dot(c[1], c[2]) * reach[0] +
+                         dot(c[2], c[0]) * reach[1];
+    return 2 * std::atan2(volume, scale);
 }
 
 double WindingTree::at(Vec3d p, std::uint32_t left_out) const {

@@ -10,9 +10,9 @@
 namespace pierce {
 
 /// The generalized winding number of a surface around points: the sum of the solid angles of its
-/// triangles / 4 pi (Jacobson, Kavan and Sorkine-Hornung 2013). It is 1 inside a closed surface that
-/// faces outward and 0 outside, and in between where the surface is open. Triangles that are far
-/// away for their size count together, as dipoles (Barill et al. 2018).
+/// triangles / 4 pi (Jacobson, Kavan and Sorkine-Hornung 2013). It is 1 inside a closed surface
+/// that faces outward and 0 outside, and in between where the surface is open. Triangles that are
+/// far away for their size count together, as dipoles (Barill et al. 2018).
 class WindingTree {
 public:
     /// The arrays must outlive the tree. Takes n log n.

@@ -188,7 +188,10 @@ void World::save(std::ostream& out) const {
         transfer_all(archive, slot.generation, slot.used);
         if (!slot.used) continue;
         const Mesh& mesh = *slot.thing.mesh;
-        SavedMesh saved{mesh.name(), mesh.data(), mesh.inside().rule, slot.thing.key};
+        SavedMesh saved{.name = mesh.name(),
+                        .data = mesh.data(),
+                        .inside = mesh.inside().rule,
+                        .key = slot.thing.key};
         transfer(archive, saved);
     }
     transfer_length(archive, s.bodies.slots().size());

@@ -36,10 +36,11 @@ void World::State::add_nodes() {
 
 namespace {
 
-std::string why_open(const MeshTraits& traits) {
-    if (traits.closed()) return "closed, but to be a surface";
-    return "open (" + std::to_string(traits.inconsistent_edges) +
-           " edges without a partner of opposite direction)";
+std::string why_open(const Mesh& mesh) {
+    if (mesh.traits().closed()) return "closed, but to have no inside";
+    return "open (" + std::to_string(mesh.traits().inconsistent_edges) +
+           " edges without a partner of opposite direction; " + pierce::describe(mesh.inside()) +
+           ")";
 }
 
 }  // namespace
@@ -59,9 +60,9 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
             "sheet: contacts of its surface over the motion of a step, whatever is inside or "
             "outside");
     else if (!mesh.inside().exists())
-        note(why_open(traits) +
-             ": it has no inside, so nothing penetrates it; its own rays are limited in length and "
-             "rules R2 and R3 do not apply");
+        note(why_open(mesh) +
+             ": nothing penetrates it; its own rays are limited in length and rules R2 and R3 do "
+             "not apply");
     else if (traits.volume < 0)
         note(
             "inside out (negative volume): its normals point inward, so rays start in the wrong "

@@ -288,7 +288,7 @@ void add_defects(std::vector<HardCase>& cases) {
            cube_with_flipped_triangle(),
            0.5625,
            {},
-           by_separation(0.5625, {-1, 0, 0}),
+           by_separation(0.5625, {}),
            0.5625}},
          {{cube_with_flipped_triangle(), MeshDefect::flipped_edge, 3}},
          "an entry through the flipped triangle, exits through others; the center is inside "
@@ -303,7 +303,7 @@ void add_defects(std::vector<HardCase>& cases) {
                        cube_with_missing_triangle(),
                        0.5625,
                        {},
-                       by_separation(0.5625, {-1, 0, 0}),
+                       by_separation(0.5625, {}),
                        0.5625}},
                      {{cube_with_missing_triangle(), MeshDefect::border_edge, 3}},
                      "nothing through the hole, exits elsewhere; the center is inside (winding "

@@ -173,6 +173,18 @@ TEST_F(AppTest, ChecksMeshes) {
     EXPECT_EQ(open.code, 1);
     EXPECT_THAT(open.text, testing::AllOf(HasSubstr("! border edges: 3 (edge 1-2, 1-3, 2-3)"),
                                           HasSubstr("no inside")));
+    const Outcome cut = pierce("check --fix " + path("fixed.obj") + " " + path("open.off"));
+    EXPECT_EQ(cut.code, 1) << "of what was found";
+    EXPECT_THAT(cut.text, HasSubstr("still open; 4 vertices (4 before), 3 triangles (3 before)"));
+    std::ofstream(folder / "torn.off") << "OFF\n8 11 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n"
+                                          "0 1 1\n1 1 1\n3 0 2 3\n3 0 3 1\n3 4 5 7\n3 4 7 6\n"
+                                          "3 0 1 5\n3 0 5 4\n3 2 6 7\n3 2 7 3\n3 0 4 6\n3 0 6 2\n"
+                                          "3 7 3 1\n";
+    const Outcome torn = pierce("check --fix " + path("fixed.obj") + " " + path("torn.off"));
+    EXPECT_THAT(torn.text, HasSubstr("1 hole closed by 1 triangle (9.1 % of the area)"));
+    EXPECT_THAT(torn.text, HasSubstr("fixed.obj: closed; 8 vertices (8 before), 12 triangles"));
+    EXPECT_EQ(pierce("check " + path("fixed.obj")).code, 0);
+    EXPECT_THAT(pierce("check --inside none " + path("torn.off")).text, HasSubstr("no inside"));
     const Outcome nan = pierce("check " + path("nan.off"));
     EXPECT_EQ(nan.code, 1);
     EXPECT_THAT(nan.text, HasSubstr("vertices not finite: 1 (vertex 1)"));
@@ -227,6 +239,8 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("detect " + path("a.obj") + " " + path("b.obj"), "a.obj");
     expect_refused("detect " + path("a.obj"), "meshes");
     expect_refused("check", "meshes");
+    expect_refused("check a.obj b.obj --fix c.obj", "--fix writes one mesh, but there are 2");
+    expect_refused("check a.obj --inside perhaps", "perhaps");
     expect_refused("check a.obj --json /nowhere/x.json", "/nowhere/x.json");
     expect_refused("", "subcommand");
 }

@@ -24,7 +24,11 @@ namespace fs = std::filesystem;
 
 class MeshCacheTest : public testing::Test {
 protected:
-    MeshCacheTest() : folder_(fs::path(testing::TempDir()) / "pierce_mesh_cache") {
+    // Tests may run at the same time.
+    MeshCacheTest()
+        : folder_(fs::path(testing::TempDir()) /
+                  (std::string("pierce_mesh_cache_") +
+                   testing::UnitTest::GetInstance()->current_test_info()->name())) {
         fs::remove_all(folder_);
     }
     ~MeshCacheTest() override { fs::remove_all(folder_); }
@@ -93,8 +97,8 @@ TEST_F(MeshCacheTest, DamagedFilesAreLeftAside) {
         std::string bad = good;
         switch (round % 3) {
             case 0:
-                bad.resize(static_cast<std::size_t>(
-                    random.integer(0, static_cast<int>(good.size()) - 1)));
+                bad.resize(
+                    static_cast<std::size_t>(random.integer(0, static_cast<int>(good.size()) - 1)));
                 break;
             case 1:
                 bad[static_cast<std::size_t>(
