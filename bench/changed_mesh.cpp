@@ -88,10 +88,11 @@ struct Replay {
             else
                 world.set_pose(bodies[b], recording.pose(b, frame));
     }
-    void change(const scenes::Recording& recording, const scenes::RaySettings& rays,
-                std::uint32_t body, std::uint32_t frame) {
+    void change(const scenes::Recording& recording, std::uint32_t body, std::uint32_t frame,
+                int threads) {
         const MeshId before = meshes[body];
-        meshes[body] = world.add_mesh("changed", data[body], before, rays.mesh_options());
+        meshes[body] = world.add_mesh("changed", data[body], before,
+                                      {.threads = static_cast<std::uint32_t>(threads)});
         if (recording.bodies[body].motion == Motion::deforming)
             world.set_mesh(bodies[body], meshes[body], recording.positions(body, frame));
         else
@@ -122,7 +123,7 @@ int main(int argc, char** argv) try {
         while (recording.bodies[body].motion == Motion::fixed);
         turn_edges(changing.data[body], f);
         auto begin = Clock::now();
-        changing.change(recording, rays, body, f);
+        changing.change(recording, body, f, rays.threads);
         const double edit = milliseconds(begin);
         changing.world.detect();
         const double changed = milliseconds(begin);

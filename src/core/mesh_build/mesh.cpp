@@ -31,7 +31,11 @@
 #include "pierce/error.hpp"
 
 namespace pierce {
-namespace {}  // namespace
+namespace {
+
+constexpr std::size_t triangles_for_threads = 4096;
+
+}  // namespace
 
 void check_mesh_data(const std::string& name, const MeshData& data) {
     if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");
@@ -90,7 +94,9 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
     : name(std::move(its_name)), options(std::move(its_options)) {
     check_mesh_data(name, data);
     if (!options.cache.empty()) cache.emplace(options.cache);
-    Workers crew = workers();
+    // Starting a thread takes longer than a small mesh does.
+    Workers crew(data.triangles.size() < triangles_for_threads ? 1 : options.threads,
+                 options.progress);
     Vec3d sum;
     for (Vec3f p : data.positions) {
         view.box.extend(to_double(p));
