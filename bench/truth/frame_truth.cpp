@@ -80,8 +80,7 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
         if (body.motion == Motion::deforming) {
             const std::span<const Vec3f> positions = recording_.positions(b, frame);
             if (!is_usable(positions)) continue;
-            placed.mesh = &deformed.emplace_back(in_double(positions),
-                                                 triangles_[body.mesh]);
+            placed.mesh = &deformed.emplace_back(in_double(positions), triangles_[body.mesh]);
         } else {
             const Pose pose = recording_.pose(b, frame);
             if (!is_usable(pose)) continue;

@@ -60,7 +60,7 @@ struct Dispatcher::State {
     std::unordered_map<BodyId, std::size_t> by_body;
     std::vector<Binding> bindings;
     Pairs pairs;
-    std::vector<Vec3f> positions;  ///< scratch
+    std::vector<Vec3f> positions;            ///< scratch
     std::deque<btSoftBody::Face> hit_faces;  ///< of the last step's contacts; Bullet has their
                                              ///< addresses
     double response_milliseconds = 0;
@@ -269,9 +269,9 @@ void Dispatcher::bind(btRigidBody& rigid, BodyId body) {
 void Dispatcher::bind(btSoftBody& soft, BodyId body) {
     const Mesh& mesh = state_->world.mesh(state_->world.mesh_of(body));
     if (soft.m_nodes.size() != static_cast<int>(mesh.positions().size()))
-        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) +
-                         " nodes, mesh '" + mesh.name() + "' has " +
-                         std::to_string(mesh.positions().size()) + " vertices");
+        throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes, mesh '" +
+                         mesh.name() + "' has " + std::to_string(mesh.positions().size()) +
+                         " vertices");
     state_->bind(*this, soft, &soft, body);
 }
 

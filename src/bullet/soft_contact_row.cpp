@@ -16,15 +16,13 @@ btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights,
 Grip grip_at(const btSoftBody& target, const btSoftBody::Face& face, const btVector3& weights,
              const btVector3& gap) {
     Grip grip{.node = {}, .place = weights, .gap = gap};
-    for (int k = 0; k < 3; ++k)
-        grip.node[k] = static_cast<int>(face.m_n[k] - &target.m_nodes[0]);
+    for (int k = 0; k < 3; ++k) grip.node[k] = static_cast<int>(face.m_n[k] - &target.m_nodes[0]);
     return grip;
 }
 
 /// True if the target still has the nodes: it may have lost some.
 bool has_nodes(const btSoftBody& target, const Grip& grip) {
-    return std::ranges::all_of(grip.node,
-                               [&](int node) { return node < target.m_nodes.size(); });
+    return std::ranges::all_of(grip.node, [&](int node) { return node < target.m_nodes.size(); });
 }
 
 }  // namespace
@@ -75,9 +73,9 @@ btVector3 SoftContactRow::from_target() const {
 
 btVector3 SoftContactRow::from_grip() const {
     if (rigid_ != nullptr) return node_->m_x - carried() - held_;
-    const btVector3 place = btSoftBody::BaryEval(
-        target_->m_nodes[grip_.node[0]].m_x, target_->m_nodes[grip_.node[1]].m_x,
-        target_->m_nodes[grip_.node[2]].m_x, grip_.place);
+    const btVector3 place = btSoftBody::BaryEval(target_->m_nodes[grip_.node[0]].m_x,
+                                                 target_->m_nodes[grip_.node[1]].m_x,
+                                                 target_->m_nodes[grip_.node[2]].m_x, grip_.place);
     return node_->m_x - place - grip_.gap;
 }
 

@@ -46,8 +46,7 @@ void print(const std::string& file, const MeshReport& report) {
         report.vertices, report.triangles, report.components, report.components == 1 ? "" : "s",
         report.traits.volume, size.x, size.y, size.z);
     fmt::print("mean edge {:.6g}\n", report.traits.mean_edge_length);
-    if (report.inside.rule != Inside::closed)
-        fmt::print("  inside: {}\n", describe(report.inside));
+    if (report.inside.rule != Inside::closed) fmt::print("  inside: {}\n", describe(report.inside));
     for (const MeshFinding& finding : report.findings)
         fmt::print("  {} {}: {}{}\n      {}\n", changes_detection(finding.kind) ? "!" : "-",
                    name(finding.kind), finding.count, places_text(finding), meaning(finding.kind));

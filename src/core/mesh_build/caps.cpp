@@ -214,6 +214,7 @@ std::vector<NearLoops> near_loops(std::span<const Vec3f> positions, const std::v
             if (!is_new && distance < at->second.distance) at->second = near;
         }
     std::vector<NearLoops> result;
+    result.reserve(nearest.size());
     for (const auto& [loops_of_pair, near] : nearest) result.push_back(near);
     std::ranges::stable_sort(result, {}, &NearLoops::distance);
     return result;
@@ -236,6 +237,7 @@ std::vector<Cap> caps_of(std::span<const Vec3f> positions, std::span<const Trian
     const std::vector<Loop> loops = loops_along(missing_edges(triangles, positions.size()));
     LoopFill filler(positions);
     std::vector<Cap> caps;
+    caps.reserve(loops.size());
     for (const Loop& loop : loops) caps.push_back(filler.fill(loop));
     std::vector<bool> joined(loops.size(), false);
     for (const NearLoops& near : near_loops(positions, loops, constants::gap_width * mean_edge)) {

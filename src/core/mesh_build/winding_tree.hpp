@@ -27,8 +27,8 @@ public:
 private:
     /// A run of `order_` with all its triangles.
     struct Node {
-        std::uint32_t begin, end;
-        std::uint32_t skip;  ///< the next node that is not below this one
+        std::uint32_t begin = 0, end = 0;
+        std::uint32_t skip = 0;  ///< the next node that is not below this one
         Vec3d center;
         Vec3d area;         ///< sum of normals times areas
         double radius = 0;  ///< no corner is further from the centre

@@ -227,9 +227,8 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
         const SceneMesh& mesh = scene.meshes[m];
         MeshOptions its_options = options;
         if (mesh.inside != Inside::automatic) its_options.inside = mesh.inside;
-        if (std::ranges::any_of(scene.bodies, [&](const SceneBody& b) {
-                return b.mesh == m && b.collision.sheet;
-            }))
+        if (std::ranges::any_of(
+                scene.bodies, [&](const SceneBody& b) { return b.mesh == m && b.collision.sheet; }))
             its_options.inside = Inside::none;
         meshes.push_back(world.add_mesh(mesh.name, mesh.data, its_options));
     }

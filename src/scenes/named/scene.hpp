@@ -19,7 +19,7 @@ struct SceneMesh {
     MeshData data;
     std::vector<std::vector<Vec3f>> convex_pieces;  ///< point sets whose hulls make up the mesh;
                                                     ///< may be empty
-    Inside inside = Inside::automatic;  ///< sheets have none
+    Inside inside = Inside::automatic;              ///< sheets have none
 };
 
 /// The material of a sheet, in Bullet's terms.

@@ -37,8 +37,7 @@ fs::path inside(const fs::path& folder, const std::string& name, const std::stri
 
 SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::string& where) {
     const auto rule = inside_named(entry.value("inside", std::string(name(Inside::automatic))));
-    if (!rule)
-        throw InputError(where + ": inside is none of automatic, closed, winding and none");
+    if (!rule) throw InputError(where + ": inside is none of automatic, closed, winding and none");
     return {entry.at("name").get<std::string>(),
             read_mesh(inside(folder, entry.at("file").get<std::string>(), where)),
             {},

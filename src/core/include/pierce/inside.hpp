@@ -26,8 +26,8 @@ struct MeshInside {
     Inside rule = Inside::none;  ///< never `automatic`
     // The rest is zero with `closed`. With `none` it says what `winding` would have taken, if the
     // mesh was looked at.
-    std::uint32_t joined_vertices = 0;    ///< vertices at the position of an earlier one
-    std::uint32_t turned_triangles = 0;   ///< they faced the other way than most around them
+    std::uint32_t joined_vertices = 0;     ///< vertices at the position of an earlier one
+    std::uint32_t turned_triangles = 0;    ///< they faced the other way than most around them
     std::uint32_t left_out_triangles = 0;  ///< doubled, without three vertices, or within the solid
     std::uint32_t holes = 0;               ///< that are closed
     std::uint32_t cap_triangles = 0;       ///< that close them
