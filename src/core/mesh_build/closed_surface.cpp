@@ -9,9 +9,7 @@
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/mesh/coincident_vertices.hpp"
-#include "core/mesh/half_edges.hpp"
 #include "core/mesh_build/caps.hpp"
-#include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
 #include "core/mesh_build/winding_tree.hpp"
 #include "pierce/constants.hpp"

@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "core/geometry/triangle_pair.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {

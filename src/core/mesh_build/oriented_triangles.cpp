@@ -4,9 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "core/geometry/triangle.hpp"
 #include "core/mesh/half_edges.hpp"
-#include "core/mesh/mesh_view.hpp"
 
 namespace pierce {
 namespace {
