@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/mesh/half_edges.hpp"
+#include "pierce/ids.hpp"
 
 namespace pierce {
 namespace {
