@@ -5,7 +5,6 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBody.h>
 
-#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <map>

@@ -117,6 +117,7 @@ int check(const CheckOptions& options) {
         throw InputError("--fix writes one mesh, but there are " +
                          std::to_string(options.meshes.size()));
     check_writable(options.json);
+    check_writable(options.fix);
     json meshes = json::array();
     int worst = sound;
     for (const std::filesystem::path& file : options.meshes) {

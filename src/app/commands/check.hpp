@@ -11,7 +11,7 @@ struct CheckOptions {
     std::vector<std::filesystem::path> meshes;
     bool self_intersections = false;
     Inside inside = Inside::automatic;
-    std::filesystem::path fix;   ///< where the first mesh goes, repaired; empty: nowhere
+    std::filesystem::path fix;   ///< where the mesh goes, repaired; empty: nowhere
     std::filesystem::path json;  ///< empty: none
 };
 

@@ -23,8 +23,8 @@ struct ClosedSurface {
 /// than constants::largest_caps of the rest. If it gets none, there are no triangles.
 ClosedSurface closed_surface(const MeshData& mesh, Inside rule);
 
-/// The surface of a mesh by a rule, and what is inside it. It is empty unless the rule in effect is
-/// Inside::winding: then the triangles are those that were given.
+/// The surface of a mesh by a rule, and what is inside it. Where the rule in effect is not
+/// Inside::winding, the surface is the mesh as it was given, and is not repeated here.
 ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule);
 
 /// The same as closed_surface() for a mesh that stays open: nothing is left out but doubles, and

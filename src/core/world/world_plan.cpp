@@ -37,7 +37,7 @@ void World::State::add_nodes() {
 namespace {
 
 std::string why_open(const Mesh& mesh) {
-    if (mesh.traits().closed()) return "closed, but to have no inside";
+    if (mesh.traits().closed()) return "closed, but without an inside";
     return "open (" + std::to_string(mesh.traits().inconsistent_edges) +
            " edges without a partner of opposite direction; " + pierce::describe(mesh.inside()) +
            ")";
