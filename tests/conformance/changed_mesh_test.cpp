@@ -135,6 +135,31 @@ TEST_P(ChangedMeshTest, ContactsAreThoseOfANewWorldWithNewMeshes) {
     EXPECT_GT(changes, 40u);
 }
 
+TEST_P(ChangedMeshTest, PairsWithoutTheBodyRememberWhatTheyKnew) {
+    World world(GetParam().make());
+    const MeshData ball = scenes::sphere(1, 2);
+    MeshId mesh = world.add_mesh("ball", ball);
+    std::vector<BodyId> bodies;
+    for (const double x : {0.0, 1.5, 10.0, 11.5})
+        bodies.push_back(world.add_rigid_body(mesh, {{x, 0, 0}, {}}));
+    test::Random random(2);
+    MeshData data = ball;
+    for (std::uint32_t step = 0; step < 5; ++step) {
+        world.detect();
+        std::size_t kept = 0, changed_pair = 0;
+        for (const Contact& c : world.contacts()) {
+            const bool keeps = c.a == bodies[0];
+            (keeps ? kept : changed_pair) += 1;
+            EXPECT_EQ(c.age, keeps ? step : 0u) << "step " << step;
+        }
+        EXPECT_GT(kept, 0u);
+        EXPECT_GT(changed_pair, 0u);
+        data = changed(data, random);
+        mesh = world.add_mesh("changed", data, mesh);
+        world.set_mesh(bodies[3], mesh);
+    }
+}
+
 /// The share of the triangles that are gone or turned.
 MeshData damaged(MeshData mesh, double share, bool turned, test::Random& random) {
     if (turned) {

@@ -17,6 +17,7 @@
 #include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/self_intersections.hpp"
+#include "core/mesh_build/winding_tree.hpp"
 
 namespace pierce {
 namespace {
@@ -223,17 +224,12 @@ std::vector<Component> components_of(const MeshData& mesh, const Connections& co
     return components;
 }
 
-/// How often a component winds around `p`, by the solid angles of its triangles (van Oosterom and
-/// Strackee 1983).
+/// How often a component winds around `p`.
 double winding_number(const MeshData& mesh, const Component& component, Vec3d p) {
     double sum = 0;
-    for (std::uint32_t t : component.triangles) {
-        Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
-        for (Vec3d& corner : c) corner = normalized(corner - p);
-        sum += std::atan2(dot(c[0], cross(c[1], c[2])),
-                          1 + dot(c[0], c[1]) + dot(c[1], c[2]) + dot(c[2], c[0]));
-    }
-    return sum / (2 * std::numbers::pi);
+    for (std::uint32_t t : component.triangles)
+        sum += solid_angle(mesh.positions, mesh.triangles[t], p);
+    return sum / (4 * std::numbers::pi);
 }
 
 /// True if the component lies inside others, as the wall of a cavity does.

@@ -46,11 +46,11 @@ void WindingTree::build(std::uint32_t begin, std::uint32_t end) {
     nodes_[place].skip = static_cast<std::uint32_t>(nodes_.size());
 }
 
-double WindingTree::solid_angle(std::uint32_t triangle, Vec3d p) const {
+double solid_angle(std::span<const Vec3f> positions, const Triangle& triangle, Vec3d p) {
     Vec3d c[3];
     double reach[3];
     for (int k = 0; k < 3; ++k) {
-        c[k] = corner(triangle, k) - p;
+        c[k] = to_double(positions[triangle.vertex[k]]) - p;
         reach[k] = length(c[k]);
     }
     const double lengths = reach[0] * reach[1] * reach[2];
@@ -74,7 +74,7 @@ double WindingTree::at(Vec3d p, std::uint32_t left_out) const {
         }
         if (node.skip == n + 1)
             for (std::uint32_t i = node.begin; i < node.end; ++i)
-                if (order_[i] != left_out) sum += solid_angle(order_[i], p);
+                if (order_[i] != left_out) sum += solid_angle(positions_, triangles_[order_[i]], p);
         ++n;
     }
     return sum / (4 * std::numbers::pi);
@@ -83,7 +83,7 @@ double WindingTree::at(Vec3d p, std::uint32_t left_out) const {
 double WindingTree::exactly_at(Vec3d p, std::uint32_t left_out) const {
     double sum = 0;
     for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-        if (t != left_out) sum += solid_angle(t, p);
+        if (t != left_out) sum += solid_angle(positions_, triangles_[t], p);
     return sum / (4 * std::numbers::pi);
 }
 

@@ -9,6 +9,10 @@
 
 namespace pierce {
 
+/// The solid angle under which `p` sees a triangle (van Oosterom and Strackee 1983); positive from
+/// behind. Zero if the triangle lies in one plane with `p`.
+double solid_angle(std::span<const Vec3f> positions, const Triangle& triangle, Vec3d p);
+
 /// The generalized winding number of a surface around points: the sum of the solid angles of its
 /// triangles / 4 pi (Jacobson, Kavan and Sorkine-Hornung 2013). It is 1 inside a closed surface
 /// that faces outward and 0 outside, and in between where the surface is open. Triangles that are
@@ -38,7 +42,6 @@ private:
     Vec3d corner(std::uint32_t triangle, int k) const {
         return to_double(positions_[triangles_[triangle].vertex[k]]);
     }
-    double solid_angle(std::uint32_t triangle, Vec3d p) const;
 
     std::span<const Vec3f> positions_;
     std::span<const Triangle> triangles_;

@@ -74,16 +74,10 @@ void damaged_meshes(const AccuracyReportOptions& options, Page& page) {
                 const Comparison closed = by_default(recording, truth);
                 recording.meshes[1].inside = Inside::closed;
                 const Comparison open = by_default(recording, truth);
-                // What is wrong of the whole mesh, too, is not the damage's.
-                const auto wrong = [](const scenes::Accuracy& a) {
-                    return a.missed_vertices + a.false_vertices;
-                };
+                const scenes::Accuracy& a = closed.accuracy;
                 const double changed = 100 *
-                                       static_cast<double>(wrong(closed.accuracy) -
-                                                           std::min(wrong(whole.accuracy),
-                                                                    wrong(closed.accuracy))) /
-                                       static_cast<double>(
-                                           std::max<std::uint64_t>(whole.accuracy.vertices, 1));
+                                       static_cast<double>(a.missed_vertices + a.false_vertices) /
+                                       static_cast<double>(std::max<std::uint64_t>(a.vertices, 1));
                 const char* damage = turned ? "turned" : "gone";
                 page.line(
                     "| {} | {} | {:g} | {} | {:.2f} | {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} "
