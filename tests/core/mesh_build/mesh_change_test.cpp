@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/triangle_pair.hpp"
@@ -79,18 +80,32 @@ TEST(MeshChangeTest, WhatIsMeasuredIsWhatAMeshMadeAnewHas) {
     EXPECT_GT(taken_over, 12 * 3 * 300);
 }
 
-TEST(MeshChangeTest, AMeshThatGrowsHasNoGridThatKnowsTooMuch) {
-    const MeshData small = scenes::box({0, 0, 0}, {1, 1, 1}),
-                   two = scenes::joined(small, scenes::box({-3, -3, -3}, {4, 4, -2}));
-    const Mesh before("before", two);
+TEST(MeshChangeTest, WhatComesNearIsKnown) {
+    const auto ball_at = [](double radius, Vec3d place) {
+        MeshData ball = scenes::sphere(radius, 2);
+        ball.positions = scenes::moved(std::move(ball.positions), place);
+        return ball;
+    };
+    const MeshData three = scenes::joined(
+        scenes::joined(ball_at(1, {}), ball_at(0.2, {-3, -3, -3})), ball_at(0.2, {3, 3, 3}));
+    const Mesh before("before", three);
     before.view();
-    const Mesh now("now", scenes::joined(two, scenes::box({2, 2, 0}, {3, 3, 1})), before);
-    const ClearanceGridView grid = now.view().clearance();
+    const MeshData grown = scenes::joined(three, ball_at(0.5, {1.55, 0, 0}));
+    const Mesh now("now", grown, before), fresh("fresh", grown);
+    const MeshView view = now.view(), anew = fresh.view();
+    for (std::uint32_t t = 0; t < view.rings.size; ++t)
+        EXPECT_NEAR(view.rings[t].gap, anew.rings[t].gap, 0.02 * anew.rings[t].gap) << t;
+    for (std::uint32_t v = 0; v < view.star_clearance.size; ++v)
+        EXPECT_EQ(view.star_clearance[v], anew.star_clearance[v]);
+    const ClearanceGridView grid = view.clearance();
     test::Random random(4);
+    int known = 0;
     for (int i = 0; i < 500; ++i) {
-        const Vec3d p = random.in_box(4);
-        EXPECT_LE(grid(p), distance_to(now.view(), p));
+        const Vec3d p = random.in_box(3);
+        EXPECT_LE(grid(p), distance_to(view, p));
+        known += before.view().clearance()(p) > 0.5;
     }
+    EXPECT_GT(known, 100) << "the mesh before knew of clearance";
 }
 
 }  // namespace
