@@ -81,7 +81,7 @@ TEST(MeshChangeTest, WhatIsMeasuredIsWhatAMeshMadeAnewHas) {
 }
 
 TEST(MeshChangeTest, WhatComesNearIsKnown) {
-    const auto ball_at = [](double radius, Vec3d place) {
+    const auto ball_at = [](double radius, Vec3f place) {
         MeshData ball = scenes::sphere(radius, 2);
         ball.positions = scenes::moved(std::move(ball.positions), place);
         return ball;
