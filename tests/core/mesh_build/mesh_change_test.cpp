@@ -90,7 +90,7 @@ TEST(MeshChangeTest, WhatComesNearIsKnown) {
         scenes::joined(ball_at(1, {}), ball_at(0.2, {-3, -3, -3})), ball_at(0.2, {3, 3, 3}));
     const Mesh before("before", three);
     before.view();
-    const MeshData grown = scenes::joined(three, ball_at(0.5, {1.55, 0, 0}));
+    const MeshData grown = scenes::joined(three, ball_at(0.5, {1.55f, 0, 0}));
     const Mesh now("now", grown, before), fresh("fresh", grown);
     const MeshView view = now.view(), anew = fresh.view();
     for (std::uint32_t t = 0; t < view.rings.size; ++t)
