@@ -46,11 +46,13 @@ public:
     bool certificates_pay() const override { return false; }
 
     void step(const Scene& host, StepStats& stats) override {
-        if (mirror_.update(host)) {
+        using Change = cuda::SceneMirror::Change;
+        const Change change = mirror_.update(host);
+        if (change != Change::none || tracer_.is_stale()) {
             tracer_.arrange(executor_, host.bodies);
-            restart();
+            tracer_.build_changed(executor_, mirror_.scene().bodies);
         }
-        if (host.plan->casts_rays && tracer_.is_stale()) restart();
+        if (change == Change::all || (host.plan->casts_rays && tracer_.is_stale())) restart();
         bank_ = 1 - bank_;
         if (!can_repeat() || repeated_ < rehearsals) {
             exact_step(stats);

@@ -38,6 +38,8 @@ public:
     const T* data() const { return data_; }
     /// The largest number of items that the buffer may hold now.
     std::size_t size() const { return count_.bound(); }
+    /// The largest number of items that it can hold without growing.
+    std::size_t capacity() const { return capacity_; }
     bool empty() const { return count_.bound() == 0; }
     DeviceCount count() const { return count_; }
     void clear() { count_ = {}; }
@@ -109,6 +111,7 @@ public:
     StagingBuffer(const StagingBuffer&) = delete;
     ~StagingBuffer() { cudaFreeHost(data_); }
 
+    std::size_t capacity() const { return capacity_; }
     /// Room for `count` items; what they are is for the caller to say.
     T* resize(std::size_t count) {
         if (count > capacity_) {

@@ -1,47 +1,46 @@
 #pragma once
 
-#include <cstring>
-#include <unordered_map>
+#include <algorithm>
+#include <span>
 #include <vector>
 
+#include "core/base/places.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "gpu_cuda/body_changes.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
+#include "gpu_cuda/mesh_mirror.cuh"
 
 namespace pierce::cuda {
 
-/// Copies, per body, where the caller has put it. The step itself finds out where deforming bodies
-/// are.
-struct ApplyInput {
-    View<const BodyInput> inputs;
-    View<BodyView> bodies;
-
-    PIERCE_HD void operator()(std::uint32_t i) const {
-        BodyView& body = bodies[i];
-        static_cast<BodyInput&>(body) = inputs[i];
-        if (body.motion != Motion::deforming && body.active) body.fit = body.space;
-    }
-};
-
 /// A scene in device memory. All of it is copied once per plan, and in every step what the host has
-/// changed.
+/// changed. Where a new plan differs by the meshes of a few bodies alone, only these are copied:
+/// all else keeps its place and its size, so that captured steps stay valid.
 class SceneMirror {
 public:
-    explicit SceneMirror(CudaExecutor& executor) : executor_(executor) {}
+    explicit SceneMirror(CudaExecutor& executor) : executor_(executor), meshes_(executor) {}
 
-    /// Brings the mirror up to date; returns true if everything is new.
-    bool update(const Scene& host) {
-        const bool is_new = revision_ != host.plan->revision;
-        if (is_new) rebuild(host);
+    enum class Change { none, meshes, all };
+
+    /// Brings the mirror up to date. Returns what is new besides where bodies are.
+    Change update(const Scene& host) {
+        Change change = Change::none;
+        if (plan_.revision != host.plan->revision) {
+            meshes_.settle();
+            change = follow(host) ? Change::meshes : Change::all;
+            if (change == Change::all) rebuild(host);
+            plan_ = *host.plan;
+        }
+        scene_.plan = host.plan;
         send_inputs(host.bodies);
-        if (is_new || sent_forgets_ != host.forgets_sides[0]) {
+        if (change == Change::all || sent_forgets_ != host.forgets_sides[0]) {
             sent_forgets_ = host.forgets_sides[0];
             executor_.upload(std::span<const std::uint32_t>(&sent_forgets_, 1), forgets_);
         }
         scene_.forgets_sides = view_of(std::as_const(forgets_));
-        return is_new;
+        return change;
     }
 
     /// The scene for a step on the device.
@@ -58,11 +57,10 @@ public:
     /// Copies deforming bodies' shapes of the last step into the host's, for bodies that still
     /// exist.
     void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> host) const {
-        for (std::uint32_t b = 0; b < host.size && b < seen_of_body_.size(); ++b) {
-            const SeenOfBody& known = seen_of_body_[b];
-            if (known.id == ids[b] && known.count == host[b].size)
-                executor_.copy_to_host(host[b].data, seen_.data() + known.first, known.count);
-        }
+        for (std::uint32_t b = 0; b < host.size && b < known_.size(); ++b)
+            if (known_[b].id == ids[b] && known_[b].seen == host[b].size)
+                executor_.copy_to_host(host[b].data, seen_.data() + patches_at_.first(b),
+                                       host[b].size);
         executor_.wait();
     }
 
@@ -77,135 +75,218 @@ public:
     }
 
 private:
-    /// Where a body's shape of the last step is kept, in seen_.
-    struct SeenOfBody {
+    // Where meshes change, a share of every array is kept free for bodies that grow.
+    static constexpr std::uint32_t spare_share = 4, spare_items = 256;
+    // If more than a share of the bodies change, everything is copied.
+    static constexpr std::uint32_t most_changed_share = 4;
+
+    /// What the mirror has of a body.
+    struct Known {
         BodyId id;
-        std::uint32_t first = 0, count = 0;
-    };
+        std::uint64_t mesh_key = 0;
+        Motion motion = Motion::fixed;
+        Collision collision;
+        double range = 0;
+        std::uint32_t seen = 0;  ///< patches whose shape of the last step is kept
 
-    /// Device copies of arrays that do not change.
-    class Arrays {
-    public:
-        template <class T>
-        View<const T> add(CudaExecutor& executor, View<const T> host) {
-            DeviceBuffer<std::byte> copy;
-            copy.resize(static_cast<std::uint32_t>(host.size * sizeof(T)));
-            executor.copy(reinterpret_cast<T*>(copy.data()), host.data, host.size,
-                          cudaMemcpyHostToDevice);
-            buffers_.push_back(std::move(copy));
-            return {reinterpret_cast<const T*>(buffers_.back().data()), host.size};
+        bool is_same(const BodyView& body) const {
+            return mesh_key == body.mesh_key && collision == body.collision && range == body.range;
         }
-
-    private:
-        std::vector<DeviceBuffer<std::byte>> buffers_;
     };
 
-    struct MeshCopy {
-        Arrays arrays;
-        MeshArrays<ConstView> on_host, on_device;
-    };
-
-    /// A body's mesh on the device.
-    MeshView copy_of(const BodyView& body) {
-        MeshCopy& copy = meshes_[body.mesh_key];
-        MeshView view;
-        static_cast<MeshShape&>(view) = body.mesh;
-        // Plans, and bodies of one plan, differ in which arrays they need.
-        for_each_array(
-            [&](auto& seen, auto& on_device, auto& on_host, const auto& host) {
-                if (host.size == 0) return;
-                if (on_host.data != host.data || on_host.size != host.size) {
-                    on_device = copy.arrays.add(executor_, host);
-                    on_host = host;
-                }
-                seen = on_device;
-            },
-            view, copy.on_device, copy.on_host, body.mesh);
-        return view;
+    static std::uint32_t with_room(std::uint32_t count, bool grows) {
+        return grows && count > 0 ? count + count / spare_share + spare_items : count;
     }
 
-    void forget_unused(View<const BodyView> bodies) {
-        std::unordered_map<std::uint64_t, bool> used;
-        for (const BodyView& body : bodies) used[body.mesh_key] = true;
-        std::erase_if(meshes_, [&](const auto& entry) { return !used.contains(entry.first); });
+    /// True if steps of the plan do what those of the last one did.
+    bool is_alike(const Plan& plan) const {
+        Plan last = plan_;
+        last.revision = plan.revision;
+        last.open_bodies = plan.open_bodies;
+        last.notes = plan.notes;
+        return last == plan;
+    }
+
+    /// Copies only the bodies that have changed; false if that cannot be done.
+    bool follow(const Scene& host) {
+        if (known_.size() != host.bodies.size || !is_alike(*host.plan)) return false;
+        std::vector<std::uint32_t> changed;
+        for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
+            if (known_[b].id != host.ids[b] || known_[b].motion != host.bodies[b].motion)
+                return false;
+            if (!known_[b].is_same(host.bodies[b])) changed.push_back(b);
+        }
+        meshes_change_ = true;
+        if (!has_room_ || changed.size() * most_changed_share > known_.size()) return false;
+        if (!std::ranges::all_of(changed,
+                                 [&](std::uint32_t b) { return meshes_.can_add(host.bodies[b]); }))
+            return false;
+        bool sizes_differ = false;
+        for (std::uint32_t b : changed)
+            if (host.bodies[b].motion == Motion::deforming) {
+                const BodyView& body = host.bodies[b];
+                sizes_differ = sizes_differ || body.patches.size != patches_at_.size(b) ||
+                               body.box_nodes.size != nodes_at_.size(b);
+                if (!vertices_at_.resize(b, body.positions.size) ||
+                    !blocks_at_.resize(b, body.blocks.size) ||
+                    !patches_at_.resize(b, body.patches.size) ||
+                    !nodes_at_.resize(b, body.box_nodes.size))
+                    return false;
+            }
+        if (sizes_differ && !send_items(host)) return false;
+        meshes_.forget_unused(host.bodies);
+        replace(host, changed);
+        return true;
+    }
+
+    /// Copies the lists of items again; false if they have outgrown their room.
+    bool send_items(const Scene& host) {
+        if (host.block_items.size > block_items_.size()) return false;
+        for (std::uint32_t level = 0; level < BoxLevels::most; ++level)
+            if (host.level_begin[level + 1] - host.level_begin[level] >
+                scene_.level_begin[level + 1] - scene_.level_begin[level])
+                return false;
+        copy_items(host);
+        return true;
+    }
+
+    void copy_items(const Scene& host) {
+        BlockItem* const blocks = staged_blocks_.resize(block_items_.size());
+        std::fill(std::copy(host.block_items.begin(), host.block_items.end(), blocks),
+                  blocks + block_items_.size(), BlockItem{});
+        executor_.copy(block_items_.data(), blocks, block_items_.size(), cudaMemcpyHostToDevice);
+        NodeItem* const nodes = staged_nodes_.resize(node_items_.size());
+        for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
+            const NodeItem* const items = host.node_items.data;
+            std::fill(std::copy(items + host.level_begin[level],
+                                items + host.level_begin[level + 1],
+                                nodes + scene_.level_begin[level]),
+                      nodes + scene_.level_begin[level + 1], NodeItem{});
+        }
+        executor_.copy(node_items_.data(), nodes, node_items_.size(), cudaMemcpyHostToDevice);
+        BlockRange* const ranges = staged_ranges_.resize(host.ranges.size);
+        std::copy(host.ranges.begin(), host.ranges.end(), ranges);
+        executor_.copy(ranges_.data(), ranges, host.ranges.size, cudaMemcpyHostToDevice);
+    }
+
+    void replace(const Scene& host, std::span<const std::uint32_t> bodies) {
+        ChangedBody* const changed = staged_changes_.resize(bodies.size());
+        for (std::size_t k = 0; k < bodies.size(); ++k) {
+            const std::uint32_t b = bodies[k];
+            meshes_.add(host.bodies[b]);
+            const std::uint32_t seen_before = known_[b].seen;
+            changed[k] = place(host, b);
+            // Where the sizes agree, the step compares with the last shape.
+            if (known_[b].seen != seen_before)
+                executor_.copy(seen_.data() + patches_at_.first(b), host.seen[b].data,
+                               host.seen[b].size, cudaMemcpyHostToDevice);
+        }
+        changes_.resize(static_cast<std::uint32_t>(bodies.size()));
+        executor_.copy(changes_.data(), changed, bodies.size(), cudaMemcpyHostToDevice);
+        executor_.for_each(changes_.count(), ReplaceBody{.changed = view_of(std::as_const(changes_)),
+                                                         .bodies = view_of(bodies_),
+                                                         .blocks = view_of(block_views_),
+                                                         .patches = view_of(patch_views_),
+                                                         .seen = view_of(seen_views_),
+                                                         .box_nodes = view_of(node_views_)});
+    }
+
+    /// A body with views of device memory; notes what the mirror knows of it.
+    ChangedBody place(const Scene& host, std::uint32_t b) {
+        ChangedBody now;
+        now.body = b;
+        BodyView& view = now.view = host.bodies[b];
+        known_[b] = {.id = host.ids[b],
+                     .mesh_key = view.mesh_key,
+                     .motion = view.motion,
+                     .collision = view.collision,
+                     .range = view.range,
+                     .seen = host.seen[b].size};
+        sent_version_[b] = 0;
+        if (view.mesh_key == 0) return now;
+        view.mesh = meshes_.view_of(host.bodies[b]);
+        if (view.motion == Motion::deforming) {
+            view.positions = {positions_.data() + vertices_at_.first(b), view.positions.size};
+            view.start = {starts_.data() + vertices_at_.first(b), view.start.size};
+            view.blocks = now.blocks = {blocks_.data() + blocks_at_.first(b), view.blocks.size};
+            view.patches = now.patches = {patches_.data() + patches_at_.first(b),
+                                          view.patches.size};
+            view.box_nodes = now.box_nodes = {box_nodes_.data() + nodes_at_.first(b),
+                                              view.box_nodes.size};
+            now.seen = {seen_.data() + patches_at_.first(b), host.seen[b].size};
+        } else {
+            view.positions = view.mesh.positions;
+            view.blocks = view.mesh.blocks;
+            view.patches = view.mesh.patches;
+            view.box_nodes = view.mesh.box_nodes;
+        }
+        positions_of_[b] = view.positions.data;
+        return now;
+    }
+
+    /// Lays out, for all deforming bodies, items of which they have size(body).
+    template <class Size>
+    std::uint32_t lay_out(View<const BodyView> bodies, Places& places, const Size& size) {
+        std::vector<std::uint32_t> sizes(bodies.size, 0);
+        std::uint32_t all = 0;
+        for (std::uint32_t b = 0; b < bodies.size; ++b)
+            if (bodies[b].motion == Motion::deforming) all += sizes[b] = size(bodies[b]);
+        places.lay_out(sizes, with_room(all, meshes_change_) - all);
+        return places.room();
     }
 
     void rebuild(const Scene& host) {
         executor_.wait();
         fetch_seen(host.ids, host.seen);
-        forget_unused(host.bodies);
-        std::uint32_t vertices = 0, blocks = 0, patches = 0, nodes = 0;
-        first_vertex_.assign(host.bodies.size, 0);
-        for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
-            if (host.bodies[b].motion != Motion::deforming) continue;
-            first_vertex_[b] = vertices;
-            vertices += host.bodies[b].positions.size;
-            blocks += host.bodies[b].blocks.size;
-            patches += host.bodies[b].patches.size;
-            nodes += host.bodies[b].box_nodes.size;
-        }
-        std::vector<SeenPatch> shapes;
-        seen_of_body_.assign(host.bodies.size, {});
-        for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
-            seen_of_body_[b] = {host.ids[b], static_cast<std::uint32_t>(shapes.size()),
-                                host.seen[b].size};
-            shapes.insert(shapes.end(), host.seen[b].begin(), host.seen[b].end());
-        }
+        has_room_ = meshes_change_;
+        const auto count = [&](auto member) {
+            return [member](const BodyView& body) { return (body.*member).size; };
+        };
+        const std::uint32_t vertices = lay_out(host.bodies, vertices_at_,
+                                               count(&BodyView::positions));
         positions_.resize(vertices);
         starts_.resize(host.plan->sheets ? vertices : 0);
-        blocks_.resize(blocks);
-        patches_.resize(patches);
-        box_nodes_.resize(nodes);
-        executor_.upload(std::span<const SeenPatch>(shapes), seen_);
+        blocks_.resize(lay_out(host.bodies, blocks_at_, count(&BodyView::blocks)));
+        patches_.resize(lay_out(host.bodies, patches_at_, count(&BodyView::patches)));
+        box_nodes_.resize(lay_out(host.bodies, nodes_at_, count(&BodyView::box_nodes)));
+        seen_.resize(host.plan->remembers() ? patches_at_.room() : 0);
+        for (std::uint32_t b = 0; b < host.seen.size; ++b)
+            executor_.copy(seen_.data() + patches_at_.first(b), host.seen[b].data,
+                           host.seen[b].size, cudaMemcpyHostToDevice);
 
-        std::vector<BodyView> views(host.bodies.begin(), host.bodies.end());
-        std::vector<View<PatchBlock>> block_views(views.size());
-        std::vector<View<Offsets>> patch_views(views.size());
-        std::vector<View<BoxNode>> node_views(views.size());
-        std::vector<View<SeenPatch>> seen_views(views.size());
-        PatchBlock* next_block = blocks_.data();
-        Offsets* next_patch = patches_.data();
-        BoxNode* next_node = box_nodes_.data();
-        SeenPatch* next_seen = seen_.data();
-        for (std::uint32_t b = 0; b < views.size(); ++b) {
-            BodyView& view = views[b];
-            if (view.mesh_key == 0) continue;
-            view.mesh = copy_of(view);
-            if (view.motion == Motion::deforming) {
-                view.positions = {positions_.data() + first_vertex_[b], view.positions.size};
-                view.start = {starts_.data() + first_vertex_[b], view.start.size};
-                view.blocks = block_views[b] = {next_block, view.blocks.size};
-                view.patches = patch_views[b] = {next_patch, view.patches.size};
-                view.box_nodes = node_views[b] = {next_node, view.box_nodes.size};
-                seen_views[b] = {next_seen, host.seen[b].size};
-                next_block += view.blocks.size;
-                next_patch += view.patches.size;
-                next_node += view.box_nodes.size;
-                next_seen += host.seen[b].size;
-            } else {
-                view.positions = view.mesh.positions;
-                view.blocks = view.mesh.blocks;
-                view.patches = view.mesh.patches;
-                view.box_nodes = view.mesh.box_nodes;
-            }
+        meshes_.forget_unused(host.bodies);
+        for (const BodyView& body : host.bodies)
+            if (body.mesh_key != 0) meshes_.add(body);
+        known_.assign(host.bodies.size, {});
+        sent_version_.assign(host.bodies.size, 0);
+        positions_of_.assign(host.bodies.size, nullptr);
+        std::vector<BodyView> views;
+        std::vector<View<PatchBlock>> block_views;
+        std::vector<View<Offsets>> patch_views;
+        std::vector<View<BoxNode>> node_views;
+        std::vector<View<SeenPatch>> seen_views;
+        for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
+            const ChangedBody placed = place(host, b);
+            views.push_back(placed.view);
+            block_views.push_back(placed.blocks);
+            patch_views.push_back(placed.patches);
+            node_views.push_back(placed.box_nodes);
+            seen_views.push_back(placed.seen);
         }
         executor_.upload(std::span<const BodyView>(views), bodies_);
         executor_.upload(std::span<const View<PatchBlock>>(block_views), block_views_);
         executor_.upload(std::span<const View<Offsets>>(patch_views), patch_views_);
         executor_.upload(std::span<const View<BoxNode>>(node_views), node_views_);
         executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
-        executor_.upload(std::span<const NodeItem>(host.node_items.begin(), host.node_items.end()),
-                         node_items_);
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
-        executor_.upload(
-            std::span<const BlockItem>(host.block_items.begin(), host.block_items.end()),
-            block_items_);
-        executor_.upload(std::span<const BlockRange>(host.ranges.begin(), host.ranges.end()),
-                         ranges_);
-        positions_of_.resize(views.size());
-        for (std::uint32_t b = 0; b < views.size(); ++b) positions_of_[b] = views[b].positions.data;
-        sent_version_.assign(host.bodies.size, 0);
-        revision_ = host.plan->revision;
+        block_items_.resize(with_room(host.block_items.size, meshes_change_));
+        ranges_.resize(host.ranges.size);
+        LevelBegins level_begin{};
+        for (std::uint32_t level = 0; level < BoxLevels::most; ++level)
+            level_begin[level + 1] =
+                level_begin[level] +
+                with_room(host.level_begin[level + 1] - host.level_begin[level], meshes_change_);
+        node_items_.resize(level_begin[BoxLevels::most]);
         scene_ = {.bodies = view_of(bodies_),
                   .ids = view_of(std::as_const(ids_)),
                   .block_items = view_of(std::as_const(block_items_)),
@@ -214,18 +295,20 @@ private:
                   .patches = view_of(std::as_const(patch_views_)),
                   .seen = view_of(std::as_const(seen_views_)),
                   .node_items = view_of(std::as_const(node_items_)),
-                  .level_begin = host.level_begin,
+                  .level_begin = level_begin,
                   .box_nodes = view_of(std::as_const(node_views_)),
                   .plan = host.plan,
                   .forgets_sides = view_of(std::as_const(forgets_))};
+        copy_items(host);
     }
 
     void send_inputs(View<const BodyView> host) {
         BodyInput* const staged = staged_inputs_.resize(host.size);
         for (std::uint32_t b = 0; b < host.size; ++b) {
             BodyInput& input = staged[b] = host[b];
+            const std::uint32_t first = vertices_at_.first(b);
             input.positions.data = positions_of_[b];
-            input.start.data = starts_.data() + first_vertex_[b];
+            input.start.data = starts_.data() + first;
             if (host[b].device_positions != nullptr) {
                 input.positions.data = host[b].device_positions;
                 input.start.data = host[b].device_start;
@@ -236,10 +319,10 @@ private:
                 continue;
             sent_version_[b] = host[b].positions_version;
             if (!host[b].active) continue;
-            executor_.copy(positions_.data() + first_vertex_[b], host[b].positions.data,
+            executor_.copy(positions_.data() + first, host[b].positions.data,
                            host[b].positions.size, cudaMemcpyHostToDevice);
-            executor_.copy(starts_.data() + first_vertex_[b], host[b].start.data,
-                           host[b].start.size, cudaMemcpyHostToDevice);
+            executor_.copy(starts_.data() + first, host[b].start.data, host[b].start.size,
+                           cudaMemcpyHostToDevice);
         }
         // The last step is over, so that nothing reads the inputs any more.
         inputs_.resize(host.size);
@@ -248,18 +331,25 @@ private:
     }
 
     CudaExecutor& executor_;
-    std::uint64_t revision_ = 0;
+    Plan plan_;  ///< of the last step
     Scene scene_;
-    std::unordered_map<std::uint64_t, MeshCopy> meshes_;  ///< by mesh key
-    std::vector<std::uint32_t> first_vertex_;             ///< per deforming body, in positions_
-    std::vector<SeenOfBody> seen_of_body_;
+    bool meshes_change_ = false;  ///< a body has got another mesh
+    bool has_room_ = false;       ///< for bodies that grow
+    MeshMirror meshes_;
+    std::vector<Known> known_;  ///< per body, like the next ones
+    Places vertices_at_, blocks_at_, patches_at_, nodes_at_;
     std::vector<std::uint64_t> sent_version_;
+    std::vector<const Vec3f*> positions_of_;  ///< on the device
     StagingBuffer<BodyInput> staged_inputs_;
-    std::vector<const Vec3f*> positions_of_;  ///< per body, on the device
+    StagingBuffer<ChangedBody> staged_changes_;
+    StagingBuffer<BlockItem> staged_blocks_;
+    StagingBuffer<NodeItem> staged_nodes_;
+    StagingBuffer<BlockRange> staged_ranges_;
     std::uint32_t sent_forgets_ = 0;
     DeviceBuffer<std::uint32_t> forgets_;
     DeviceBuffer<BodyInput> inputs_;
     DeviceBuffer<BodyView> bodies_;
+    DeviceBuffer<ChangedBody> changes_;
     DeviceBuffer<Vec3f> positions_, starts_;
     DeviceBuffer<PatchBlock> blocks_;
     DeviceBuffer<Offsets> patches_;

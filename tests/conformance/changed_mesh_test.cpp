@@ -135,6 +135,82 @@ TEST_P(ChangedMeshTest, ContactsAreThoseOfANewWorldWithNewMeshes) {
     EXPECT_GT(changes, 40u);
 }
 
+// Most bodies stay as they are, so that backends keep what they have of them. Some share a mesh
+// until they change, some take the mesh of another body, and some grow without end.
+TEST_P(ChangedMeshTest, AFewOfManyBodiesChange) {
+    std::size_t contacts = 0;
+    for (std::uint32_t scene = 0; scene < 2; ++scene) {
+        test::Random random(scene + 7);
+        SCOPED_TRACE("scene " + std::to_string(scene));
+        Settings settings;
+        settings.coverage = scene % 2 == 0 ? Coverage::overlaps : Coverage::complete;
+        World world(GetParam().make(), settings);
+        struct Body {
+            MeshData data;
+            MeshId mesh;
+            BodyId id;
+            Pose pose;
+        };
+        std::vector<Body> bodies;
+        const auto is_deforming = [](std::size_t b) { return b % 2 == 0; };
+        const MeshData shared = scenes::sphere(0.5, 1);
+        const MeshId shared_mesh = world.add_mesh("shared", shared);
+        const auto positions = [&](std::size_t b) {
+            return test::placed(bodies[b].data, bodies[b].pose);
+        };
+        for (std::size_t b = 0; b < 14; ++b) {
+            bodies.push_back({shared, shared_mesh, {}, {1.5 * random.in_box(1), random.rotation()}});
+            bodies[b].id = is_deforming(b) ? world.add_deforming_body(shared_mesh, positions(b))
+                                           : world.add_rigid_body(shared_mesh, bodies[b].pose);
+        }
+        for (int step = 0; step < 24; ++step) {
+            // The first bodies change most, and grow out of their places.
+            for (int change = random.integer(0, 2); change > 0; --change) {
+                const auto b = static_cast<std::size_t>(
+                    random.integer(0, random.integer(0, 1) == 0 ? 2 : 13));
+                const auto other = static_cast<std::size_t>(random.integer(0, 13));
+                Body& body = bodies[b];
+                if (random.integer(0, 4) == 0) {
+                    body.data = bodies[other].data;
+                    body.mesh = bodies[other].mesh;
+                } else {
+                    for (int more = 8; more > 0; --more) body.data = changed(body.data, random);
+                    body.mesh = world.add_mesh("changed", body.data, body.mesh);
+                }
+                if (is_deforming(b))
+                    world.set_mesh(body.id, body.mesh, positions(b));
+                else
+                    world.set_mesh(body.id, body.mesh);
+            }
+            for (std::size_t b = 0; b < bodies.size(); ++b) {
+                bodies[b].pose.position += 0.03 * random.in_box(1);
+                if (is_deforming(b))
+                    world.set_positions(bodies[b].id, positions(b));
+                else
+                    world.set_pose(bodies[b].id, bodies[b].pose);
+            }
+            world.detect();
+
+            Settings plain = settings;
+            plain.temporal = Temporal::off;
+            World fresh(bvh_backend(), plain);
+            for (std::size_t b = 0; b < bodies.size(); ++b) {
+                const MeshId mesh = fresh.add_mesh("fresh", bodies[b].data);
+                if (is_deforming(b))
+                    fresh.add_deforming_body(mesh, positions(b));
+                else
+                    fresh.add_rigid_body(mesh, bodies[b].pose);
+            }
+            fresh.detect();
+            ASSERT_EQ(hash_of(world), hash_of(fresh))
+                << "step " << step << ": " << world.contacts().size() << " contacts and "
+                << fresh.contacts().size();
+            contacts += world.contacts().size();
+        }
+    }
+    EXPECT_GT(contacts, 2500u);
+}
+
 TEST_P(ChangedMeshTest, PairsWithoutTheBodyRememberWhatTheyKnew) {
     World world(GetParam().make());
     const MeshData ball = scenes::sphere(1, 2);

@@ -14,9 +14,12 @@
 
 namespace pierce {
 
+/// No body has this number: in a list with room for more, what follows the last item.
+inline constexpr std::uint32_t no_body = 0xffffffffu;
+
 /// A block of a deforming body's patches.
 struct BlockItem {
-    std::uint32_t body = 0;
+    std::uint32_t body = no_body;
     std::uint32_t block = 0;
 
     PIERCE_HD std::uint32_t first_patch() const { return block * constants::block_size; }
@@ -34,7 +37,7 @@ struct BlockRange {
 
 /// A node of a deforming body's tree of boxes.
 struct NodeItem {
-    std::uint32_t body = 0;
+    std::uint32_t body = no_body;
     std::uint32_t node = 0;
 };
 

@@ -34,6 +34,8 @@ struct Plan {
     /// True if pairs that overlap without a vertex inside are found, too.
     bool misses_no_overlap() const { return settings.coverage != Coverage::vertices; }
     bool needs(StageId stage) const { return std::ranges::find(stages, stage) != stages.end(); }
+
+    friend bool operator==(const Plan&, const Plan&) = default;
 };
 
 }  // namespace pierce

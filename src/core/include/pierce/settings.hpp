@@ -65,6 +65,8 @@ struct Settings {
     PIERCE_HD bool looks() const { return reproject && temporal == Temporal::certified; }
     /// True if contacts of pairs in which nothing moves are kept without another look.
     PIERCE_HD bool keeps_contacts() const { return temporal == Temporal::certified; }
+
+    friend bool operator==(const Settings&, const Settings&) = default;
 };
 
 /// The paper's method: rays of vertices alone, and contacts that end where the rays do.

@@ -65,6 +65,7 @@ struct MeasureBounds {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t at = Sixteen<PartBounds>::group_of(i);
         const BlockItem item = items[at];
+        if (item.body == no_body) return;
         const BodyView& body = bodies[item.body];
         Sixteen<PartBounds> parts;
         parts.each([&](std::uint32_t k, PartBounds& part) {
@@ -153,6 +154,7 @@ struct MeasureBoxes {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t at = Sixteen<PartBounds>::group_of(i);
         const BlockItem item = items[at];
+        if (item.body == no_body) return;
         const BodyView& body = bodies[item.body];
         Sixteen<PartBounds> parts;
         parts.each([&](std::uint32_t k, PartBounds& part) {
@@ -211,6 +213,7 @@ struct MeasureNode {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const NodeItem item = items[Sixteen<QuickBox>::group_of(i)];
+        if (item.body == no_body) return;
         const BodyView& body = bodies[item.body];
         if (!body.active || (wanted.size > 0 && !wanted[item.body])) return;
         measure_node(body.mesh, body.positions, BoxLevels(body.mesh.triangles.size), item.node,

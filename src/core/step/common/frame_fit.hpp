@@ -46,6 +46,7 @@ struct MeasurePatches {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t at = Sixteen<Moments>::group_of(i);
         const BlockItem item = items[at];
+        if (item.body == no_body) return;
         const BodyView& body = bodies[item.body];
         PatchBlock& block = blocks[item.body][item.block];
         const std::uint32_t first = item.first_patch(), last = item.last_patch(body.mesh);

@@ -62,7 +62,8 @@ struct TraceTree {
 /// Our own trees on any executor: one per mesh of fixed and rigid bodies, and one per deforming
 /// body, all built in one set of launches. The tree of a deforming body is refitted when the body's
 /// positions have changed and the tree is wanted. All trees are rebuilt when bodies come or go and
-/// when RefitPolicy finds a tree that has decayed.
+/// when RefitPolicy finds a tree that has decayed. When few bodies get other meshes, these bodies'
+/// trees become LBVHs, and the others stay.
 template <Executor E>
 class BvhTracer {
 public:
@@ -73,13 +74,20 @@ public:
 
     /// Decides which trees there must be. `bodies` are the bodies as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {
-        if (!plan_.arrange(bodies)) return;
+        if (stale_ && !plan_.is_dense()) plan_.forget();
+        const bvh::ForestPlan::Change change = plan_.arrange(bodies);
+        if (change == bvh::ForestPlan::Change::none) return;
+        if (plan_.bodies_change_trees()) executor.upload(plan_.tree_of_body(), tree_of_body_);
+        if (change == bvh::ForestPlan::Change::some) {
+            executor.upload(plan_.changed(), changed_);
+            return;
+        }
         executor.upload(plan_.trees(), trees_);
-        executor.upload(plan_.tree_of_body(), tree_of_body_);
         executor.upload(plan_.tree_of_leaf(), tree_of_leaf_);
-        nodes_.resize(plan_.leaf_count());
-        leaf_places_.resize(plan_.leaf_count());
-        visits_.resize(plan_.leaf_count());
+        nodes_.resize(plan_.leaf_room());
+        leaf_places_.resize(plan_.leaf_room());
+        visits_.resize(plan_.leaf_room());
+        changed_.clear();
         stale_ = true;
     }
 
@@ -89,10 +97,11 @@ public:
             arrange(executor, bodies);
         }
         if (stale_) return build(executor, bodies);
+        build_changed(executor, bodies);
         executor.for_each(
             tree_count(),
             bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
-        executor.for_each(plan_.leaf_count(), bvh::Refit{bodies, wanted, forest()});
+        executor.for_each(plan_.leaf_room(), bvh::Refit{bodies, wanted, forest()});
         executor.for_each(
             tree_count(),
             bvh::MarkFitted{
@@ -101,12 +110,40 @@ public:
 
     /// Builds all trees anew.
     void build(E& executor, View<const BodyView> bodies) {
-        builder_.build(executor, bodies, forest());
+        bvh::Forest dense = forest();
+        dense.trees.size = plan_.tree_count();
+        dense.tree_of_leaf.size = plan_.leaf_count();
+        builder_.build(executor, bodies, dense);
         executor.for_each(tree_count(), bvh::NoteFitted{bodies, view_of(trees_)});
         executor.assign(work_, tree_count(), bvh::TreeWork{});
         if (total_.empty()) executor.assign(total_, 1, bvh::ForestWork{});
-        counts_.builds += tree_count();
+        counts_.builds += plan_.tree_count();
         stale_ = false;
+    }
+
+    /// Builds the trees of bodies that have got other meshes since the last call, where others
+    /// stay. Needs all that steps need of bodies but their bounds, which may be those of the last
+    /// step.
+    void build_changed(E& executor, View<const BodyView> bodies) {
+        if (stale_ || changed_.empty()) return;
+        const auto count = static_cast<std::uint32_t>(plan_.changed().size());
+        // A tree may move to where another one was.
+        for (const bvh::ChangedTree& changed : plan_.changed())
+            executor.for_each(changed.count_before,
+                              bvh::Fill{leaves_of(changed.first_before, changed.count_before),
+                                        bvh::no_tree});
+        executor.for_each(count, bvh::ReplaceTree{.changed = view_of(std::as_const(changed_)),
+                                                  .bodies = bodies,
+                                                  .trees = view_of(trees_),
+                                                  .work = view_of(work_)});
+        for (const bvh::ChangedTree& changed : plan_.changed()) {
+            executor.for_each(
+                changed.tree.count,
+                bvh::Fill{leaves_of(changed.tree.first, changed.tree.count), changed.place});
+            builder_.build_one(executor, bodies, forest(), changed.tree.first, changed.tree.count);
+        }
+        counts_.builds += count;
+        changed_.clear();
     }
 
     /// `before` and `after` are stages per ray, or NoStage, that run in the same launches.
@@ -175,6 +212,10 @@ private:
 
     std::uint32_t tree_count() const { return static_cast<std::uint32_t>(plan_.trees().size()); }
 
+    View<std::uint32_t> leaves_of(std::uint32_t first, std::uint32_t count) {
+        return {tree_of_leaf_.data() + first, count};
+    }
+
     bvh::Forest forest() {
         return {.trees = view_of(trees_),
                 .tree_of_body = view_of(std::as_const(tree_of_body_)),
@@ -189,6 +230,7 @@ private:
     bool rebuilds_ = false, stale_ = false;
     TracerCounts counts_;
     Buffer<bvh::Tree> trees_;
+    Buffer<bvh::ChangedTree> changed_;
     Buffer<std::uint32_t> tree_of_body_, tree_of_leaf_;
     Buffer<bvh::Node> nodes_;
     Buffer<bvh::Place> leaf_places_;

@@ -58,6 +58,35 @@ public:
         executor.for_each(leaves, Fill{forest.visits, 0});
     }
 
+    /// Builds the LBVH of one tree, whose leaves are [first, first + count) of the forest's, and
+    /// waits for nothing. Its `forest.visits` are all zero afterwards.
+    void build_one(E& executor, View<const BodyView> bodies, const Forest& forest,
+                   std::uint32_t first, std::uint32_t count) {
+        const std::uint32_t bits = tree_bits(forest.trees.size);
+        keys_.resize(count);
+        leaves_.resize(count);
+        sorted_keys_.resize(count);
+        sorted_leaves_.resize(count);
+        const View<std::uint32_t> visits{forest.visits.data + first, count};
+        executor.for_each(count, Fill{visits, no_node});
+        executor.for_each(count, LeafKeys{.bodies = bodies,
+                                          .forest = forest,
+                                          .bits = bits,
+                                          .first = first,
+                                          .keys = view_of(keys_),
+                                          .leaves = view_of(leaves_)});
+        executor.sort(count, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
+                      view_of(sorted_leaves_));
+        executor.for_each(count,
+                          BuildLbvh{{.bodies = bodies,
+                                     .forest = forest,
+                                     .keys = view_of(std::as_const(sorted_keys_)),
+                                     .leaves = view_of(std::as_const(sorted_leaves_)),
+                                     .first = first,
+                                     .group_bits = bits}});
+        executor.for_each(count, Fill{visits, 0});
+    }
+
 private:
     template <class T>
     using Buffer = typename E::template Buffer<T>;

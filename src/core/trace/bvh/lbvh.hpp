@@ -46,23 +46,24 @@ PIERCE_HD inline std::uint32_t coarseness(std::uint32_t leaves) {
     return constants::cell_bits - bits;
 }
 
-/// Per leaf: its sort key and its place in the meshes' order.
+/// Per leaf from `first` on: its sort key and its place in the meshes' order.
 struct LeafKeys {
     View<const BodyView> bodies;
     Forest forest;
-    std::uint32_t bits = 1;  ///< tree_bits()
+    std::uint32_t bits = 1;   ///< tree_bits()
+    std::uint32_t first = 0;  ///< of the forest's leaves
     View<std::uint64_t> keys;
     View<std::uint32_t> leaves;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const std::uint32_t t = forest.tree_of_leaf[i];
+        const std::uint32_t leaf = first + i, t = forest.tree_of_leaf[leaf];
         const BodyView& body = bodies[forest.trees[t].body];
-        const BoxF box = leaf_box(body, i - forest.trees[t].first);
+        const BoxF box = leaf_box(body, leaf - forest.trees[t].first);
         const Vec3d center = 0.5 * (to_double(box.lower) + to_double(box.upper));
         keys[i] = std::uint64_t{t} << (64 - bits) |
                   morton_code(center, cube_around(positions_box(body))) >>
                       (bits - 1 + coarseness(forest.trees[t].count));
-        leaves[i] = i;
+        leaves[i] = leaf;
     }
 };
 
@@ -81,6 +82,7 @@ struct Lbvh {
     Forest forest;
     View<const std::uint64_t> keys;    ///< sorted
     View<const std::uint32_t> leaves;  ///< in that order
+    std::uint32_t first = 0;           ///< node of the forest that splits after place 0
     std::uint32_t group_bits = 1;
 
     /// Climbs from the leaf at place i as long as it is the second to reach each node, and writes
@@ -101,15 +103,16 @@ struct Lbvh {
             const bool is_left = at_begin || (!at_end && splits_later(below.first - 1, below.last));
             const std::uint32_t at = is_left ? below.last : below.first - 1;
             const std::uint32_t side = is_left ? 0 : 1;
-            set_child(forest, tree, Place::at(at, side), below.item, below.box);
-            const std::uint32_t other = atomic_exchange(forest.visits[at],
+            const std::uint32_t node = first + at;
+            set_child(forest, tree, Place::at(node, side), below.item, below.box);
+            const std::uint32_t other = atomic_exchange(forest.visits[node],
                                                         is_left ? below.first : below.last);
             if (other == no_node) return false;
             (is_left ? below.last : below.first) = other;
-            below.item = Item::node(at);
+            below.item = Item::node(node);
             // The order of the boxes is the same whichever child comes second: it matters where
             // boxes hold NaN.
-            const BoxF& beside = forest.nodes[at].box[1 - side];
+            const BoxF& beside = forest.nodes[node].box[1 - side];
             below.box = is_left ? join(below.box, beside) : join(beside, below.box);
         }
     }

@@ -4,6 +4,7 @@
 #include "core/device/atomics.hpp"
 #include "core/device/view.hpp"
 #include "core/trace/bvh/forest.hpp"
+#include "core/trace/bvh/forest_plan.hpp"
 #include "core/trace/bvh/tree_work.hpp"
 
 namespace pierce::bvh {
@@ -21,7 +22,9 @@ struct Refit {
     Forest forest;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        const Tree& tree = forest.trees[forest.tree_of_leaf[i]];
+        const std::uint32_t t = forest.tree_of_leaf[i];
+        if (t == no_tree) return;
+        const Tree& tree = forest.trees[t];
         const BodyView& body = bodies[tree.body];
         if (!needs_refit(tree, body, wanted)) return;
         BoxF box = leaf_box(body, i - tree.first);
@@ -62,6 +65,24 @@ struct NoteFitted {
 
     PIERCE_HD void operator()(std::uint32_t t) const {
         if (trees[t].moves) trees[t].fitted = bodies[trees[t].body].positions_version;
+    }
+};
+
+/// Per tree of a body that has got another mesh: the new tree takes the old one's place, and is
+/// built before it is asked.
+struct ReplaceTree {
+    View<const ChangedTree> changed;
+    View<const BodyView> bodies;
+    View<Tree> trees;
+    View<TreeWork> work;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        Tree tree = changed[i].tree;
+        if (tree.moves) tree.fitted = bodies[tree.body].positions_version;
+        trees[changed[i].place] = tree;
+        work[changed[i].place] = {};
     }
 };
 
