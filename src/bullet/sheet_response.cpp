@@ -287,11 +287,13 @@ void SheetResponse::bind(btSoftBody& soft, BodyId body) {
     sheet->end.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         sheet->nodes.start.push_back(from_bullet_float(soft.m_nodes[static_cast<int>(i)].m_x));
+    state_->unbind(soft, body);
     state_->sheet_of[body] = sheet.get();
     state_->sheets.push_back(std::move(sheet));
 }
 
 void SheetResponse::bind(btRigidBody& rigid, BodyId body) {
+    state_->unbind(rigid, body);
     state_->obstacle_of[body] = state_->obstacles.size();
     const Pose pose = from_bullet(rigid.getWorldTransform());
     state_->obstacles.push_back({.rigid = &rigid,
@@ -302,6 +304,20 @@ void SheetResponse::bind(btRigidBody& rigid, BodyId body) {
                                  .shift = {},
                                  .turn = {},
                                  .impulse = {}});
+}
+
+void SheetResponse::unbind(const btCollisionObject& object) { state_->unbind(object, {}); }
+
+/// Forgets what is bound to an object, and what is bound to a body.
+void SheetResponse::State::unbind(const btCollisionObject& object, BodyId body) {
+    std::erase_if(sheets,
+                  [&](const auto& sheet) { return sheet->soft == &object || sheet->body == body; });
+    std::erase_if(obstacles,
+                  [&](const Obstacle& o) { return o.rigid == &object || o.body == body; });
+    sheet_of.clear();
+    for (const auto& sheet : sheets) sheet_of[sheet->body] = sheet.get();
+    obstacle_of.clear();
+    for (std::size_t i = 0; i < obstacles.size(); ++i) obstacle_of[obstacles[i].body] = i;
 }
 
 const SheetReport& SheetResponse::finish_step(double dt) {

@@ -46,6 +46,7 @@ struct SheetResponse::State {
     /// step has to be repaired.
     bool is_crossed = true;
 
+    void unbind(const btCollisionObject& object, BodyId body);
     void read_step();
     void detect();
     void count_contacts();

@@ -80,8 +80,8 @@ private:
         bool has = true;
         for_each_array(
             [&](const auto& known, const auto& host) {
-                has = has && (host.size == 0 ||
-                              (known.data == host.data && known.size == host.size));
+                has = has &&
+                      (host.size == 0 || (known.data == host.data && known.size == host.size));
             },
             copy.on_host, mesh);
         return has;

@@ -158,10 +158,10 @@ private:
         NodeItem* const nodes = staged_nodes_.resize(node_items_.size());
         for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
             const NodeItem* const items = host.node_items.data;
-            std::fill(std::copy(items + host.level_begin[level],
-                                items + host.level_begin[level + 1],
-                                nodes + scene_.level_begin[level]),
-                      nodes + scene_.level_begin[level + 1], NodeItem{});
+            std::fill(
+                std::copy(items + host.level_begin[level], items + host.level_begin[level + 1],
+                          nodes + scene_.level_begin[level]),
+                nodes + scene_.level_begin[level + 1], NodeItem{});
         }
         executor_.copy(node_items_.data(), nodes, node_items_.size(), cudaMemcpyHostToDevice);
         BlockRange* const ranges = staged_ranges_.resize(host.ranges.size);
@@ -183,12 +183,13 @@ private:
         }
         changes_.resize(static_cast<std::uint32_t>(bodies.size()));
         executor_.copy(changes_.data(), changed, bodies.size(), cudaMemcpyHostToDevice);
-        executor_.for_each(changes_.count(), ReplaceBody{.changed = view_of(std::as_const(changes_)),
-                                                         .bodies = view_of(bodies_),
-                                                         .blocks = view_of(block_views_),
-                                                         .patches = view_of(patch_views_),
-                                                         .seen = view_of(seen_views_),
-                                                         .box_nodes = view_of(node_views_)});
+        executor_.for_each(changes_.count(),
+                           ReplaceBody{.changed = view_of(std::as_const(changes_)),
+                                       .bodies = view_of(bodies_),
+                                       .blocks = view_of(block_views_),
+                                       .patches = view_of(patch_views_),
+                                       .seen = view_of(seen_views_),
+                                       .box_nodes = view_of(node_views_)});
     }
 
     /// A body with views of device memory; notes what the mirror knows of it.
@@ -283,9 +284,9 @@ private:
         ranges_.resize(host.ranges.size);
         LevelBegins level_begin{};
         for (std::uint32_t level = 0; level < BoxLevels::most; ++level)
-            level_begin[level + 1] =
-                level_begin[level] +
-                with_room(host.level_begin[level + 1] - host.level_begin[level], meshes_change_);
+            level_begin[level + 1] = level_begin[level] + with_room(host.level_begin[level + 1] -
+                                                                        host.level_begin[level],
+                                                                    meshes_change_);
         node_items_.resize(level_begin[BoxLevels::most]);
         scene_ = {.bodies = view_of(bodies_),
                   .ids = view_of(std::as_const(ids_)),

@@ -159,7 +159,8 @@ TEST_P(ChangedMeshTest, AFewOfManyBodiesChange) {
             return test::placed(bodies[b].data, bodies[b].pose);
         };
         for (std::size_t b = 0; b < 14; ++b) {
-            bodies.push_back({shared, shared_mesh, {}, {1.5 * random.in_box(1), random.rotation()}});
+            bodies.push_back(
+                {shared, shared_mesh, {}, {1.5 * random.in_box(1), random.rotation()}});
             bodies[b].id = is_deforming(b) ? world.add_deforming_body(shared_mesh, positions(b))
                                            : world.add_rigid_body(shared_mesh, bodies[b].pose);
         }

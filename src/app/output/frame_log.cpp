@@ -96,7 +96,8 @@ constexpr Count counts[] = {
     {"rounds", "rounds", &FrameResult::rounds, false},
     {"pulled back", "pulled_back", &FrameResult::pulled_back, false},
     {"crossings left", "crossings_left", &FrameResult::crossings_left, false},
-    {"self crossings", "self_crossings", &FrameResult::self_crossings, false}};
+    {"self crossings", "self_crossings", &FrameResult::self_crossings, false},
+    {"tears", "tears", &FrameResult::tears, false}};
 
 }  // namespace
 

@@ -52,13 +52,21 @@ bool is_update(StageId stage) {
 class RayDetector : public Detector {
 public:
     RayDetector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
-        : scene_(scene, std::move(backend), settings) {}
+        : scene_(scene, std::move(backend), settings) {
+        for (const SceneBody& body : scene.bodies) meshes_.push_back(body.mesh);
+    }
 
     void set_pose(std::uint32_t body, const Pose& pose) override {
         scene_.world.set_pose(scene_.bodies[body], pose);
     }
     void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
         scene_.world.set_positions(scene_.bodies[body], positions);
+    }
+    void set_mesh(std::uint32_t body, const Recording& recording, std::uint32_t mesh,
+                  std::span<const Vec3f> positions) override {
+        if (meshes_[body] == mesh) return;
+        meshes_[body] = mesh;
+        scene_.set_mesh(body, recording.meshes[mesh], positions);
     }
     FrameResult detect() override {
         scene_.world.detect();
@@ -84,6 +92,7 @@ public:
 
 private:
     SceneWorld scene_;
+    std::vector<std::uint32_t> meshes_;  ///< by body
 };
 
 /// Bullet's collision world without dynamics.
@@ -218,19 +227,32 @@ private:
 SceneWorld::SceneWorld(const SceneSetup& scene, const RaySettings& settings)
     : SceneWorld(scene, make_backend(settings), settings.world, settings.mesh_options()) {}
 
+void Detector::set_mesh(std::uint32_t, const Recording&, std::uint32_t, std::span<const Vec3f>) {
+    throw InputError("only rays follow bodies whose mesh changes");
+}
+
+namespace {
+
+MeshOptions options_for(const SceneMesh& mesh, bool is_sheet, MeshOptions options) {
+    if (mesh.inside != Inside::automatic) options.inside = mesh.inside;
+    if (is_sheet) options.inside = Inside::none;
+    return options;
+}
+
+}  // namespace
+
 SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend,
                        const Settings& settings, const MeshOptions& options)
-    : world(std::move(backend), settings) {
-    std::vector<MeshId> meshes;
-    meshes.reserve(scene.meshes.size());
+    : world(std::move(backend), settings), options_(options) {
+    // Meshes that bodies get later are added then.
+    std::vector<MeshId> meshes(scene.meshes.size());
     for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
         const SceneMesh& mesh = scene.meshes[m];
-        MeshOptions its_options = options;
-        if (mesh.inside != Inside::automatic) its_options.inside = mesh.inside;
-        if (std::ranges::any_of(
-                scene.bodies, [&](const SceneBody& b) { return b.mesh == m && b.collision.sheet; }))
-            its_options.inside = Inside::none;
-        meshes.push_back(world.add_mesh(mesh.name, mesh.data, its_options));
+        const auto has_it = [&](const SceneBody& b) { return b.mesh == m; };
+        if (std::ranges::none_of(scene.bodies, has_it)) continue;
+        const bool is_sheet = std::ranges::any_of(
+            scene.bodies, [&](const SceneBody& b) { return has_it(b) && b.collision.sheet; });
+        meshes[m] = world.add_mesh(mesh.name, mesh.data, options_for(mesh, is_sheet, options_));
     }
     for (const SceneBody& body : scene.bodies) {
         const MeshId mesh = meshes[body.mesh];
@@ -248,6 +270,18 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
                 break;
         }
     }
+}
+
+void SceneWorld::set_mesh(std::uint32_t body, const SceneMesh& mesh,
+                          std::span<const Vec3f> positions) {
+    const BodyId id = bodies[body];
+    const MeshId before = world.mesh_of(id);
+    const bool is_sheet = world.collision_of(id).sheet;
+    world.set_mesh(
+        id, world.add_mesh(mesh.name, mesh.data, before, options_for(mesh, is_sheet, options_)),
+        positions);
+    if (std::ranges::none_of(bodies, [&](BodyId b) { return world.mesh_of(b) == before; }))
+        world.remove_mesh(before);
 }
 
 std::uint32_t SceneWorld::index_of(BodyId body) const { return body.index; }
@@ -306,10 +340,15 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr
 
 void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame) {
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
-        if (recording.bodies[b].motion == Motion::deforming)
-            detector.set_positions(b, recording.positions(b, frame));
-        else
+        const RecordedBody& body = recording.bodies[b];
+        if (body.motion != Motion::deforming) {
             detector.set_pose(b, recording.pose(b, frame));
+            continue;
+        }
+        const std::span<const Vec3f> positions = recording.positions(b, frame);
+        if (!body.mesh_changes.empty())
+            detector.set_mesh(b, recording, recording.mesh_of(b, frame), positions);
+        detector.set_positions(b, positions);
     }
 }
 

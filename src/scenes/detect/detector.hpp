@@ -18,6 +18,10 @@ public:
     /// Bodies by their index in the scene.
     virtual void set_pose(std::uint32_t body, const Pose& pose) = 0;
     virtual void set_positions(std::uint32_t body, std::span<const Vec3f> positions) = 0;
+    /// Gives a deforming body the recording's mesh of that number, unless it has it. Throws
+    /// InputError if the method cannot do that.
+    virtual void set_mesh(std::uint32_t body, const Recording& recording, std::uint32_t mesh,
+                          std::span<const Vec3f> positions);
     virtual FrameResult detect() = 0;
     /// The contacts of the last detect().
     virtual std::vector<MethodContact> contacts() const = 0;
@@ -42,6 +46,9 @@ struct SceneWorld {
     World world;
     std::vector<BodyId> bodies;
 
+    /// Gives a deforming body another mesh. The last one is removed if no other body has it.
+    void set_mesh(std::uint32_t body, const SceneMesh& mesh, std::span<const Vec3f> positions);
+
     SceneWorld(const SceneSetup& scene, const RaySettings& settings);
     SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings,
                const MeshOptions& options = {});
@@ -50,6 +57,9 @@ struct SceneWorld {
     std::uint32_t index_of(BodyId body) const;
     /// The last step's results.
     FrameResult result() const;
+
+private:
+    MeshOptions options_;
 };
 
 }  // namespace pierce::scenes

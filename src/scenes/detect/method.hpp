@@ -96,6 +96,7 @@ struct FrameResult : StepStats {
     std::uint32_t self_crossings = 0;  ///< edges of a simulated sheet through triangles of its own
                                        ///< at the end of the step
     double self_penetration = 0;       ///< [length] the deepest of these; 0 if there are none
+    std::uint32_t tears = 0;           ///< vertices that were split before the step
 
     /// Appends the times of a step's stages to `times`, by their names.
     void name_stages(const std::vector<StageTime>& its_stages);

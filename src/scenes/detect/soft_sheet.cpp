@@ -48,22 +48,23 @@ SheetLinks links_of(const MeshData& mesh) {
 }  // namespace
 
 SoftSheet::SoftSheet(btSoftBodyWorldInfo& info, const SceneBody& body, const MeshData& mesh)
-    : guides_(body.guides), thickness_(body.collision.thickness) {
+    : thickness_(body.collision.thickness) {
     const Frame frame = frame_of(body.pose);
     std::vector<btVector3> nodes;
+    std::vector<Vec3d> start;
     for (Vec3f p : mesh.positions) {
-        start_.push_back(to_double(to_float(frame.to_parent(to_double(p)))));
-        nodes.push_back(bullet::to_bullet(start_.back()));
+        start.push_back(to_double(to_float(frame.to_parent(to_double(p)))));
+        nodes.push_back(bullet::to_bullet(start.back()));
     }
     const SheetMaterial& material = body.material;
-    node_mass_.assign(nodes.size(), 0);
+    std::vector<double> node_mass(nodes.size(), 0);
     for (const Triangle& t : mesh.triangles) {
-        const Vec3d a = start_[t.vertex[0]], b = start_[t.vertex[1]], c = start_[t.vertex[2]];
+        const Vec3d a = start[t.vertex[0]], b = start[t.vertex[1]], c = start[t.vertex[2]];
         const double share = material.area_density * 0.5 * length(cross(b - a, c - a)) / 3;
-        for (std::uint32_t v : t.vertex) node_mass_[v] += share;
+        for (std::uint32_t v : t.vertex) node_mass[v] += share;
         mass_ += 3 * share;
     }
-    std::vector<btScalar> masses(node_mass_.begin(), node_mass_.end());
+    std::vector<btScalar> masses(node_mass.begin(), node_mass.end());
     soft_ = std::make_unique<btSoftBody>(&info, static_cast<int>(nodes.size()), nodes.data(),
                                          masses.data());
     btSoftBody::Material* stretch = soft_->m_materials[0];
@@ -114,28 +115,6 @@ std::uint32_t SoftSheet::meetings_at(std::span<const Vec3f> positions) {
     for (int i = 0; i < found; ++i) btAlignedFree(soft_->m_joints[i]);
     soft_->m_joints.clear();
     return static_cast<std::uint32_t>(found);
-}
-
-void SoftSheet::lead(double time, double dt) {
-    bool changed = false;
-    for (Guide& guide : guides_)
-        for (std::uint32_t v : guide.vertices) {
-            btSoftBody::Node& node = soft_->m_nodes[static_cast<int>(v)];
-            const std::optional<Vec3d> place = guide.place(start_[v], time);
-            // The mass is not set by setMass(): after that, Bullet would take the links' present
-            // lengths as their rest lengths.
-            const btScalar inverse = place ? btScalar(0) : 1 / static_cast<btScalar>(node_mass_[v]);
-            changed |= node.m_im != inverse;
-            node.m_im = inverse;
-            if (place)
-                node.m_v = bullet::to_bullet((1 / dt) * (*place - bullet::from_bullet(node.m_x)));
-        }
-    if (changed) soft_->updateLinkConstants();
-    std::erase_if(guides_, [&](const Guide& guide) {
-        return std::ranges::none_of(guide.vertices, [&](std::uint32_t v) {
-            return guide.place(start_[v], time).has_value();
-        });
-    });
 }
 
 }  // namespace pierce::scenes

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "scenes/named/scene.hpp"
 
@@ -26,15 +25,9 @@ public:
     void meet_itself();
     /// The number of contacts that meet_itself() makes with the nodes at `positions`.
     std::uint32_t meetings_at(std::span<const Vec3f> positions);
-    /// Gives the nodes that are led the velocity to reach their places at `time`, the end of the
-    /// next step of `dt` [s].
-    void lead(double time, double dt);
 
 private:
     std::unique_ptr<btSoftBody> soft_;
-    std::vector<Guide> guides_;
-    std::vector<Vec3d> start_;
-    std::vector<double> node_mass_;
     double mass_ = 0, thickness_ = 0;
 };
 

@@ -10,11 +10,12 @@
 #include "scenes/named/cloth_scenes.hpp"
 #include "scenes/named/layers.hpp"
 #include "scenes/named/shapes.hpp"
+#include "scenes/named/tear_scene.hpp"
 
 namespace pierce::scenes {
 namespace {
 
-const std::array<SceneInfo, 8> scene_infos = {{
+const std::array<SceneInfo, 9> scene_infos = {{
     {"tori", "tori of 300 vertices and 600 triangles (radii 2 and 0.5) fall on a plane"},
     {"bunnies", "Stanford bunnies of 453 vertices and 902 triangles fall on a plane"},
     {"cloth-capsule",
@@ -25,6 +26,7 @@ const std::array<SceneInfo, 8> scene_infos = {{
     {"layers", "50 sheets, 475000 triangles in all, swing and slide in a stack as a formula says"},
     {"ball-squash",
      "a soft ball with a groove is pressed between two plates until the groove closes"},
+    {"tear", "a sheet and a soft solid are pulled until they tear, and fall"},
 }};
 
 constexpr double ground_half_width = 60;
@@ -102,6 +104,7 @@ SceneSetup make_scene(const std::string& name, const SceneParameters& parameters
     if (name == "cloth-twist") return cloth_twist(parameters);
     if (name == "layers") return layers_with(parameters.nodes).scene();
     if (name == "ball-squash") return ball_squash(parameters);
+    if (name == "tear") return tear(parameters);
     std::string known;
     for (const SceneInfo& info : scene_list()) known += (known.empty() ? "" : ", ") + info.name;
     throw InputError("unknown scene '" + name + "'; there are: " + known);

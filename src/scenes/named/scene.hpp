@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pierce/body.hpp"
@@ -39,6 +40,13 @@ struct Guide {
     std::function<std::optional<Vec3d>(Vec3d start, double time)> place;
 };
 
+/// How a soft body tears.
+struct TearSettings {
+    double limit = 1.5;              ///< a link that is stretched to more times its length tears
+    std::uint32_t most_at_once = 1;  ///< nodes that are split in a step
+    std::uint32_t least_part = 40;   ///< triangles that hang together at least
+};
+
 /// A body of a scene at its start.
 struct SceneBody {
     std::string name;
@@ -50,8 +58,13 @@ struct SceneBody {
     Collision collision = {};     ///< of a deforming body
     double shape_matching = 0.3;  ///< of a deforming solid: how fast it goes back to its shape [1 /
                                   ///< step]
-    SheetMaterial material = {};  ///< of a sheet
-    std::vector<Guide> guides = {};              ///< of a sheet
+    int solid_iterations = 8;     ///< of a deforming solid: over all links in a step
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> struts = {};  ///< of a deforming solid:
+                                                                       ///< vertices that are linked
+                                                                       ///< through its inside
+    SheetMaterial material = {};                                       ///< of a sheet
+    std::vector<Guide> guides = {};                                    ///< of a deforming body
+    std::optional<TearSettings> tears = {};      ///< of a deforming body; none: it never tears
     std::function<Pose(double time)> path = {};  ///< of a fixed body: the path along which it is
                                                  ///< led
     std::function<void(double time, std::span<Vec3f> positions)> motion_of = {};  ///< of a

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "scenes/files/mesh_io.hpp"
 #include "scenes/files/npy.hpp"
@@ -16,15 +17,36 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* format_name = "pierce-recording";
-constexpr int format_version = 1;
+// Recordings of bodies whose mesh changes have the second version, all others the first.
+constexpr int plain_version = 1, format_version = 2;
 constexpr std::size_t pose_size = 7;
 
 constexpr std::array motion_names = {"static", "rigid", "deforming"};
 constexpr std::array self_names = {"off", "on", "rays", "published"};
 
-std::size_t frame_size(const Recording& recording, const RecordedBody& body) {
+std::uint32_t mesh_of(const RecordedBody& body, std::uint32_t frame) {
+    std::uint32_t mesh = body.mesh;
+    for (const RecordedMeshChange& change : body.mesh_changes)
+        if (change.frame <= frame) mesh = change.mesh;
+    return mesh;
+}
+
+/// How many numbers there are for a body in a frame.
+std::size_t frame_size(const Recording& recording, const RecordedBody& body, std::uint32_t frame) {
     if (body.motion != Motion::deforming) return pose_size;
-    return 3 * recording.meshes[body.mesh].data.positions.size();
+    return 3 * recording.meshes[mesh_of(body, frame)].data.positions.size();
+}
+
+/// Where a frame's numbers begin among those of a body.
+std::size_t frame_begin(const Recording& recording, const RecordedBody& body, std::uint32_t frame) {
+    std::size_t begin = 0;
+    std::uint32_t first = 0;
+    for (const RecordedMeshChange& change : body.mesh_changes) {
+        if (change.frame >= frame) break;
+        begin += (change.frame - first) * frame_size(recording, body, first);
+        first = change.frame;
+    }
+    return begin + (frame - first) * frame_size(recording, body, first);
 }
 
 /// The path of a file that must be inside the folder.
@@ -60,18 +82,61 @@ Collision read_collision(const json& entry, const std::string& where) {
             entry.value("thickness", 0.0)};
 }
 
+void count_frames(std::size_t frames, const fs::path& file, Recording& recording) {
+    if (recording.frame_count == 0) recording.frame_count = static_cast<std::uint32_t>(frames);
+    if (frames != recording.frame_count)
+        throw InputError("'" + file.string() + "' has " + std::to_string(frames) +
+                         " frames, others have " + std::to_string(recording.frame_count));
+}
+
+std::uint32_t mesh_named(const std::string& mesh_name, const Recording& recording,
+                         const RecordedBody& body, const std::string& where) {
+    const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
+    if (mesh == recording.meshes.end())
+        throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name +
+                         "'");
+    return static_cast<std::uint32_t>(mesh - recording.meshes.begin());
+}
+
+void read_changes(const json& entries, const Recording& recording, RecordedBody& body,
+                  const std::string& where) {
+    if (body.motion != Motion::deforming)
+        throw InputError(where + ": body '" + body.name + "' changes its mesh but does not deform");
+    std::uint32_t last = 0;
+    for (const json& entry : entries) {
+        const auto frame = entry.at("frame").get<std::int64_t>();
+        if (frame <= last || frame > constants::max_elements)
+            throw InputError(where + ": the changes of body '" + body.name +
+                             "' are not at ascending frames after the first");
+        last = static_cast<std::uint32_t>(frame);
+        body.mesh_changes.push_back(
+            {last, mesh_named(entry.at("mesh").get<std::string>(), recording, body, where)});
+    }
+}
+
+/// Takes the positions of a body whose mesh changes, all frames one after the other.
+void take_changing_positions(FloatArray array, const fs::path& file, Recording& recording,
+                             RecordedBody& body) {
+    if (array.shape.size() != 2 || array.shape[1] != 3)
+        throw InputError("'" + file.string() +
+                         "' has the wrong shape: expected (vertices of all frames, 3)");
+    const std::uint32_t from = body.mesh_changes.empty() ? 0 : body.mesh_changes.back().frame;
+    const std::size_t begin = frame_begin(recording, body, from),
+                      size = frame_size(recording, body, from);
+    if (array.values.size() < begin + size || (array.values.size() - begin) % size != 0)
+        throw InputError("'" + file.string() +
+                         "' has the wrong shape: its vertices are not those of whole frames");
+    count_frames(from + (array.values.size() - begin) / size, file, recording);
+    body.values = std::move(array.values);
+}
+
 RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording,
                        const std::string& where) {
     RecordedBody body;
     body.name = entry.at("name").get<std::string>();
     body.ground = entry.value("ground", false);
     if (entry.contains("collision")) body.collision = read_collision(entry.at("collision"), where);
-    const auto mesh_name = entry.at("mesh").get<std::string>();
-    const auto mesh = std::ranges::find(recording.meshes, mesh_name, &SceneMesh::name);
-    if (mesh == recording.meshes.end())
-        throw InputError(where + ": body '" + body.name + "' names unknown mesh '" + mesh_name +
-                         "'");
-    body.mesh = static_cast<std::uint32_t>(mesh - recording.meshes.begin());
+    body.mesh = mesh_named(entry.at("mesh").get<std::string>(), recording, body, where);
     const auto motion = entry.at("motion").get<std::string>();
     const auto known = std::ranges::find(motion_names, motion);
     if (known == motion_names.end())
@@ -83,20 +148,21 @@ RecordedBody read_body(const json& entry, const fs::path& folder, Recording& rec
     const fs::path file = inside(
         folder, entry.at(deforms ? "positions" : "poses").get<std::string>(), where);
     FloatArray array = read_npy(file);
+    if (entry.contains("changes")) {
+        read_changes(entry.at("changes"), recording, body, where);
+        take_changing_positions(std::move(array), file, recording, body);
+        return body;
+    }
     const std::vector<std::size_t>
-        tail = deforms ? std::vector<std::size_t>{mesh->data.positions.size(), 3}
-                       : std::vector<std::size_t>{pose_size};
+        tail = deforms
+                   ? std::vector<std::size_t>{recording.meshes[body.mesh].data.positions.size(), 3}
+                   : std::vector<std::size_t>{pose_size};
     if (array.shape.size() != tail.size() + 1 ||
         !std::equal(tail.begin(), tail.end(), array.shape.begin() + 1))
         throw InputError("'" + file.string() + "' has the wrong shape: expected (frames, " +
                          (deforms ? std::to_string(tail[0]) + ", 3)" : "7)"));
     const std::size_t frames = array.shape[0];
-    if (body.motion != Motion::fixed || frames != 1) {
-        if (recording.frame_count == 0) recording.frame_count = static_cast<std::uint32_t>(frames);
-        if (frames != recording.frame_count)
-            throw InputError("'" + file.string() + "' has " + std::to_string(frames) +
-                             " frames, others have " + std::to_string(recording.frame_count));
-    }
+    if (body.motion != Motion::fixed || frames != 1) count_frames(frames, file, recording);
     body.values = std::move(array.values);
     return body;
 }
@@ -111,8 +177,20 @@ Pose Recording::pose(std::uint32_t body, std::uint32_t frame) const {
 
 std::span<const Vec3f> Recording::positions(std::uint32_t body, std::uint32_t frame) const {
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-    const std::size_t count = meshes[bodies[body].mesh].data.positions.size();
-    return {reinterpret_cast<const Vec3f*>(bodies[body].values.data()) + count * frame, count};
+    const RecordedBody& b = bodies[body];
+    return {reinterpret_cast<const Vec3f*>(b.values.data() + frame_begin(*this, b, frame)),
+            frame_size(*this, b, frame) / 3};
+}
+
+std::uint32_t Recording::mesh_of(std::uint32_t body, std::uint32_t frame) const {
+    return scenes::mesh_of(bodies[body], frame);
+}
+
+void require_lasting_meshes(const Recording& recording, const std::string& what) {
+    for (const RecordedBody& body : recording.bodies)
+        if (!body.mesh_changes.empty())
+            throw InputError(what + " needs meshes that stay, and that of body '" + body.name +
+                             "' changes");
 }
 
 SceneSetup scene_of(const Recording& recording) {
@@ -134,15 +212,18 @@ Recording start_recording(const SceneSetup& scene, double dt) {
                                     .motion = b.motion,
                                     .ground = b.ground,
                                     .values = {},
-                                    .collision = b.collision});
+                                    .collision = b.collision,
+                                    .mesh_changes = {}});
     return recording;
 }
 
 void write_recording(const Recording& recording, const fs::path& folder) {
     std::error_code failed;
     fs::create_directories(folder, failed);
+    const bool changes = std::ranges::any_of(
+        recording.bodies, [](const RecordedBody& b) { return !b.mesh_changes.empty(); });
     json scene{{"format", format_name},
-               {"version", format_version},
+               {"version", changes ? format_version : plain_version},
                {"dt", recording.dt},
                {"meshes", json::array()},
                {"bodies", json::array()}};
@@ -156,16 +237,21 @@ void write_recording(const Recording& recording, const fs::path& folder) {
     for (std::size_t b = 0; b < recording.bodies.size(); ++b) {
         const RecordedBody& body = recording.bodies[b];
         const std::string file = "body_" + std::to_string(b) + ".npy";
-        const std::size_t frames = body.values.size() / frame_size(recording, body);
-        std::vector<std::size_t> shape{frames, pose_size};
-        if (body.motion == Motion::deforming)
-            shape = {frames, recording.meshes[body.mesh].data.positions.size(), 3};
+        const std::size_t size = frame_size(recording, body, 0);
+        std::vector<std::size_t> shape{body.values.size() / size, size};
+        if (!body.mesh_changes.empty())
+            shape = {body.values.size() / 3, 3};
+        else if (body.motion == Motion::deforming)
+            shape = {body.values.size() / size, size / 3, 3};
         write_npy(folder / file, shape, body.values);
         scene["bodies"].push_back(
             {{"name", body.name},
              {"mesh", recording.meshes[body.mesh].name},
              {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
              {body.motion == Motion::deforming ? "positions" : "poses", file}});
+        for (const RecordedMeshChange& change : body.mesh_changes)
+            scene["bodies"].back()["changes"].push_back(
+                {{"frame", change.frame}, {"mesh", recording.meshes[change.mesh].name}});
         if (body.ground) scene["bodies"].back()["ground"] = true;
         if (body.collision != Collision{})
             scene["bodies"].back()["collision"] = collision_json(body.collision);
@@ -184,9 +270,9 @@ Recording read_recording(const fs::path& folder) {
     try {
         const json scene = json::parse(in);
         if (scene.at("format") != format_name) throw InputError(where + " is not a " + format_name);
-        if (scene.at("version") != format_version)
-            throw InputError(where + " has version " + scene.at("version").dump() + ", expected " +
-                             std::to_string(format_version));
+        if (scene.at("version") != plain_version && scene.at("version") != format_version)
+            throw InputError(where + " has version " + scene.at("version").dump() +
+                             ", expected no more than " + std::to_string(format_version));
         recording.dt = scene.at("dt").get<double>();
         if (!(recording.dt > 0)) throw InputError(where + ": dt must be positive");
         for (const json& entry : scene.at("meshes"))
@@ -209,15 +295,24 @@ Recording picked(const Recording& recording, std::uint32_t first, std::uint32_t 
     Recording result = recording;
     result.dt = every * recording.dt;
     result.frame_count = (end - first + every - 1) / every;
-    for (RecordedBody& body : result.bodies) {
-        const std::size_t size = frame_size(recording, body);
+    for (std::uint32_t b = 0; b < result.bodies.size(); ++b) {
+        const RecordedBody& whole = recording.bodies[b];
+        RecordedBody& body = result.bodies[b];
         // A body that stays has one frame.
-        if (body.values.size() == size) continue;
-        std::vector<float> kept;
-        for (std::uint32_t f = first; f < end; f += every)
-            kept.insert(kept.end(), body.values.begin() + static_cast<std::ptrdiff_t>(f * size),
-                        body.values.begin() + static_cast<std::ptrdiff_t>((f + 1) * size));
-        body.values = std::move(kept);
+        if (body.motion == Motion::fixed && body.values.size() == pose_size) continue;
+        body.values.clear();
+        body.mesh_changes.clear();
+        body.mesh = recording.mesh_of(b, first);
+        for (std::uint32_t f = first, mesh = body.mesh; f < end; f += every) {
+            if (recording.mesh_of(b, f) != mesh) {
+                mesh = recording.mesh_of(b, f);
+                body.mesh_changes.push_back({(f - first) / every, mesh});
+            }
+            const auto at = whole.values.begin() +
+                            static_cast<std::ptrdiff_t>(frame_begin(recording, whole, f));
+            body.values.insert(body.values.end(), at,
+                               at + static_cast<std::ptrdiff_t>(frame_size(recording, whole, f)));
+        }
     }
     return result;
 }

@@ -2,11 +2,18 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scenes/named/scene.hpp"
 
 namespace pierce::scenes {
+
+/// From a frame on, a deforming body has another mesh.
+struct RecordedMeshChange {
+    std::uint32_t frame = 0;
+    std::uint32_t mesh = 0;
+};
 
 /// The motion of one body: seven numbers (position, quaternion xyzw) a frame, or three per vertex
 /// if it deforms.
@@ -16,7 +23,8 @@ struct RecordedBody {
     Motion motion = Motion::rigid;
     bool ground = false;  ///< as in SceneBody
     std::vector<float> values;
-    Collision collision = {};  ///< as in SceneBody
+    Collision collision = {};                           ///< as in SceneBody
+    std::vector<RecordedMeshChange> mesh_changes = {};  ///< frames ascend, and are not 0
 };
 
 /// Bodies over time, the same for every method. On disk a folder; docs/recordings.md has the
@@ -30,9 +38,14 @@ struct Recording {
     /// Where a fixed or rigid body is in a frame. A body that is recorded for a single frame stays
     /// at that place.
     Pose pose(std::uint32_t body, std::uint32_t frame) const;
+    /// The mesh of a body in a frame.
+    std::uint32_t mesh_of(std::uint32_t body, std::uint32_t frame) const;
     /// Where a deforming body's vertices are in a frame.
     std::span<const Vec3f> positions(std::uint32_t body, std::uint32_t frame) const;
 };
+
+/// Throws InputError if a body's mesh changes: `what` needs meshes that stay.
+void require_lasting_meshes(const Recording& recording, const std::string& what);
 
 /// The scene a recording starts with.
 SceneSetup scene_of(const Recording& recording);

@@ -1,174 +1,23 @@
 #include "scenes/simulate/simulation.hpp"
 
-#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "pierce/bullet/baseline_shapes.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/bullet/bullet_dispatcher.hpp"
-#include "pierce/bullet/sheet_response.hpp"
-#include "pierce/bullet/soft_solver.hpp"
 #include "pierce/error.hpp"
-#include "scenes/detect/bullet_result.hpp"
-#include "scenes/detect/detector.hpp"
-#include "scenes/detect/soft_sheet.hpp"
 #include "scenes/named/mass_properties.hpp"
 #include "scenes/simulate/sheet_crossings.hpp"
+#include "scenes/simulate/simulation_state.hpp"
 #include "scenes/simulate/soft_damping.hpp"
-#include "scenes/simulate/soft_solid.hpp"
 
 namespace pierce::scenes {
 namespace {
 
 /// The part of the vibration of soft bodies that a step takes away.
 constexpr btScalar vibration_damping = btScalar(0.5);
-constexpr btScalar friction = btScalar(0.5);
-constexpr btScalar rolling_friction = btScalar(0.02);
-constexpr btScalar angular_damping = btScalar(0.1);
-
-/// Bullet's world with a clock on collision detection.
-class ClockedWorld : public btSoftRigidDynamicsWorld {
-public:
-    using btSoftRigidDynamicsWorld::btSoftRigidDynamicsWorld;
-
-    void performDiscreteCollisionDetection() override {
-        const auto begin = std::chrono::steady_clock::now();
-        btSoftRigidDynamicsWorld::performDiscreteCollisionDetection();
-        detection_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
-                                                                 begin)
-                           .count();
-    }
-
-    double detection_ms = 0;
-};
-
-std::vector<Vec3f> node_positions(const btSoftBody& soft) {
-    std::vector<Vec3f> positions;
-    for (int n = 0; n < soft.m_nodes.size(); ++n)
-        positions.push_back(bullet::from_bullet_float(soft.m_nodes[n].m_x));
-    return positions;
-}
-
-bullet::Baseline baseline_of(Method method) {
-    return method == Method::gjk_epa    ? bullet::Baseline::gjk_epa
-           : method == Method::gjk_hull ? bullet::Baseline::gjk_hull
-                                        : bullet::Baseline::gimpact;
-}
-
-/// The scene without its sheets.
-SceneSetup rigid_part(SceneSetup scene) {
-    std::erase_if(scene.bodies,
-                  [](const SceneBody& body) { return body.motion == Motion::deforming; });
-    return scene;
-}
 
 }  // namespace
-
-struct Simulation::State {
-    SceneSetup scene;
-    Method method;
-    std::unique_ptr<SceneWorld> rays;    ///< null for Bullet's own methods
-    std::unique_ptr<SceneWorld> solids;  ///< the rigid bodies alone; set where there are sheets and
-                                         ///< rigid bodies that move
-    bullet::TimedConfiguration rigid_configuration;
-    btSoftBodyRigidBodyCollisionConfiguration soft_configuration;
-    std::unique_ptr<btCollisionDispatcher> dispatcher;
-    btDbvtBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    std::vector<bullet::BaselineShape> shapes;
-    std::vector<std::unique_ptr<btRigidBody>> rigid;  ///< by body, null if soft
-    std::vector<std::unique_ptr<btSoftBody>> soft;    ///< by body, null unless it is a solid that
-                                                      ///< deforms
-    std::vector<std::unique_ptr<SoftSheet>> sheets;   ///< by body, null if it is no sheet
-    std::vector<std::vector<Vec3f>> given;            ///< by body, empty unless its motion is given
-    std::unique_ptr<bullet::SheetResponse> apart;     ///< null if there are no sheets
-    std::vector<std::vector<Vec3f>> tried;            ///< by body: where Bullet has put a sheet
-    double time = 0;                                  ///< [s] since the start
-    std::vector<double> mass;                         ///< by body
-    bullet::SoftSolver soft_solver;
-    std::unique_ptr<ClockedWorld> world;
-    FrameResult result;
-
-    State(const SceneSetup& s, Method m) : scene(s), method(m) {}
-
-    bullet::Dispatcher& ray_dispatcher() { return static_cast<bullet::Dispatcher&>(*dispatcher); }
-    void add_rigid(std::uint32_t index);
-    void add_soft(std::uint32_t index);
-    void add_sheet(std::uint32_t index);
-    void add_given(std::uint32_t index);
-    void lead(double dt);
-    void measure_sheets();
-    void note_tried();
-    void record(Recording& recording, bool as_tried) const;
-    btSoftBody* soft_body(std::size_t index) const {
-        return soft[index] ? soft[index].get() : sheets[index] ? &sheets[index]->soft() : nullptr;
-    }
-};
-
-void Simulation::State::add_rigid(std::uint32_t index) {
-    const SceneBody& body = scene.bodies[index];
-    const SceneMesh& mesh = scene.meshes[body.mesh];
-    const bool fixed = body.motion == Motion::fixed;
-    // With rays, Bullet's broad phase uses only the box of the shape.
-    const bullet::Baseline kind = method == Method::rays || method == Method::bullet_clusters
-                                      ? bullet::Baseline::gjk_hull
-                                      : baseline_of(method);
-    shapes.push_back(body.ground
-                         ? bullet::BaselineShape::ground(mesh.data)
-                         : bullet::BaselineShape(kind, mesh.name, mesh.data, mesh.convex_pieces,
-                                                 scene.baseline_margin));
-
-    btVector3 inertia(0, 0, 0);
-    if (!fixed) {
-        const MassProperties properties = mass_properties(mesh.data);
-        mass[index] = properties.mass;
-        inertia = bullet::to_bullet(properties.inertia);
-    }
-    btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass[index]), nullptr,
-                                                  &shapes.back().shape(), inertia);
-    info.m_startWorldTransform = bullet::to_bullet(body.pose);
-    info.m_friction = friction;
-    info.m_rollingFriction = rolling_friction;
-    info.m_spinningFriction = rolling_friction;
-    info.m_angularDamping = fixed ? btScalar(0) : angular_damping;
-    rigid[index] = std::make_unique<btRigidBody>(info);
-    rigid[index]->setUserIndex(static_cast<int>(index));
-    world->addRigidBody(rigid[index].get());
-    if (body.path)
-        rigid[index]->setCollisionFlags(rigid[index]->getCollisionFlags() |
-                                        btCollisionObject::CF_KINEMATIC_OBJECT);
-    if (apart != nullptr) apart->bind(*rigid[index], rays->bodies[index]);
-    if (solids != nullptr) {
-        const auto before = std::count_if(rigid.begin(), rigid.begin() + index,
-                                          [](const auto& r) { return r != nullptr; });
-        ray_dispatcher().bind(*rigid[index], solids->bodies[static_cast<std::size_t>(before)]);
-    }
-    if (apart == nullptr && rays != nullptr)
-        ray_dispatcher().bind(*rigid[index], rays->bodies[index]);
-}
-
-void Simulation::State::add_sheet(std::uint32_t index) {
-    const SceneBody& body = scene.bodies[index];
-    sheets[index] = std::make_unique<SoftSheet>(world->getWorldInfo(), body,
-                                                scene.meshes[body.mesh].data);
-    mass[index] = sheets[index]->mass();
-    world->addSoftBody(&sheets[index]->soft());
-    if (apart != nullptr)
-        apart->bind(sheets[index]->soft(), rays->bodies[index]);
-    else
-        sheets[index]->collide_by_bullet();
-}
-
-void Simulation::State::add_given(std::uint32_t index) {
-    given[index].resize(scene.meshes[scene.bodies[index].mesh].data.positions.size());
-    scene.bodies[index].motion_of(0, given[index]);
-    rays->world.set_motion(rays->bodies[index], given[index], given[index]);
-}
 
 /// Moves all that is led to its place at the end of the step.
 void Simulation::State::lead(double dt) {
@@ -180,7 +29,7 @@ void Simulation::State::lead(double dt) {
             rigid[i]->setLinearVelocity((rigid[i]->getWorldTransform().getOrigin() - from) /
                                         static_cast<btScalar>(dt));
         }
-        if (sheets[i]) sheets[i]->lead(time + dt, dt);
+        if (led[i]) led[i]->lead(time + dt, dt);
         if (body.motion_of) {
             body.motion_of(time + dt, given[i]);
             rays->world.set_positions(rays->bodies[i], given[i]);
@@ -200,21 +49,42 @@ void Simulation::State::measure_sheets() {
         if (!sheets[i]) continue;
         const std::vector<Vec3f> positions = node_positions(sheets[i]->soft());
         const SurfaceCrossings found = self_crossings(
-            scene.meshes[scene.bodies[i].mesh].data.triangles, positions);
+            mesh_of(static_cast<std::uint32_t>(i)).triangles, positions);
         result.self_crossings += found.count;
         result.self_penetration = std::max(result.self_penetration, found.depth);
     }
 }
 
-void Simulation::State::add_soft(std::uint32_t index) {
-    const SceneBody& body = scene.bodies[index];
-    const MeshData& mesh = scene.meshes[body.mesh].data;
-    soft[index] = soft_solid(world->getWorldInfo(), body, mesh);
-    btSoftBody& made = *soft[index];
-    mass[index] = mass_properties(mesh).mass;
-    made.setUserIndex(static_cast<int>(index));
-    world->addSoftBody(&made);
-    ray_dispatcher().bind(made, rays->bodies[index]);
+const MeshData& Simulation::State::mesh_of(std::uint32_t index) const {
+    return torn[index] ? torn[index]->mesh() : scene.meshes[scene.bodies[index].mesh].data;
+}
+
+/// Puts solids that deform, which sheets do not move, where Bullet's step has moved them.
+void Simulation::State::move_soft_obstacles() {
+    for (std::uint32_t i = 0; i < soft.size(); ++i)
+        if (soft[i]) rays->world.set_positions(rays->bodies[i], node_positions(*soft[i]));
+}
+
+/// Tears what is stretched too far, and gives the worlds of contacts the torn meshes.
+std::uint32_t Simulation::State::tear() {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < torn.size(); ++i) {
+        const std::uint32_t tears = torn[i] ? torn[i]->tear() : 0;
+        if (tears == 0) continue;
+        count += tears;
+        const SceneMesh& before = scene.meshes[scene.bodies[i].mesh];
+        const SceneMesh mesh{before.name + " torn", mesh_of(i), {}, before.inside};
+        btSoftBody& body = *soft_body(i);
+        const std::vector<Vec3f> positions = node_positions(body);
+        rays->set_mesh(i, mesh, positions);
+        if (sheets[i]) {
+            apart->bind(body, rays->bodies[i]);
+            continue;
+        }
+        if (solids != nullptr) solids->set_mesh(solid_body(i).index, mesh, positions);
+        ray_dispatcher().bind(body, solid_body(i));
+    }
+    return count;
 }
 
 Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings& settings)
@@ -227,10 +97,13 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         any_given |= body.motion_of != nullptr;
         any_sheet |= body.collision.sheet && !body.motion_of;
         any_free |= body.motion == Motion::rigid;
-        any_soft_solid |= body.motion == Motion::deforming && !body.collision.sheet;
+        any_soft_solid |= body.motion == Motion::deforming && !body.collision.sheet &&
+                          !body.motion_of;
     }
-    if (any_sheet && any_soft_solid)
-        throw InputError("sheets are not simulated with solids that deform");
+    if (method != Method::rays && std::ranges::any_of(scene.bodies, [](const SceneBody& body) {
+            return body.tears.has_value();
+        }))
+        throw InputError("bodies tear with rays only");
     const bool by_clusters = method == Method::bullet_clusters;
     if (any_soft && method != Method::rays && !(by_clusters && any_sheet))
         throw InputError(
@@ -242,8 +115,8 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
     if (method == Method::rays) {
         s.rays = std::make_unique<SceneWorld>(scene, settings);
         configuration = &s.soft_configuration;
-        if (any_sheet && any_free) {
-            s.solids = std::make_unique<SceneWorld>(rigid_part(scene), settings);
+        if (any_sheet && (any_free || any_soft_solid)) {
+            s.solids = std::make_unique<SceneWorld>(solid_part(scene), settings);
             s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.solids->world);
         } else if (any_sheet || any_given)
             s.dispatcher = std::make_unique<btCollisionDispatcher>(configuration);
@@ -255,29 +128,14 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
         s.dispatcher = std::make_unique<TimedDispatcher>(configuration);
         register_baseline(*s.dispatcher);
     }
-    s.world = std::make_unique<ClockedWorld>(s.dispatcher.get(), &s.broadphase, &s.solver,
-                                             configuration, any_sheet ? nullptr : &s.soft_solver);
+    s.world = std::make_unique<ClockedWorld>(
+        s.dispatcher.get(), &s.broadphase, &s.solver, configuration,
+        any_sheet && !any_soft_solid ? nullptr : &s.soft_solver);
     const btVector3 down(0, 0, static_cast<btScalar>(-scene.gravity));
     s.world->setGravity(down);
     s.world->getWorldInfo().m_gravity = down;
 
-    const std::size_t count = scene.bodies.size();
-    s.rigid.resize(count);
-    s.soft.resize(count);
-    s.sheets.resize(count);
-    s.given.resize(count);
-    s.mass.resize(count, 0);
-    s.shapes.reserve(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (scene.bodies[i].motion_of)
-            s.add_given(i);
-        else if (scene.bodies[i].collision.sheet)
-            s.add_sheet(i);
-        else if (scene.bodies[i].motion == Motion::deforming)
-            s.add_soft(i);
-        else
-            s.add_rigid(i);
-    }
+    s.add_bodies();
 }
 
 Simulation::~Simulation() {
@@ -291,13 +149,16 @@ const FrameResult& Simulation::step(double dt) {
     if (!(dt > 0) || !std::isfinite(dt)) throw InputError("time step must be positive");
     State& s = *state_;
     s.rigid_configuration.take_epa_milliseconds();
+    const std::uint32_t tears = s.tear();
     s.lead(dt);
     s.world->stepSimulation(static_cast<btScalar>(dt), 0);
     s.time += dt;
-    for (const auto& body : s.soft)
-        if (body) damp_vibration(*body, vibration_damping);
+    for (std::size_t i = 0; i < s.soft.size(); ++i)
+        // The parts of a torn body move each for itself.
+        if (s.soft[i] && !s.torn[i]) damp_vibration(*s.soft[i], vibration_damping);
     if (s.apart != nullptr) {
         s.note_tried();
+        s.move_soft_obstacles();
         const bullet::SheetReport& report = s.apart->finish_step(dt);
         s.result = sheet_result(s.rays->result(), report);
         if (s.solids != nullptr) {
@@ -335,6 +196,7 @@ const FrameResult& Simulation::step(double dt) {
         }
         s.measure_sheets();
     }
+    s.result.tears = tears;
     return s.result;
 }
 
@@ -347,6 +209,7 @@ void Simulation::State::record(Recording& recording, bool as_tried) const {
         if (as_tried && sheets[i] && !tried.empty()) {
             add(tried[i]);
         } else if (const btSoftBody* made = soft_body(i)) {
+            if (torn[i]) record_mesh(recording, i);
             add(node_positions(*made));
         } else if (!given[i].empty()) {
             add(given[i]);
@@ -358,6 +221,23 @@ void Simulation::State::record(Recording& recording, bool as_tried) const {
         }
     }
     ++recording.frame_count;
+}
+
+/// Notes a body's mesh if the recording has had another one of it so far.
+void Simulation::State::record_mesh(Recording& recording, std::uint32_t index) const {
+    RecordedBody& body = recording.bodies[index];
+    const MeshData& mesh = torn[index]->mesh();
+    const std::uint32_t last = recording.mesh_of(index, recording.frame_count);
+    // Every tear adds vertices.
+    if (recording.meshes[last].data.positions.size() == mesh.positions.size()) return;
+    const auto number = static_cast<std::uint32_t>(recording.meshes.size());
+    const SceneMesh& first = recording.meshes[body.mesh];
+    const std::string name = body.name + " from frame " + std::to_string(recording.frame_count);
+    recording.meshes.push_back({name, mesh, {}, first.inside});
+    if (recording.frame_count == 0)
+        body.mesh = number;
+    else
+        body.mesh_changes.push_back({recording.frame_count, number});
 }
 
 void Simulation::record(Recording& recording) const { state_->record(recording, false); }

@@ -15,7 +15,6 @@ constexpr btScalar link_stiffness = btScalar(1.0);
 constexpr btScalar soft_damping = btScalar(0.01);
 constexpr btScalar soft_friction = btScalar(1.0);
 constexpr btScalar contact_hardness = btScalar(1.0);
-constexpr int soft_iterations = 8;
 constexpr int bending_distance = 2;
 
 }  // namespace
@@ -37,7 +36,9 @@ std::unique_ptr<btSoftBody> soft_solid(btSoftBodyWorldInfo& info, const SceneBod
     btSoftBody& made = *soft;
     made.m_materials[0]->m_kLST = link_stiffness;
     made.generateBendingConstraints(bending_distance);
-    made.m_cfg.piterations = soft_iterations;
+    for (const auto& [a, b] : body.struts)
+        made.appendLink(static_cast<int>(a), static_cast<int>(b), made.m_materials[0]);
+    made.m_cfg.piterations = body.solid_iterations;
     made.m_cfg.kDP = soft_damping;
     made.m_cfg.kDF = soft_friction;
     made.m_cfg.kMT = static_cast<btScalar>(body.shape_matching);

@@ -129,9 +129,9 @@ public:
         const auto count = static_cast<std::uint32_t>(plan_.changed().size());
         // A tree may move to where another one was.
         for (const bvh::ChangedTree& changed : plan_.changed())
-            executor.for_each(changed.count_before,
-                              bvh::Fill{leaves_of(changed.first_before, changed.count_before),
-                                        bvh::no_tree});
+            executor.for_each(
+                changed.count_before,
+                bvh::Fill{leaves_of(changed.first_before, changed.count_before), bvh::no_tree});
         executor.for_each(count, bvh::ReplaceTree{.changed = view_of(std::as_const(changed_)),
                                                   .bodies = bodies,
                                                   .trees = view_of(trees_),

@@ -77,13 +77,12 @@ public:
                                           .leaves = view_of(leaves_)});
         executor.sort(count, 64, view_of(keys_), view_of(leaves_), view_of(sorted_keys_),
                       view_of(sorted_leaves_));
-        executor.for_each(count,
-                          BuildLbvh{{.bodies = bodies,
-                                     .forest = forest,
-                                     .keys = view_of(std::as_const(sorted_keys_)),
-                                     .leaves = view_of(std::as_const(sorted_leaves_)),
-                                     .first = first,
-                                     .group_bits = bits}});
+        executor.for_each(count, BuildLbvh{{.bodies = bodies,
+                                            .forest = forest,
+                                            .keys = view_of(std::as_const(sorted_keys_)),
+                                            .leaves = view_of(std::as_const(sorted_leaves_)),
+                                            .first = first,
+                                            .group_bits = bits}});
         executor.for_each(count, Fill{visits, 0});
     }
 

@@ -44,8 +44,11 @@ void ForestPlan::lay_out(View<const BodyView> bodies) {
         if (bodies[b].mesh_key == 0) continue;
         const auto next = static_cast<std::uint32_t>(trees_.size());
         const bool moves = bodies[b].motion == Motion::deforming;
-        const std::uint32_t t = tree_of_body_[b] =
-            moves ? next : tree_of_mesh_.try_emplace(bodies[b].mesh_key, next).first->second;
+        const std::uint32_t t = tree_of_body_[b] = moves
+                                                       ? next
+                                                       : tree_of_mesh_
+                                                             .try_emplace(bodies[b].mesh_key, next)
+                                                             .first->second;
         if (t != next) {
             ++users_[t];
             continue;

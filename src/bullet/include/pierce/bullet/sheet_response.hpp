@@ -43,17 +43,21 @@ struct SheetReport {
 class SheetResponse {
 public:
     /// `world` must outlive this object. All soft and rigid bodies that sheets are to meet must be
-    /// bound before the first step.
+    /// bound, at any time between steps.
     explicit SheetResponse(World& world, SheetSettings settings = {});
     ~SheetResponse();
 
     /// Binds a sheet: a soft body with one node per vertex of the mesh, in their order. Throws
-    /// InputError if the counts differ.
+    /// InputError if the counts differ. To be called again when the sheet has got another mesh or
+    /// other nodes.
     void bind(btSoftBody& soft, BodyId body);
     /// Binds an obstacle. If it is dynamic and awake, it and the sheets move each other. Sheets do
     /// not move an obstacle that is led or sleeps. But a push that would make it faster than its
     /// sleeping threshold wakes it for the next step.
     void bind(btRigidBody& rigid, BodyId body);
+    /// Forgets a sheet or an obstacle, so that it can be deleted; nothing happens if it is not
+    /// bound. Sheets still meet its body in the world where that is, until it is removed there.
+    void unbind(const btCollisionObject& object);
 
     /// To be called after Bullet's step of `dt` seconds: moves nodes and rigid bodies and sets
     /// their velocities.
