@@ -109,6 +109,7 @@ int main(int argc, char** argv) try {
         return 2;
     }
     const scenes::Recording recording = scenes::read_recording(argv[1]);
+    scenes::require_lasting_meshes(recording, "pierce_changed_mesh");
     scenes::RaySettings rays;
     rays.backend = argv[2];
     rays.threads = std::atoi(argv[3]);

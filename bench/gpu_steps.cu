@@ -229,6 +229,7 @@ int main(int argc, char** argv) {
         } else {
             const auto recording = pierce::scenes::as_deforming(
                 pierce::scenes::read_recording(scene));
+            pierce::scenes::require_lasting_meshes(recording, "pierce_gpu_steps");
             pierce::run(scene.substr(scene.find_last_of('/') + 1), recording, options);
         }
     }

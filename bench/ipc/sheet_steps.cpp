@@ -154,6 +154,7 @@ int main(int argc, char** argv) try {
         return 2;
     }
     const scenes::Recording recording = scenes::read_recording(argv[1]);
+    scenes::require_lasting_meshes(recording, "pierce_sheet_steps");
     Steps steps(recording, argc > 2 ? std::atoi(argv[2]) : 1);
     for (std::string line; std::getline(std::cin, line);) {
         std::istringstream words(line);

@@ -64,8 +64,9 @@ void add_inside(const Placed& source, const Placed& target, std::vector<InsideVe
 }  // namespace
 
 RecordingTruth::RecordingTruth(const scenes::Recording& recording) : recording_(recording) {
-    for (const scenes::SceneMesh& mesh : recording.meshes) {
-        const Mesh surface(mesh.name, mesh.data, {.inside = mesh.inside});
+    for (std::uint32_t m = 0; m < recording.meshes.size(); ++m) {
+        const scenes::SceneMesh& mesh = recording.meshes[m];
+        const Mesh surface(mesh.name, mesh.data, {.inside = inside_of(recording, m)});
         triangles_.emplace_back(surface.triangles().begin(), surface.triangles().end());
         rest_.emplace_back(in_double(mesh.data.positions), triangles_.back());
     }
@@ -76,11 +77,12 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
     std::vector<Placed> bodies;
     for (std::uint32_t b = 0; b < recording_.bodies.size(); ++b) {
         const scenes::RecordedBody& body = recording_.bodies[b];
-        Placed placed{b, body.motion == Motion::fixed, &rest_[body.mesh], {}, {}};
+        const std::uint32_t mesh = recording_.mesh_of(b, frame);
+        Placed placed{b, body.motion == Motion::fixed, &rest_[mesh], {}, {}};
         if (body.motion == Motion::deforming) {
             const std::span<const Vec3f> positions = recording_.positions(b, frame);
             if (!is_usable(positions)) continue;
-            placed.mesh = &deformed.emplace_back(in_double(positions), triangles_[body.mesh]);
+            placed.mesh = &deformed.emplace_back(in_double(positions), triangles_[mesh]);
         } else {
             const Pose pose = recording_.pose(b, frame);
             if (!is_usable(pose)) continue;

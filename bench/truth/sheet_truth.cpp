@@ -50,6 +50,7 @@ bool share_vertex(const Edge& e, const Edge& f) {
 /// A body during a step: vertices that move in straight lines.
 struct SheetTruth::Placed {
     const MeshView* mesh = nullptr;  ///< null: left out
+    std::uint32_t number = 0;        ///< of the mesh in the recording
     std::vector<MovingPoint> points;
 
     template <class Vertices>
@@ -63,8 +64,9 @@ struct SheetTruth::Placed {
 };
 
 SheetTruth::SheetTruth(const scenes::Recording& recording) : recording_(recording) {
-    for (const scenes::SceneMesh& mesh : recording.meshes)
-        meshes_.emplace_back(mesh.name, mesh.data);
+    for (std::uint32_t m = 0; m < recording.meshes.size(); ++m)
+        meshes_.emplace_back(recording.meshes[m].name, recording.meshes[m].data,
+                             MeshOptions{.inside = inside_of(recording, m)});
     for (const Mesh& mesh : meshes_) {
         views_.push_back(mesh.view());
         std::set<std::uint32_t> used;
@@ -86,7 +88,7 @@ std::vector<SheetTruth::Placed> SheetTruth::placed(std::uint32_t from, std::uint
         const scenes::RecordedBody& body = recording_.bodies[b];
         Placed& result = bodies[b];
         if (body.motion == Motion::deforming) {
-            const std::span<const Vec3f> start = recording_.positions(b, from),
+            const std::span<const Vec3f> start = recording_.start_positions(b, from, to),
                                          end = recording_.positions(b, to);
             const auto finite = [](Vec3f p) { return is_finite(p); };
             if (!std::ranges::all_of(start, finite) || !std::ranges::all_of(end, finite)) continue;
@@ -100,7 +102,8 @@ std::vector<SheetTruth::Placed> SheetTruth::placed(std::uint32_t from, std::uint
                 result.points.push_back(
                     {before.to_parent(to_double(p)), after.to_parent(to_double(p))});
         }
-        result.mesh = &views_[body.mesh];
+        result.number = recording_.mesh_of(b, to);
+        result.mesh = &views_[result.number];
     }
     return bodies;
 }
@@ -113,7 +116,7 @@ std::vector<SheetMeeting> SheetTruth::meetings(std::uint32_t frame, MeetingCount
     for (std::uint32_t b = 0; b < bodies.size(); ++b) {
         if (bodies[b].mesh == nullptr) continue;
         const MeshView& mesh = *bodies[b].mesh;
-        for (std::uint32_t v : used_[recording_.bodies[b].mesh])
+        for (std::uint32_t v : used_[bodies[b].number])
             vertices.push_back(bodies[b].box({b, v}, std::array{v}));
         for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
             triangles.push_back(bodies[b].box({b, t}, mesh.triangles[t].vertex));

@@ -63,6 +63,7 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
     std::vector<scenes::AccuracyCount> counts;
     for (const ComparedMethod& m : methods) {
         try {
+            if (m.method != Method::rays) scenes::require_lasting_meshes(recording, m.name);
             detectors.push_back(
                 scenes::make_detector(scene, m.method, {"embree", threads, m.settings}));
         } catch (const InputError& error) {

@@ -50,17 +50,22 @@ SheetAccuracy& SheetAccuracy::operator+=(const SheetAccuracy& other) {
 }
 
 SheetJudge::SheetJudge(const Recording& recording) : recording_(recording) {
-    for (const SceneMesh& mesh : recording.meshes) meshes_.emplace_back(mesh.name, mesh.data);
+    for (std::uint32_t m = 0; m < recording.meshes.size(); ++m)
+        meshes_.emplace_back(recording.meshes[m].name, recording.meshes[m].data,
+                             MeshOptions{.inside = inside_of(recording, m)});
 }
 
-bool SheetJudge::is_solid(std::uint32_t body) const {
-    return meshes_[recording_.bodies[body].mesh].traits().closed() &&
+bool SheetJudge::is_solid(std::uint32_t body, std::uint32_t frame) const {
+    return meshes_[recording_.mesh_of(body, frame)].inside().exists() &&
            !recording_.bodies[body].collision.sheet;
 }
 
-Vec3d SheetJudge::place(std::uint32_t body, std::uint32_t vertex, std::uint32_t frame) const {
+/// Where a vertex is in a frame, of the mesh of a later frame `to`.
+Vec3d SheetJudge::place(std::uint32_t body, std::uint32_t vertex, std::uint32_t frame,
+                        std::uint32_t to) const {
     const RecordedBody& b = recording_.bodies[body];
-    if (b.motion == Motion::deforming) return to_double(recording_.positions(body, frame)[vertex]);
+    if (b.motion == Motion::deforming)
+        return to_double(recording_.start_positions(body, frame, to)[vertex]);
     return frame_of(recording_.pose(body, frame))
         .to_parent(to_double(recording_.meshes[b.mesh].data.positions[vertex]));
 }
@@ -69,11 +74,11 @@ Vec3d SheetJudge::place(std::uint32_t body, std::uint32_t vertex, std::uint32_t 
 SheetJudge::Corners SheetJudge::corners(const FeatureMeeting& m, std::uint32_t frame,
                                         double time) const {
     const auto at = [&](std::uint32_t body, std::uint32_t vertex) {
-        const Vec3d start = place(body, vertex, frame - 1);
-        return start + time * (place(body, vertex, frame) - start);
+        const Vec3d start = place(body, vertex, frame - 1, frame);
+        return start + time * (place(body, vertex, frame, frame) - start);
     };
-    const MeshView of_a = meshes_[recording_.bodies[m.a].mesh].view({}),
-                   of_b = meshes_[recording_.bodies[m.b].mesh].view({});
+    const MeshView of_a = meshes_[recording_.mesh_of(m.a, frame)].view({}),
+                   of_b = meshes_[recording_.mesh_of(m.b, frame)].view({});
     if (m.edges) {
         const Edge &e = of_a.edges[m.item], &f = of_b.edges[m.other];
         return {at(m.a, e.vertex[0]), at(m.a, e.vertex[1]), at(m.b, f.vertex[0]),
@@ -112,7 +117,7 @@ bool SheetJudge::goes_through(const FeatureMeeting& m, std::uint32_t frame) cons
 
 /// True if a vertex is behind a solid's triangle when the step begins.
 bool SheetJudge::leaves(const FeatureMeeting& m, std::uint32_t frame) const {
-    if (m.edges || !is_solid(m.b)) return false;
+    if (m.edges || !is_solid(m.b, frame)) return false;
     const Corners p = corners(m, frame, 0);
     return dot(cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]) < 0;
 }

@@ -56,8 +56,9 @@ public:
 private:
     using Corners = std::array<Vec3d, 4>;
 
-    bool is_solid(std::uint32_t body) const;
-    Vec3d place(std::uint32_t body, std::uint32_t vertex, std::uint32_t frame) const;
+    bool is_solid(std::uint32_t body, std::uint32_t frame) const;
+    Vec3d place(std::uint32_t body, std::uint32_t vertex, std::uint32_t frame,
+                std::uint32_t to) const;
     Corners corners(const FeatureMeeting& m, std::uint32_t frame, double time) const;
     bool is_near(const FeatureMeeting& m, std::uint32_t frame, double time) const;
     bool goes_through(const FeatureMeeting& m, std::uint32_t frame) const;

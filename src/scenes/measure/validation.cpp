@@ -72,7 +72,7 @@ struct Judge::State {
     State(const Recording& frames, const Settings& settings, std::uint32_t stride)
         : recording(frames), every(stride), world(reference_backend(), settings) {
         for (const SceneMesh& mesh : recording.meshes)
-            meshes.push_back(world.add_mesh(mesh.name, mesh.data));
+            meshes.push_back(world.add_mesh(mesh.name, mesh.data, {.inside = mesh.inside}));
     }
 
     /// A body of the recording while it is in the world.
@@ -104,6 +104,8 @@ struct Judge::State {
             const std::span<const Vec3f> there = state.recording.positions(index, frame);
             std::vector<Vec3f> positions(there.begin(), there.end());
             for (Vec3f& p : positions) p = to_float(to_double(p) + shift);
+            const MeshId mesh = state.meshes[state.recording.mesh_of(index, frame)];
+            if (state.world.mesh_of(id) != mesh) state.world.set_mesh(id, mesh, positions);
             state.world.set_positions(id, positions);
         }
 
@@ -123,7 +125,8 @@ struct Judge::State {
                 return state.world.set_pose(id, {.position = {std::nan(""), 0, 0}, .rotation = {}});
             const Vec3f nowhere{std::nanf(""), 0, 0};
             state.world.set_positions(
-                id, std::vector<Vec3f>(state.recording.positions(index, 0).size(), nowhere));
+                id, std::vector<Vec3f>(state.world.mesh(state.world.mesh_of(id)).positions().size(),
+                                       nowhere));
         }
     };
 

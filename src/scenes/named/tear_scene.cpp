@@ -74,7 +74,7 @@ SceneBody pulled_solid(std::uint32_t mesh, const MeshData& data, double length) 
     SceneBody body{.name = "solid",
                    .mesh = mesh,
                    .motion = Motion::deforming,
-                   .pose = {{0, -2, 0.8}, {}},
+                   .pose = {{0, -2, 0.4}, {}},
                    .ground = false,
                    .collision = {},
                    .shape_matching = 0};

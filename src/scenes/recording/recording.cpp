@@ -182,8 +182,23 @@ std::span<const Vec3f> Recording::positions(std::uint32_t body, std::uint32_t fr
             frame_size(*this, b, frame) / 3};
 }
 
+std::span<const Vec3f> Recording::start_positions(std::uint32_t body, std::uint32_t from,
+                                                  std::uint32_t frame) const {
+    return positions(body, mesh_of(body, from) == mesh_of(body, frame) ? from : frame);
+}
+
 std::uint32_t Recording::mesh_of(std::uint32_t body, std::uint32_t frame) const {
     return scenes::mesh_of(bodies[body], frame);
+}
+
+Inside inside_of(const Recording& recording, std::uint32_t mesh) {
+    for (const RecordedBody& body : recording.bodies)
+        if (body.collision.sheet &&
+            (body.mesh == mesh || std::ranges::any_of(body.mesh_changes, [&](const auto& change) {
+                 return change.mesh == mesh;
+             })))
+            return Inside::none;
+    return recording.meshes[mesh].inside;
 }
 
 void require_lasting_meshes(const Recording& recording, const std::string& what) {

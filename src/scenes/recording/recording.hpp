@@ -42,7 +42,14 @@ struct Recording {
     std::uint32_t mesh_of(std::uint32_t body, std::uint32_t frame) const;
     /// Where a deforming body's vertices are in a frame.
     std::span<const Vec3f> positions(std::uint32_t body, std::uint32_t frame) const;
+    /// Where these vertices were when the step from another frame began: a body that has got
+    /// another mesh since then begins where it ends.
+    std::span<const Vec3f> start_positions(std::uint32_t body, std::uint32_t from,
+                                           std::uint32_t frame) const;
 };
+
+/// What decides on the inside of a mesh: nothing if a sheet has it.
+Inside inside_of(const Recording& recording, std::uint32_t mesh);
 
 /// Throws InputError if a body's mesh changes: `what` needs meshes that stay.
 void require_lasting_meshes(const Recording& recording, const std::string& what);

@@ -92,6 +92,64 @@ TEST_F(RecordingTest, ReadsBackWhatItWrote) {
     EXPECT_EQ(read.pose(0, 2).rotation.w, 1) << "a static body may have one frame only";
 }
 
+/// The sample with a soft body that is a box in frame 1 and a ball again in frame 2.
+Recording changing(Recording recording) {
+    const MeshData ball = sphere(1, 1), cube = box({-1, -1, -1}, {1, 1, 1});
+    recording.meshes.push_back({"cube", cube, {}});
+    RecordedBody& soft = recording.bodies[2];
+    soft.mesh_changes = {{1, 2}, {2, 1}};
+    soft.values.clear();
+    for (const MeshData* mesh : {&ball, &cube, &ball})
+        for (Vec3f p : mesh->positions) soft.values.insert(soft.values.end(), {p.x, p.y, p.z});
+    return recording;
+}
+
+TEST_F(RecordingTest, BodiesMayChangeTheirMesh) {
+    write_recording(changing(sample()), folder);
+    const Recording read = read_recording(folder);
+    EXPECT_EQ(read.frame_count, 3u);
+    const std::vector<std::uint32_t> meshes{read.mesh_of(2, 0), read.mesh_of(2, 1),
+                                            read.mesh_of(2, 2)};
+    EXPECT_EQ(meshes, (std::vector<std::uint32_t>{1, 2, 1}));
+    for (std::uint32_t f = 0; f < 3; ++f)
+        EXPECT_TRUE(
+            std::ranges::equal(read.positions(2, f), read.meshes[meshes[f]].data.positions));
+    EXPECT_TRUE(std::ranges::equal(read.start_positions(2, 0, 1), read.positions(2, 1)));
+    EXPECT_EQ(read.start_positions(2, 0, 2).data(), read.positions(2, 0).data());
+
+    const Recording part = excerpt(read, 1, 2), few = thinned(read, 1);
+    EXPECT_EQ(part.bodies[2].mesh, 2u);
+    EXPECT_EQ(part.mesh_of(2, 1), 1u);
+    EXPECT_TRUE(std::ranges::equal(part.positions(2, 0), read.positions(2, 1)));
+    EXPECT_TRUE(std::ranges::equal(part.positions(2, 1), read.positions(2, 2)));
+    EXPECT_TRUE(few.bodies[2].mesh_changes.empty());
+    EXPECT_THAT([&] { require_lasting_meshes(read, "this"); },
+                ThrowsMessage<InputError>(HasSubstr("body 'soft' changes")));
+    EXPECT_NO_THROW(require_lasting_meshes(sample(), "this"));
+}
+
+TEST_F(RecordingTest, RefusesChangesThatDoNotFit) {
+    write_recording(changing(sample()), folder);
+    overwrite("scene.json", "\"frame\": 2", "\"frame\": 1");
+    expect_refused("ascending frames");
+    write_recording(changing(sample()), folder);
+    overwrite("scene.json", "\"frame\": 2", "\"frame\": -2");
+    expect_refused("ascending frames");
+    write_recording(changing(sample()), folder);
+    overwrite("scene.json", "\"frame\": 2", "\"frame\": 3");
+    expect_refused("whole frames");
+    write_recording(changing(sample()), folder);
+    overwrite("scene.json", "\"mesh\": \"cube\"", "\"mesh\": \"tube\"");
+    expect_refused("unknown mesh 'tube'");
+    write_recording(changing(sample()), folder);
+    overwrite("scene.json", "\"motion\": \"deforming\"", "\"motion\": \"rigid\"");
+    expect_refused("poses");
+    Recording longer = changing(sample());
+    longer.bodies[2].values.resize(longer.bodies[2].values.size() + 3);
+    write_recording(longer, folder);
+    expect_refused("whole frames");
+}
+
 TEST(RecordingFramesTest, PartsOfARecordingHaveItsFrames) {
     const Recording all = lattice(3, 10, LatticeMotion::soft);
     const Recording part = excerpt(all, 4, 3), few = thinned(all, 5);
@@ -114,8 +172,8 @@ TEST_F(RecordingTest, DamageIsNamed) {
     overwrite("scene.json", "pierce-recording", "other");
     expect_refused("is not a pierce-recording");
     write_recording(sample(), folder);
-    overwrite("scene.json", "\"version\": 1", "\"version\": 2");
-    expect_refused("version 2");
+    overwrite("scene.json", "\"version\": 1", "\"version\": 3");
+    expect_refused("version 3");
     write_recording(sample(), folder);
     overwrite("scene.json", "\"dt\": 0.01", "\"dt\": -0.01");
     expect_refused("dt must be positive");

@@ -1,5 +1,6 @@
 #include "app/reports/accuracy/accuracy_report.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <nlohmann/json.hpp>
@@ -23,16 +24,10 @@ std::string two(const std::vector<double>& values, double scale) {
                : fmt::format("{:.3f}, {:.2f}", scale * spread.median, scale * spread.p95);
 }
 
-/// The main plot of a scene, and a table of all figures.
-void speed_against_error_of(const std::string& scene, bool soft,
+/// The main plot of a motion, and a table of all figures.
+void speed_against_error_of(const std::string& name, const std::string& bodies,
+                            const scenes::Recording& recording,
                             const AccuracyReportOptions& options, Page& page) {
-    const std::string name = scene + (soft ? "_soft" : "");
-    const std::uint32_t count = soft ? (options.count + 3) / 4 : options.count;  // they are
-                                                                                 // simulated slowly
-    const scenes::Recording recording = simulate(
-                                            scenes::make_scene(scene, {count, soft, options.seed}),
-                                            scenes::Method::rays, {}, options.timing)
-                                            .recording;
     const std::vector<scenes::TrueFrame> truth = truth_of(recording, options.every);
     std::vector<std::string> left_out;
     const auto begin = std::chrono::steady_clock::now();
@@ -44,15 +39,13 @@ void speed_against_error_of(const std::string& scene, bool soft,
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
 
     page.line("### {}\n", name);
-    page.line("{} bodies and the ground, {} frames, {} of them with the truth.", count,
+    page.line("{} and the ground, {} frames, {} of them with the truth.", bodies,
               recording.frame_count, truth.size());
     page.line(
         "The comparison took {:.1f} s of processor time in {:.1f} s. Other work, if there was, "
         "makes long frames longer.",
         processor, wall.count());
-    page.plot(speed_against_error(figures_of(results),
-                                  fmt::format("{} {} {}", count, soft ? "soft" : "rigid", scene)),
-              "f1_" + name);
+    page.plot(speed_against_error(figures_of(results), bodies), "f1_" + name);
     page.line(
         "| method | ms a frame, median | missed pairs | false pairs | missed vertices [%] | missed "
         "depth [%] | depth / "
@@ -70,6 +63,36 @@ void speed_against_error_of(const std::string& scene, bool soft,
     for (const std::string& line : left_out) page.line("Left out: {}.\n", line);
 }
 
+void falling_bodies(const std::string& scene, bool soft, const AccuracyReportOptions& options,
+                    Page& page) {
+    const std::uint32_t count = soft ? (options.count + 3) / 4 : options.count;  // they are
+                                                                                 // simulated slowly
+    const scenes::Recording recording = simulate(
+                                            scenes::make_scene(scene, {count, soft, options.seed}),
+                                            scenes::Method::rays, {}, options.timing)
+                                            .recording;
+    speed_against_error_of(scene + (soft ? "_soft" : ""),
+                           fmt::format("{} {} {}", count, soft ? "soft" : "rigid", scene),
+                           recording, options, page);
+}
+
+/// Bodies whose meshes change.
+void torn_bodies(const AccuracyReportOptions& options, Page& page) {
+    constexpr double until_all_lies = 6;  // [s]
+    const scenes::SceneSetup scene = scenes::make_scene("tear", {.seed = options.seed});
+    const scenes::Recording recording = simulate(scene, scenes::Method::rays, {},
+                                                 {std::min(options.timing.seconds, until_all_lies),
+                                                  scene.dt})
+                                            .recording;
+    std::size_t changes = 0;
+    for (const scenes::RecordedBody& body : recording.bodies) changes += body.mesh_changes.size();
+    speed_against_error_of("tear",
+                           fmt::format("A sheet and a soft solid whose meshes change {} times "
+                                       "while they tear",
+                                       changes),
+                           recording, options, page);
+}
+
 }  // namespace
 
 int report_accuracy(const AccuracyReportOptions& options) {
@@ -78,9 +101,10 @@ int report_accuracy(const AccuracyReportOptions& options) {
     page.line("## Speed against error\n");
     page.line("{:g} s at {:g} s a step; the truth is known of one frame in {}.\n",
               options.timing.seconds, options.timing.dt, options.every);
-    speed_against_error_of("tori", false, options, page);
-    speed_against_error_of("bunnies", false, options, page);
-    speed_against_error_of("tori", true, options, page);
+    falling_bodies("tori", false, options, page);
+    falling_bodies("bunnies", false, options, page);
+    falling_bodies("tori", true, options, page);
+    torn_bodies(options, page);
     leaks_figure(options, page);
     resolution_figure(options, page);
     depth_figure(options, page);

@@ -32,7 +32,7 @@ TEST_F(AppTest, ReportsOnAccuracy) {
          {"### tori_soft", "Left out: gjk-epa", "Leaks over", "ratio of resolutions",
           "Depth over overlap", "| 25 | comoving_fold, after it | no contact |"})
         EXPECT_THAT(page, HasSubstr(part));
-    for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft"}) {
+    for (const char* name : {"f1_tori", "f1_bunnies", "f1_tori_soft", "f1_tear"}) {
         const Csv csv = read_csv(out / (std::string(name) + ".csv"));
         EXPECT_GT(csv.number("full", "ms"), 0) << name;
         EXPECT_GT(csv.number("complete", "pairs"), 0) << name;
