@@ -19,7 +19,6 @@ using scenes::Accuracy;
 
 namespace {
 
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 json to_json(const Comparison& c) {
     const Accuracy& a = c.accuracy;

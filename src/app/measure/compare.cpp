@@ -96,9 +96,10 @@ namespace {
 
 double median_of(std::vector<double> values) { return spread_of(std::move(values)).median; }
 double p95_of(std::vector<double> values) { return spread_of(std::move(values)).p95; }
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 }  // namespace
+
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 void add_convex_pieces(scenes::SceneSetup& scene) {
     for (scenes::SceneMesh& mesh : scene.meshes)

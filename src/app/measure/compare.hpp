@@ -49,6 +49,9 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
 /// size.
 void add_convex_pieces(scenes::SceneSetup& scene);
 
+/// An angle in degrees, as tables have it.
+double degrees(double radians);
+
 /// Times and errors, a row for each method.
 Table figures_of(std::span<const Comparison> results);
 

@@ -73,7 +73,10 @@ std::uint32_t Simulation::State::tear() {
         if (tears == 0) continue;
         count += tears;
         const SceneMesh& before = scene.meshes[scene.bodies[i].mesh];
-        const SceneMesh mesh{before.name + " torn", mesh_of(i), {}, before.inside};
+        const SceneMesh mesh{.name = before.name + " torn",
+                             .data = mesh_of(i),
+                             .convex_pieces = {},
+                             .inside = before.inside};
         btSoftBody& body = *soft_body(i);
         const std::vector<Vec3f> positions = node_positions(body);
         rays->set_mesh(i, mesh, positions);
@@ -233,7 +236,8 @@ void Simulation::State::record_mesh(Recording& recording, std::uint32_t index) c
     const auto number = static_cast<std::uint32_t>(recording.meshes.size());
     const SceneMesh& first = recording.meshes[body.mesh];
     const std::string name = body.name + " from frame " + std::to_string(recording.frame_count);
-    recording.meshes.push_back({name, mesh, {}, first.inside});
+    recording.meshes.push_back(
+        {.name = name, .data = mesh, .convex_pieces = {}, .inside = first.inside});
     if (recording.frame_count == 0)
         body.mesh = number;
     else
