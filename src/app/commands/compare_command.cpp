@@ -19,7 +19,6 @@ using scenes::Accuracy;
 
 namespace {
 
-
 json to_json(const Comparison& c) {
     const Accuracy& a = c.accuracy;
     const Spread ms = spread_of(c.ms);
