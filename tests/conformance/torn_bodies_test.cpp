@@ -51,7 +51,7 @@ TEST_P(TornBodiesTest, ContactsAreThoseOfMeshesThatAreLoadedAnew) {
     for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
         put_frame(*detector, recording, f);
         detector->detect();
-        bool sheet_is_new = false, is_new = false;
+        bool sheet_is_new = f == 0, is_new = false;
         for (const scenes::RecordedBody& body : recording.bodies)
             for (const scenes::RecordedMeshChange& change : body.mesh_changes) {
                 if (change.frame != f) continue;

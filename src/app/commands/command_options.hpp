@@ -122,7 +122,8 @@ inline void add_scene(CLI::App& command, RunOptions& options) {
     command.add_option("--seed", options.seed, "of the bodies' rotations")->capture_default_str();
     command
         .add_option("--nodes", options.nodes,
-                    "of a sheet, vertices along a side; the scene's own number if not given")
+                    "of a sheet, vertices along a side; of a torus, around its hole; the "
+                    "scene's own number if not given")
         ->check(CLI::Range(2u, 10000u));
 }
 

@@ -54,13 +54,19 @@ public:
     RayDetector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
         : scene_(scene, std::move(backend), settings) {
         for (const SceneBody& body : scene.bodies) meshes_.push_back(body.mesh);
+        is_placed_.assign(scene.bodies.size(), false);
     }
 
+    // A body that is put somewhere for the first time has not moved there.
     void set_pose(std::uint32_t body, const Pose& pose) override {
-        scene_.world.set_pose(scene_.bodies[body], pose);
+        if (is_placed_[body]) return scene_.world.set_pose(scene_.bodies[body], pose);
+        is_placed_[body] = true;
+        scene_.world.set_motion(scene_.bodies[body], pose, pose);
     }
     void set_positions(std::uint32_t body, std::span<const Vec3f> positions) override {
-        scene_.world.set_positions(scene_.bodies[body], positions);
+        if (is_placed_[body]) return scene_.world.set_positions(scene_.bodies[body], positions);
+        is_placed_[body] = true;
+        scene_.world.set_motion(scene_.bodies[body], positions, positions);
     }
     void set_mesh(std::uint32_t body, const Recording& recording, std::uint32_t mesh,
                   std::span<const Vec3f> positions) override {
@@ -92,7 +98,8 @@ public:
 
 private:
     SceneWorld scene_;
-    std::vector<std::uint32_t> meshes_;  ///< by body
+    std::vector<std::uint32_t> meshes_;  ///< by body, like the next one
+    std::vector<bool> is_placed_;
 };
 
 /// Bullet's collision world without dynamics.

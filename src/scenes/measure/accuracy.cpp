@@ -34,6 +34,8 @@ void AccuracyCount::add(const TrueFrame& truth, std::span<const MethodContact> c
     std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, const MethodContact*>
         by_vertex;
     for (const MethodContact& c : contacts) {
+        // The truth knows nothing about bodies that meet themselves.
+        if (c.a == c.b) continue;
         double& depth = found[{c.a, c.b}];
         depth = std::max(depth, c.depth);
         if (c.vertex != no_vertex)

@@ -39,8 +39,11 @@ SceneMesh ground_mesh() {
     return {"ground", std::move(data), {std::move(corners)}};
 }
 
-SceneMesh torus_mesh() {
-    constexpr std::uint32_t around = 30, across = 10;
+/// A torus of `nodes` vertices around its hole, and a third of that around its tube.
+SceneMesh torus_mesh(std::uint32_t nodes) {
+    constexpr std::uint32_t plain_nodes = 30, least_nodes = 9;
+    const std::uint32_t around = nodes == 0 ? plain_nodes : std::max(nodes, least_nodes),
+                        across = around / 3;
     SceneMesh mesh{"torus", torus(2, 0.5, around, across), {}};
     for (std::uint32_t i = 0; i < around; ++i) {
         std::vector<Vec3f> piece;
@@ -96,7 +99,7 @@ std::span<const SceneInfo> scene_list() { return scene_infos; }
 
 SceneSetup make_scene(const std::string& name, const SceneParameters& parameters) {
     if (parameters.count == 0) throw InputError("scene '" + name + "' needs at least one body");
-    if (name == "tori") return falling(name, torus_mesh(), parameters);
+    if (name == "tori") return falling(name, torus_mesh(parameters.nodes), parameters);
     if (name == "bunnies") return falling(name, bunny_mesh(), parameters);
     if (name == "cloth-capsule") return cloth_capsule(parameters);
     if (name == "cloth-fold") return cloth_fold(parameters);

@@ -89,7 +89,8 @@ struct SceneParameters {
     std::uint32_t count = 100;  ///< number of falling bodies
     bool soft = false;          ///< falling bodies deform
     std::uint32_t seed = 1;
-    std::uint32_t nodes = 0;  ///< of a sheet, along a side; 0: as many as the scene was made for
+    std::uint32_t nodes = 0;  ///< of a sheet, along a side; of a torus, around its hole; 0: as many
+                              ///< as the scene was made for
 };
 
 struct SceneInfo {
