@@ -314,7 +314,7 @@ Recording picked(const Recording& recording, std::uint32_t first, std::uint32_t 
         const RecordedBody& whole = recording.bodies[b];
         RecordedBody& body = result.bodies[b];
         // A body that stays has one frame.
-        if (body.motion == Motion::fixed && body.values.size() == pose_size) continue;
+        if (body.motion != Motion::deforming && body.values.size() == pose_size) continue;
         body.values.clear();
         body.mesh_changes.clear();
         body.mesh = recording.mesh_of(b, first);
