@@ -50,6 +50,8 @@ std::uint32_t Tearing::tear() {
     struct Stretched {
         btScalar by;
         int link;
+        std::uint32_t node[2];
+        btVector3 across;
     };
     const auto node_of = [&](const btSoftBody::Node* node) {
         return static_cast<std::uint32_t>(node - &soft_.m_nodes[0]);
@@ -57,39 +59,28 @@ std::uint32_t Tearing::tear() {
     std::vector<Stretched> stretched;
     for (int l = 0; l < soft_.m_links.size(); ++l) {
         const btSoftBody::Link& link = soft_.m_links[l];
-        const btScalar by = (link.m_n[0]->m_x - link.m_n[1]->m_x).length() / link.m_rl;
-        if (by > static_cast<btScalar>(settings_.limit) &&
-            is_edge(node_of(link.m_n[0]), node_of(link.m_n[1])))
-            stretched.push_back({by, l});
+        const btVector3 way = link.m_n[1]->m_x - link.m_n[0]->m_x;
+        const btScalar by = way.length() / link.m_rl;
+        const std::uint32_t a = node_of(link.m_n[0]), b = node_of(link.m_n[1]);
+        if (by > static_cast<btScalar>(settings_.limit) && is_edge(a, b))
+            stretched.push_back({.by = by, .link = l, .node = {a, b}, .across = way.normalized()});
     }
     std::ranges::sort(stretched, [](const Stretched& a, const Stretched& b) {
         return a.by > b.by || (a.by == b.by && a.link < b.link);
     });
 
     // What is near a new tear is relieved by it, and must show its stretch anew.
-    struct Tear {
-        std::uint32_t node[2];
-        btVector3 across;
-    };
-    std::vector<Tear> tears;
-    for (const Stretched& s : stretched) {
-        const btSoftBody::Link& link = soft_.m_links[s.link];
-        tears.push_back({{node_of(link.m_n[0]), node_of(link.m_n[1])},
-                         (link.m_n[1]->m_x - link.m_n[0]->m_x).normalized()});
-    }
     Vertices done;
     std::uint32_t count = 0;
-    for (const Tear& t : tears) {
+    for (const Stretched& s : stretched) {
         if (count == settings_.most_at_once) break;
-        const bool is_near = std::ranges::any_of(t.node, [&](std::uint32_t n) {
-            return std::ranges::any_of(triangles_of_[n], [&](std::uint32_t triangle) {
-                return std::ranges::any_of(mesh_.triangles[triangle].vertex,
-                                           [&](std::uint32_t v) { return done.contains(v); });
-            });
+        const bool is_near = std::ranges::any_of(s.node, [&](std::uint32_t n) {
+            return std::ranges::any_of(around(n),
+                                       [&](std::uint32_t v) { return done.contains(v); });
         });
         if (is_near) continue;
-        for (std::uint32_t n : t.node) {
-            if (!split(n, t.across)) continue;
+        for (std::uint32_t n : s.node) {
+            if (!split(n, s.across)) continue;
             done.insert({n, static_cast<std::uint32_t>(mesh_.positions.size() - 1)});
             ++count;
             break;
