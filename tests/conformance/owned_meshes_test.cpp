@@ -125,5 +125,15 @@ TEST(OwnedMeshesTest, AllBackendsFindTheSameContactsOfDamagedMeshes) {
     EXPECT_GT(closed, 150);
 }
 
+TEST(OwnedMeshesTest, AllBackendsFindTheSameContactsOfOverlappingParts) {
+    for (std::uint32_t seed = 0; seed < 24; ++seed) {
+        test::Random random(seed);
+        const MeshData mesh = test::random_overlapping_parts(random);
+        if (mesh.triangles.size() > 2 * few_triangles) continue;
+        expect_same_on_all_backends(mesh, Inside::automatic, seed % 2 == 0,
+                                    "seed " + std::to_string(seed));
+    }
+}
+
 }  // namespace
 }  // namespace pierce

@@ -53,6 +53,20 @@ MeshData random_closed_mesh(Random& random) {
     }
 }
 
+MeshData random_overlapping_parts(Random& random) {
+    MeshData all;
+    for (int parts = random.integer(2, 4); parts > 0; --parts) {
+        const MeshData part = random_closed_mesh(random);
+        const auto first = static_cast<std::uint32_t>(all.positions.size());
+        for (Vec3f p : placed(part, {random.in_box(0.7), random.rotation()}))
+            all.positions.push_back(p);
+        for (const Triangle& t : part.triangles)
+            all.triangles.push_back(
+                {{first + t.vertex[0], first + t.vertex[1], first + t.vertex[2]}});
+    }
+    return all;
+}
+
 std::vector<Vec3f> placed(const MeshData& mesh, const Pose& pose) {
     const Frame frame = frame_of(pose);
     std::vector<Vec3f> positions;

@@ -37,6 +37,9 @@ private:
 /// star-shaped thing with spikes. Diameter about 2.
 MeshData random_closed_mesh(Random& random);
 
+/// Two to four such meshes in one, each turned and near the others, so that most overlap.
+MeshData random_overlapping_parts(Random& random);
+
 /// `mesh` moved by a pose, as float32 positions.
 std::vector<Vec3f> placed(const MeshData& mesh, const Pose& pose);
 

@@ -46,7 +46,8 @@ void print(const std::string& file, const MeshReport& report) {
         report.vertices, report.triangles, report.components, report.components == 1 ? "" : "s",
         report.traits.volume, size.x, size.y, size.z);
     fmt::print("mean edge {:.6g}\n", report.traits.mean_edge_length);
-    if (report.inside.rule != Inside::closed) fmt::print("  inside: {}\n", describe(report.inside));
+    if (report.inside.rule != Inside::closed || report.inside.covered_triangles > 0)
+        fmt::print("  inside: {}\n", describe(report.inside));
     for (const MeshFinding& finding : report.findings)
         fmt::print("  {} {}: {}{}\n      {}\n", changes_detection(finding.kind) ? "!" : "-",
                    name(finding.kind), finding.count, places_text(finding), meaning(finding.kind));
@@ -54,6 +55,7 @@ void print(const std::string& file, const MeshReport& report) {
 
 json to_json(const MeshInside& inside) {
     return {{"rule", name(inside.rule)},
+            {"covered_triangles", inside.covered_triangles},
             {"joined_vertices", inside.joined_vertices},
             {"turned_triangles", inside.turned_triangles},
             {"left_out_triangles", inside.left_out_triangles},

@@ -71,7 +71,12 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
                                    collision.self == SelfCollision::published);
     }
 
-    PIERCE_HD Surface surface() const { return {positions, mesh.triangles, touch}; }
+    PIERCE_HD Surface surface() const {
+        return {.positions = positions,
+                .triangles = mesh.triangles,
+                .touch = touch,
+                .covered = collision.sheet ? View<const Cover>{} : mesh.covered};
+    }
 
     /// How far beyond its box and its touch tolerance another body may matter to this one.
     PIERCE_HD double outreach() const { return reach + travel + collision.thickness; }

@@ -8,6 +8,7 @@
 #include "core/mesh/clearance_grid.hpp"
 #include "core/mesh/leaf.hpp"
 #include "core/mesh/slab_grid.hpp"
+#include "core/mesh/surface.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/ids.hpp"
@@ -143,6 +144,7 @@ struct MeshArrays {
     Array<BoxNode> box_nodes;     ///< a tree of boxes (box_nodes.hpp) around the rest shape
     Array<bvh::Leaf> leaves;      ///< all triangles, by ones and twos
     Array<MeshPart> parts;        ///< of every connected part
+    Array<Cover> covered;         ///< per triangle, of the rest shape; empty if no parts overlap
     Array<Neighbors> neighbors;   ///< per triangle
     Array<TriangleRing> rings;    ///< per triangle; of the rest shape
     Array<float> star_clearance;  ///< per vertex; empty for a mesh that is not closed
@@ -175,6 +177,7 @@ constexpr void for_each_array(F&& f, M&... m) {
     f(m.box_nodes...);
     f(m.leaves...);
     f(m.parts...);
+    f(m.covered...);
     f(m.neighbors...);
     f(m.rings...);
     f(m.star_clearance...);

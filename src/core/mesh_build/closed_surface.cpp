@@ -10,6 +10,7 @@
 #include "core/base/disjoint_sets.hpp"
 #include "core/mesh/coincident_vertices.hpp"
 #include "core/mesh_build/caps.hpp"
+#include "core/mesh_build/covered_triangles.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
 #include "core/mesh_build/winding_tree.hpp"
 #include "pierce/constants.hpp"
@@ -225,12 +226,19 @@ ClosedSurface closed_surface(const MeshData& mesh, Inside rule) {
     return result;
 }
 
-ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule) {
+ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule,
+                                  Workers& workers) {
+    ClosedSurface surface;
     if (rule == Inside::winding || (rule == Inside::automatic && !traits.closed()))
-        return closed_surface(mesh, rule);
-    ClosedSurface as_given;
-    if (rule != Inside::none && traits.closed()) as_given.inside.rule = Inside::closed;
-    return as_given;
+        surface = closed_surface(mesh, rule);
+    else if (rule != Inside::none && traits.closed())
+        surface.inside.rule = Inside::closed;
+    if (!surface.inside.exists() || rule == Inside::closed) return surface;
+    surface.covered = covered_triangles(
+        mesh.positions, surface.inside.rule == Inside::winding ? surface.triangles : mesh.triangles,
+        workers);
+    surface.inside.covered_triangles = count_covered(surface.covered);
+    return surface;
 }
 
 ClosedSurface mended_surface(const MeshData& mesh) {

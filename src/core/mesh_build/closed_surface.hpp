@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/workers.hpp"
+#include "core/mesh/surface.hpp"
 #include "pierce/inside.hpp"
 #include "pierce/mesh.hpp"
 
@@ -13,6 +15,7 @@ struct ClosedSurface {
     std::vector<Triangle> triangles;  ///< those of the mesh that are kept, in their order, and then
                                       ///< caps
     std::vector<std::uint32_t> given;  ///< per triangle, its id in the mesh; no_triangle for caps
+    std::vector<Cover> covered;        ///< covered_triangles() of the surface
     MeshInside inside;
 };
 
@@ -25,7 +28,8 @@ ClosedSurface closed_surface(const MeshData& mesh, Inside rule);
 
 /// The surface of a mesh by a rule, and what is inside it. Where the rule in effect is not
 /// Inside::winding, the surface is the mesh as it was given, and is not repeated here.
-ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule);
+ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule,
+                                  Workers& workers);
 
 /// The same as closed_surface() for a mesh that stays open: nothing is left out but doubles, and
 /// only holes with small caps are closed.

@@ -37,11 +37,18 @@ std::string caps_of(const MeshInside& inside) {
            std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the area)";
 }
 
+std::string covered_in(const MeshInside& inside) {
+    if (inside.covered_triangles == 0) return "";
+    return "; parts of the mesh overlap and count as one solid: " +
+           counted(inside.covered_triangles, "triangle is", "triangles are") +
+           " covered by other parts, or partly";
+}
+
 }  // namespace
 
 std::string describe(const MeshInside& inside) {
     if (inside.rule == Inside::closed)
-        return "closed: the surface as it was given decides what is inside";
+        return "closed: the surface as it was given decides what is inside" + covered_in(inside);
     if (inside.rule != Inside::winding)
         return inside.holes == 0 ? "no inside"
                                  : "no inside: to close " + counted(inside.holes, "hole", "holes") +
@@ -56,7 +63,7 @@ std::string describe(const MeshInside& inside) {
     if (inside.joined_vertices > 0)
         text += ", " + counted(inside.joined_vertices, "vertex", "vertices") +
                 " joined to an earlier one at the same position";
-    return text;
+    return text + covered_in(inside);
 }
 
 }  // namespace pierce

@@ -80,7 +80,7 @@ private:
     void see_arrays() {
         for_each_array([](auto& seen, const auto& owned) { seen = view_of(owned); }, view, arrays);
     }
-    HalfEdges choose_triangles(MeshData& data);
+    HalfEdges choose_triangles(MeshData& data, Workers& workers);
     void divide_into_patches(Workers& workers);
     void measure_boxes();
     void find_edges();
@@ -103,7 +103,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
         sum += to_double(p);
     }
     view.centroid = sum * (1.0 / static_cast<double>(data.positions.size()));
-    const HalfEdges sides = choose_triangles(data);
+    const HalfEdges sides = choose_triangles(data, crew);
     view.mean_edge_length = traits.mean_edge_length;
     view.closed = inside.exists();
     arrays.positions = std::move(data.positions);
@@ -126,11 +126,12 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
 }
 
 /// Decides what is inside, and with which triangles. Returns their sides.
-HalfEdges Mesh::Parts::choose_triangles(MeshData& data) {
+HalfEdges Mesh::Parts::choose_triangles(MeshData& data, Workers& workers) {
     HalfEdges sides(data.triangles, data.positions.size());
     traits = traits_of(data, sides, view.centroid);
-    ClosedSurface surface = surface_with_inside(data, traits, options.inside);
+    ClosedSurface surface = surface_with_inside(data, traits, options.inside, workers);
     inside = surface.inside;
+    arrays.covered = std::move(surface.covered);
     if (inside.rule != Inside::winding) return sides;
     given_triangles = std::exchange(data.triangles, std::move(surface.triangles));
     places = std::move(surface.given);
@@ -217,6 +218,11 @@ void Mesh::Parts::make_clearance() {
 }
 
 void Mesh::Parts::make_rings(Workers& workers) {
+    if (!arrays.covered.empty()) {
+        // What is known of the triangles near a point says nothing about parts that lie around it.
+        arrays.rings.resize(arrays.triangles.size());
+        return;
+    }
     arrays.rings = rings_of(view, workers, change.get());
     view.simple = traits.volume > 0 && arrays.parts.size() == 1 &&
                   std::ranges::all_of(arrays.rings, [](const TriangleRing& r) {

@@ -44,6 +44,7 @@ std::array<std::uint64_t, 2> key_of(const MeshView& mesh) {
         for (int r = 0; r < 3; ++r) add(std::bit_cast<std::uint32_t>(p[r]));
     for (const Triangle& t : mesh.triangles)
         for (std::uint32_t v : t.vertex) add(v);
+    for (Cover cover : mesh.covered) add(static_cast<std::uint32_t>(cover));
     return key;
 }
 

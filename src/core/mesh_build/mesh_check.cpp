@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/workers.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/triangle_pair.hpp"
@@ -272,7 +273,9 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
     if (!part.ids.empty()) {
         report.traits = traits_of(part.mesh, sides, report.box.center());
         report.closed = report.traits.closed();
-        report.inside = surface_with_inside(part.mesh, report.traits, options.inside).inside;
+        Workers workers(0);
+        report.inside = surface_with_inside(part.mesh, report.traits, options.inside, workers)
+                            .inside;
     }
     check_vertices(part.mesh, report.closed, connections, findings);
     const std::vector<Component> components = components_of(part.mesh, connections,

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/workers.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
@@ -12,8 +13,9 @@ namespace pierce {
 FixedMesh fix_mesh(const MeshData& mesh) {
     check_mesh_data("to fix", mesh);
     const HalfEdges sides(mesh.triangles, mesh.positions.size());
-    ClosedSurface surface = surface_with_inside(mesh, traits_of(mesh, sides, {}),
-                                                Inside::automatic);
+    Workers workers(0);
+    ClosedSurface surface = surface_with_inside(mesh, traits_of(mesh, sides, {}), Inside::automatic,
+                                                workers);
     if (!surface.inside.exists()) surface = mended_surface(mesh);
     if (surface.triangles.empty()) surface.triangles = mesh.triangles;
     FixedMesh fixed{{{}, std::move(surface.triangles)}, {}, surface.inside};

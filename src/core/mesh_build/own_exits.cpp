@@ -35,8 +35,10 @@ void for_each_triangle_that(const MeshView& mesh, const BoxLevels& levels, const
 }  // namespace
 
 std::vector<double> own_exits_of(const MeshView& mesh, Workers& workers) {
-    const Surface surface{mesh.positions, mesh.triangles,
-                          constants::touch_tolerance * mesh.box.extent()};
+    const Surface surface{.positions = mesh.positions,
+                          .triangles = mesh.triangles,
+                          .touch = constants::touch_tolerance * mesh.box.extent(),
+                          .covered = mesh.covered};
     // A ray in a triangle's plane touches the triangle from as far away as the touch tolerance.
     const double margin = constants::tree_margin * mesh.box.max_coordinate() + surface.touch;
     const BoxLevels levels(mesh.triangles.size);

@@ -31,13 +31,15 @@ PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32
 }
 
 /// The search for the triangle of a surface that is closest to a point and no further away than a
-/// limit; of equally close ones, the one with the smallest id.
+/// limit; of equally close ones, the one with the smallest id. Triangles that other parts of the
+/// surface cover do not count.
 class ClosestSearch {
 public:
     PIERCE_HD ClosestSearch(Vec3d point, const Surface& surface, double limit)
         : point_(point), surface_(surface), limit_(limit) {}
 
     PIERCE_HD void test(std::uint32_t triangle) {
+        if (surface_.covered.size > 0 && surface_.covered[triangle] == Cover::wholly) return;
         const double distance = distance_to(point_, surface_, triangle);
         if (!(distance < limit_ || (distance == limit_ && triangle < triangle_))) return;
         limit_ = distance;

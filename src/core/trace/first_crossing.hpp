@@ -27,6 +27,11 @@ PIERCE_HD inline bool is_excluded(const Triangle& t, const std::uint32_t (&exclu
 /// the ray has an `outward` and the answer does not lead out, the search also takes the last
 /// crossing behind the start, at most `outward` away. If that crossing leads out along the ray, it
 /// is the hit, marked as predicted.
+///
+/// Of a surface whose parts overlap (Surface::covered), the solid is their union: the search sums
+/// up all crossings of the ray, which is the winding number at its origin. If that is 1 or more,
+/// the hit is the crossing behind which it is 0; otherwise, if the origin does not touch, it is the
+/// first one that leads in. A ray with a `t_min` meets such a surface as any other.
 class CrossingSearch {
 public:
     PIERCE_HD CrossingSearch(const Ray& ray, const Surface& surface)
@@ -35,12 +40,14 @@ public:
         excluded_[1] = ray.excluded[1];
         outward_ = ray.outward;
         first_pass_ = !(ray.t_min > 0);
+        joins_parts_ = surface.covered.size > 0 && first_pass_;
+        if (joins_parts_) outward_ = 0;
         touch_ = ray.touch;
         after_ = first_pass_ ? touch_ : ray.t_min;
     }
 
     /// Triangles beyond this need not be shown any more. It only shrinks.
-    PIERCE_HD double limit() const { return min_of(t_max_, nearest_) + touch_; }
+    PIERCE_HD double limit() const { return min_of(reach(), nearest_) + touch_; }
     /// Triangles before this need not be shown.
     PIERCE_HD double begin() const { return first_pass_ ? -max_of(outward_, touch_) : after_; }
 
@@ -65,7 +72,7 @@ public:
                 look_behind(triangle, crossing);
             return;
         }
-        if (crossing.t > t_max_ + touch_) return;
+        if (crossing.t > reach() + touch_) return;
         if (summing_) {
             if (crossing.t <= nearest_ + touch_)
                 window_.add(triangle, crossing.sign, crossing_share(ray_, a, b, c, crossing));
@@ -90,25 +97,25 @@ public:
     PIERCE_HD bool again() {
         if (first_pass_) {
             first_pass_ = false;
-            if (coplanar_ != no_triangle) return settle(coplanar_, true);
-            if (start_.weight >= constants::crossing_weight) return settle(start_.exit, true);
+            touching_ = coplanar_ != no_triangle                      ? coplanar_
+                        : start_.weight >= constants::crossing_weight ? start_.exit
+                                                                      : no_triangle;
+            if (touching_ != no_triangle && !joins_parts_) return settle(touching_, true);
         }
         if (!summing_) {
-            if (nearest_triangle_ == no_triangle) return settle(no_triangle, false);
+            if (nearest_triangle_ == no_triangle) return end();
             if (nearest_clean_ && second_ > nearest_ + touch_)
-                return settle(nearest_triangle_, nearest_exit_);
+                return take(nearest_triangle_,
+                            nearest_exit_ ? 2 * constants::half_turn : -2 * constants::half_turn);
             summing_ = true;
             window_ = {};
             return true;
         }
-        if (window_.weight >= constants::crossing_weight) return settle(window_.exit, true);
-        if (window_.weight <= -constants::crossing_weight) return settle(window_.entry, false);
+        if (window_.weight >= constants::crossing_weight) return take(window_.exit, window_.weight);
+        if (window_.weight <= -constants::crossing_weight)
+            return take(window_.entry, window_.weight);
         grazed_ = true;
-        after_ = nearest_ + touch_;
-        summing_ = false;
-        nearest_ = second_ = std::numeric_limits<double>::infinity();
-        nearest_triangle_ = no_triangle;
-        return true;
+        return go_on(nearest_ + touch_);
     }
 
     PIERCE_HD Hit hit() const { return hit_; }
@@ -127,6 +134,43 @@ private:
                 entry = min_of(triangle, entry);
         }
     };
+
+    /// How far crossings count.
+    PIERCE_HD double reach() const {
+        return joins_parts_ && winding_ == 0 ? std::numeric_limits<double>::infinity() : t_max_;
+    }
+
+    /// A window that does not cancel.
+    PIERCE_HD bool take(std::uint32_t triangle, std::int64_t weight) {
+        if (!joins_parts_) return settle(triangle, weight > 0);
+        left_ += weight;
+        if (weight < 0 && entered_ == no_triangle && nearest_ <= t_max_ + touch_)
+            entered_ = triangle;
+        if (winding_ > 0 && left_ > winding_ - constants::crossing_weight)
+            return settle(triangle, true);
+        return go_on(nearest_ + touch_);
+    }
+
+    /// There is no crossing any more.
+    PIERCE_HD bool end() {
+        if (!joins_parts_ || winding_ > 0) return settle(no_triangle, false);
+        if (left_ < constants::crossing_weight) {
+            const bool touches = touching_ != no_triangle;
+            return settle(touches ? touching_ : entered_, touches);
+        }
+        winding_ = left_;
+        left_ = 0;
+        grazed_ = false;
+        return go_on(touch_);
+    }
+
+    PIERCE_HD bool go_on(double after) {
+        after_ = after;
+        summing_ = false;
+        nearest_ = second_ = std::numeric_limits<double>::infinity();
+        nearest_triangle_ = no_triangle;
+        return true;
+    }
 
     /// Notes a crossing behind the origin, if it is the last one so far.
     PIERCE_HD void look_behind(std::uint32_t triangle, const Crossing& crossing) {
@@ -157,6 +201,12 @@ private:
     double outward_ = 0;
     double behind_ = -std::numeric_limits<double>::infinity();
     std::uint32_t behind_triangle_ = no_triangle;
+    std::uint32_t touching_ = no_triangle;
+    // Of a surface whose parts overlap: the first entry, what the windows so far add up to, and
+    // what all of them do, once that is known.
+    std::uint32_t entered_ = no_triangle;
+    std::int64_t left_ = 0, winding_ = 0;
+    bool joins_parts_ = false;
     bool behind_exit_ = false;
     bool nearest_clean_ = false;
     bool nearest_exit_ = false;

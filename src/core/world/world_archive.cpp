@@ -170,6 +170,12 @@ void restore_slots(ArchiveReader& archive, SlotMap<Tag, Thing>& map, Take take) 
     }
 }
 
+/// The rule by which a mesh of the same data gets the same inside.
+Inside rule_that_made(const MeshInside& inside) {
+    const bool unites_parts = inside.rule == Inside::closed && inside.covered_triangles > 0;
+    return unites_parts ? Inside::automatic : inside.rule;
+}
+
 }  // namespace
 
 void World::save(std::ostream& out) const {
@@ -190,7 +196,7 @@ void World::save(std::ostream& out) const {
         const Mesh& mesh = *slot.thing.mesh;
         SavedMesh saved{.name = mesh.name(),
                         .data = mesh.data(),
-                        .inside = mesh.inside().rule,
+                        .inside = rule_that_made(mesh.inside()),
                         .key = slot.thing.key};
         transfer(archive, saved);
     }

@@ -67,7 +67,8 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(
             "inside out (negative volume): its normals point inward, so rays start in the wrong "
             "direction");
-    if (!body.collision.sheet && mesh.inside().rule == Inside::winding)
+    if (!body.collision.sheet &&
+        (mesh.inside().rule == Inside::winding || mesh.inside().covered_triangles > 0))
         note(pierce::describe(mesh.inside()));
     if (traits.degenerate_triangles > 0)
         note(std::to_string(traits.degenerate_triangles) +

@@ -54,10 +54,11 @@ TEST(TriangleRingsTest, NoTriangleOutsideTheRingIsCloserThanTheGap) {
     std::size_t zero = 0, limited = 0;
     for (int i = 0; i < 12; ++i) {
         // All triangles of a tetrahedron share vertices.
-        const Mesh made("any", i == 0
-                                   ? MeshData{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
-                                              {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}}
-                                   : random_mesh(random, i % 3 == 2));
+        const Mesh made("any",
+                        i == 0 ? MeshData{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                          {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}}
+                               : random_mesh(random, i % 3 == 2),
+                        {.inside = Inside::closed});
         const MeshView mesh = made.view();
         const double rounding = constants::touch_tolerance * mesh.box.extent();
         for (std::uint32_t t = 0; t < mesh.triangles.size; t += 11) {

@@ -10,7 +10,8 @@ namespace pierce {
 /// What decides whether a point is inside a mesh (docs/meshes.md).
 enum class Inside : std::uint8_t {
     automatic,  ///< `closed` where the mesh is closed, `winding` where it nearly is, else `none`
-    closed,     ///< the surface as it is given, if that is closed; otherwise there is no inside
+    closed,     ///< the surface as it is given, if that is closed, and parts of it that overlap
+                ///< are not united; otherwise there is no inside
     winding,    ///< the winding number of the surface with its holes closed
     none,       ///< nothing: the mesh is a surface without an inside
 };
@@ -23,7 +24,8 @@ std::optional<Inside> inside_named(std::string_view name);
 
 /// How a mesh got its inside, and what that took.
 struct MeshInside {
-    Inside rule = Inside::none;  ///< never `automatic`
+    Inside rule = Inside::none;           ///< never `automatic`
+    std::uint32_t covered_triangles = 0;  ///< in other parts of the mesh, as a whole or partly
     // The rest is zero with `closed`. With `none` it says what `winding` would have taken, if the
     // mesh was looked at.
     std::uint32_t joined_vertices = 0;     ///< vertices at the position of an earlier one

@@ -163,7 +163,10 @@ private:
 
         std::uint32_t ordinal = 0;
         double enter = 0;
-        bool crossed = false, inside = false;
+        // How many parts of the target there are around a place of the edge, where parts overlap.
+        const bool counts_parts = target.mesh.covered.size > 0;
+        std::uint32_t inside = 0;
+        bool crossed = false;
         std::uint32_t entered = no_triangle;
         const auto add = [&](double end, Chords kind, std::uint32_t left) {
             if (!(end - enter > ray.touch)) return mark(item.directed);
@@ -185,10 +188,15 @@ private:
             see(chord);
         };
         const auto cross = [&](double t, bool exit, std::uint32_t triangle) {
-            if (exit && (inside || !crossed))
-                add(min_of(t, ray.t_max), inside ? Chords::within : Chords::at_ends, triangle);
+            const bool was_inside = inside > 0;
+            if (exit)
+                inside = counts_parts && was_inside ? inside - 1 : 0;
+            else
+                inside = counts_parts ? inside + 1 : 1;
+            if (exit && inside == 0 && (was_inside || !crossed))
+                add(min_of(t, ray.t_max), was_inside ? Chords::within : Chords::at_ends, triangle);
             crossed = true;
-            inside = !exit;
+            if (!exit && inside > 1) return;
             enter = t;
             entered = triangle;
         };
@@ -204,7 +212,7 @@ private:
             ray.t_min = m.t + ray.touch;
             if (!(ray.t_min < ray.t_max)) break;
         }
-        if (inside) add(ray.t_max, Chords::at_ends, no_triangle);
+        if (inside > 0) add(ray.t_max, Chords::at_ends, no_triangle);
     }
 
     /// True if both ends of an edge are certainly in front of a triangle's plane. If the edge can

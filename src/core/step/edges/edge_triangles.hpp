@@ -52,7 +52,9 @@ public:
 
     /// The triangle that a ray along the edge crosses first.
     PIERCE_HD Hit first_hit(const Ray& ray) const {
-        return first_crossing(ray, target_.surface(), [&](CrossingSearch& search) {
+        Surface each = target_.surface();
+        each.covered = {};
+        return first_crossing(ray, each, [&](CrossingSearch& search) {
             for (std::uint32_t k = 0; k < count_ && count_ <= most; ++k) search.test(triangles_[k]);
             if (count_ > most) for_each([&](std::uint32_t triangle) { search.test(triangle); });
         });

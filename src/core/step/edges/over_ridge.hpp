@@ -43,7 +43,8 @@ struct CrossedTriangles {
 /// A chord that enters and leaves a target through two triangles with a common edge, the ridge: the
 /// ridge, and the place along the chord's edge that is closest to it. There the way to the ridge is
 /// at right angles to both edges, so it is the shortest way on which the edge leaves the wedge
-/// between the two triangles. Of several ridges, the closest one counts.
+/// between the two triangles. Of several ridges, the closest one counts. There is none where other
+/// parts of the target cover it.
 struct OverRidge {
     Ridge ridge;
     double along = 0;  ///< from 0 at the edge's first vertex to 1 at its second
@@ -62,6 +63,9 @@ private:
     PIERCE_HD void look(const BodyView& target, const PlacedEdge& edge, std::uint32_t entered,
                         std::uint32_t left, double& least) {
         const Triangle &t = target.mesh.triangles[entered], &other = target.mesh.triangles[left];
+        const View<const Cover> covered = target.mesh.covered;
+        if (covered.size > 0 && (covered[entered] != Cover::none || covered[left] != Cover::none))
+            return;
         std::uint32_t apart = 0, corner = 0;
         for (std::uint32_t k = 0; k < 3; ++k)
             if (!has_vertex(other, t.vertex[k])) {

@@ -20,6 +20,9 @@
 /// point is within the touch tolerance touches: it has no depth, however far its ray went. If its
 /// pair has no contact with a depth at all, as two boxes in one place, it stays as it is.
 ///
+/// Where parts of the target overlap and the closest triangle is covered partly, the contact stays
+/// where its ray ends, unless it touches.
+///
 /// A chord over a ridge ends on the ridge instead: to leave the target, its edge has to pass that
 /// ridge, which is further away than the faces beside it.
 namespace pierce::stages {
@@ -127,6 +130,9 @@ private:
         const double depth = length(way);
         if (!(is_known || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
         const bool touches = !(depth > ray.touch);
+        // The closest point of a triangle that is covered partly may lie in another part.
+        if (!touches && surface.covered.size > 0 && surface.covered[triangle] != Cover::none)
+            return false;
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);
         rays[candidate] = ray;

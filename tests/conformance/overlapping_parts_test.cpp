@@ -1,0 +1,175 @@
+// Meshes made of closed parts that overlap are one solid: the union of the parts, by the winding
+// number.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/geometry/closest_point.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/backends.hpp"
+#include "support/brute_force.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using test::NamedBackend;
+
+class OverlappingPartsTest : public testing::TestWithParam<NamedBackend> {};
+
+MeshData joined(const MeshData& one, const MeshData& other, Vec3d by = {}) {
+    MeshData all = one;
+    const auto first = static_cast<std::uint32_t>(one.positions.size());
+    for (Vec3f p : other.positions) all.positions.push_back(to_float(to_double(p) + by));
+    for (const Triangle& t : other.triangles)
+        all.triangles.push_back({{first + t.vertex[0], first + t.vertex[1], first + t.vertex[2]}});
+    return all;
+}
+
+MeshData turned_inside_out(MeshData mesh) {
+    for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    return mesh;
+}
+
+std::uint32_t covered(const MeshData& mesh, Inside inside = Inside::automatic) {
+    return Mesh("parts", mesh, {.inside = inside}).inside().covered_triangles;
+}
+
+double distance_to_surface(Vec3d p, const MeshData& mesh, const Frame& frame) {
+    double least = std::numeric_limits<double>::infinity();
+    const auto at = [&](std::uint32_t v) { return frame.to_parent(to_double(mesh.positions[v])); };
+    for (const Triangle& t : mesh.triangles)
+        least = std::min(least, length(p - closest_on_triangle(p, at(t.vertex[0]), at(t.vertex[1]),
+                                                               at(t.vertex[2]))));
+    return least;
+}
+
+TEST(CoveredTrianglesTest, OnlyWhatLiesInOtherPartsIsCovered) {
+    const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 1});
+    const MeshData small = scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
+    EXPECT_EQ(covered(box), 0u);
+    EXPECT_EQ(covered(joined(box, box, {3, 0, 0})), 0u) << "apart";
+    EXPECT_EQ(covered(joined(box, small)), 12u) << "one in the other";
+    EXPECT_EQ(covered(joined(box, turned_inside_out(small))), 0u) << "a cavity";
+    EXPECT_EQ(covered(joined(box, box, {2, 0, 0})), 4u) << "a common face: a wall";
+    EXPECT_EQ(covered(joined(box, small, {1.5, 0, 0})), 4u) << "the face of one on the other's";
+    EXPECT_EQ(covered(joined(box, small, {1, 0.1, 0.2})), 12u - 2 + 2) << "half in the other";
+    EXPECT_EQ(covered(joined(box, small), Inside::closed), 0u) << "not asked for";
+    EXPECT_EQ(covered(joined(box, small), Inside::none), 0u);
+}
+
+TEST_P(OverlappingPartsTest, VerticesAreInContactWhereTheUnionIs) {
+    std::size_t contacts = 0, by_rays = 0;
+    for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+        test::Random random(seed);
+        const MeshData target = test::random_overlapping_parts(random);
+        const MeshData source = test::random_closed_mesh(random);
+        const Pose pose{random.in_box(0.8), random.rotation()};
+        for (const bool reproject : {true, false}) {
+            SCOPED_TRACE("seed " + std::to_string(random.seed()) + (reproject ? "" : ", rays"));
+            Settings settings;
+            settings.coverage = Coverage::vertices;
+            settings.reproject = reproject;
+            World world(GetParam().make(), settings);
+            const BodyId a = world.add_rigid_body(world.add_mesh("parts", target));
+            world.add_rigid_body(world.add_mesh("source", source), pose);
+            world.detect();
+
+            const test::Solid solid = test::solid_of(target, {});
+            const Frame frame = frame_of(pose);
+            const double eps = 1e-5;
+            std::vector<bool> is_in_contact(source.positions.size(), false);
+            for (const Contact& c : world.contacts()) {
+                if (c.source != Side::b || c.is_edge()) continue;
+                is_in_contact[c.vertex] = true;
+                EXPECT_EQ(c.a, a);
+                if (c.penetration_depth() < eps || c.grazing) continue;
+                ++contacts;
+                by_rays += reproject && !c.reprojected;
+                // `normal` points from a to b, and b goes that way to leave a.
+                EXPECT_TRUE(test::is_inside(test::exact(c.point_a - eps * c.normal), solid))
+                    << "vertex " << c.vertex << ": not inside right before the end";
+                // In a vertex or an edge of the surface, the outside may lie to the side.
+                bool is_out = !test::is_inside(test::exact(c.point_a + eps * c.normal), solid);
+                for (int k = 0; k < 200 && c.reprojected && !is_out; ++k)
+                    is_out = !test::is_inside(test::exact(c.point_a + eps * random.unit_vector()),
+                                              solid);
+                EXPECT_TRUE(is_out) << "vertex " << c.vertex << ": it ends in another part";
+            }
+            if (!reproject) continue;
+            for (std::uint32_t v = 0; v < source.positions.size(); ++v) {
+                const Vec3d p = frame.to_parent(to_double(source.positions[v]));
+                if (distance_to_surface(p, target, {}) < eps) continue;
+                EXPECT_EQ(is_in_contact[v], test::is_inside(test::exact(p), solid))
+                    << "vertex " << v;
+            }
+        }
+    }
+    EXPECT_GT(contacts, 500u);
+    EXPECT_GT(by_rays, 0u);
+}
+
+TEST_P(OverlappingPartsTest, EdgesAreInContactWhereTheUnionIs) {
+    // A thin blade through both of two boxes that overlap: no vertex of either body is inside.
+    const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 1});
+    const MeshData target = joined(box, box, {1.5, 0.1, 0.2});
+    const MeshData blade = scenes::box({-4, -0.01, 0.85}, {5, 0.01, 0.9});
+    for (const Coverage coverage : {Coverage::overlaps, Coverage::complete}) {
+        Settings settings;
+        settings.coverage = coverage;
+        World world(GetParam().make(), settings);
+        world.add_rigid_body(world.add_mesh("parts", target));
+        world.add_rigid_body(world.add_mesh("blade", blade));
+        world.detect();
+        std::vector<std::uint32_t> edges;
+        for (const Contact& c : world.contacts()) {
+            EXPECT_TRUE(c.is_edge());
+            if (c.source == Side::b) edges.push_back(c.edge);
+        }
+        // Each of the four long edges, and the diagonals between them, is in the union once.
+        std::ranges::sort(edges);
+        EXPECT_GE(edges.size(), 4u);
+        EXPECT_EQ(std::ranges::adjacent_find(edges), edges.end());
+    }
+}
+
+TEST_P(OverlappingPartsTest, ASavedWorldUnitesThem) {
+    const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 1});
+    World world(GetParam().make());
+    world.add_rigid_body(world.add_mesh("parts", joined(box, box, {1, 0.5, 0.5})));
+    const BodyId small = world.add_rigid_body(
+        world.add_mesh("small", scenes::box({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1})),
+        {{0.75, 0.5, 0.5}, {}});
+    world.detect();
+    std::stringstream file;
+    world.save(file);
+    World restored = World::restore(file, GetParam().make());
+    for (World* w : {&world, &restored}) w->set_pose(small, {{0.75, 0.6, 0.5}, {}});
+    world.detect();
+    restored.detect();
+    EXPECT_GT(world.contacts().size(), 7u);
+    EXPECT_EQ(contact_hash(world.contacts()), contact_hash(restored.contacts()));
+}
+
+TEST_P(OverlappingPartsTest, ThePlanSaysThatPartsAreUnited) {
+    const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 1});
+    World world(GetParam().make());
+    world.add_rigid_body(world.add_mesh("parts", joined(box, box, {1, 0.5, 0.5})));
+    world.detect();
+    EXPECT_TRUE(std::ranges::any_of(world.plan().notes, [](const std::string& note) {
+        return note.find("count as one solid") != std::string::npos;
+    }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, OverlappingPartsTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
+
+}  // namespace
+}  // namespace pierce
