@@ -86,11 +86,14 @@ private:
         std::uint64_t mesh_key = 0;
         Motion motion = Motion::fixed;
         Collision collision;
+        Filter filter;
+        std::uint32_t world_place = 0;
         double range = 0;
         std::uint32_t seen = 0;  ///< patches whose shape of the last step is kept
 
         bool is_same(const BodyView& body) const {
-            return mesh_key == body.mesh_key && collision == body.collision && range == body.range;
+            return mesh_key == body.mesh_key && collision == body.collision &&
+                   filter == body.filter && world_place == body.world_place && range == body.range;
         }
     };
 
@@ -136,6 +139,7 @@ private:
         if (sizes_differ && !send_items(host)) return false;
         meshes_.forget_unused(host.bodies);
         replace(host, changed);
+        send_filters(host);
         return true;
     }
 
@@ -148,6 +152,16 @@ private:
                 return false;
         copy_items(host);
         return true;
+    }
+
+    /// Copies which pairs are excluded, and where worlds begin. As long as there are as many, the
+    /// lists keep their places.
+    void send_filters(const Scene& host) {
+        executor_.upload(std::span<const Pair>(host.excluded.begin(), host.excluded.end()),
+                         excluded_);
+        executor_.upload(
+            std::span<const std::uint32_t>(host.world_begins.begin(), host.world_begins.end()),
+            world_begins_);
     }
 
     void copy_items(const Scene& host) {
@@ -201,6 +215,8 @@ private:
                      .mesh_key = view.mesh_key,
                      .motion = view.motion,
                      .collision = view.collision,
+                     .filter = view.filter,
+                     .world_place = view.world_place,
                      .range = view.range,
                      .seen = host.seen[b].size};
         sent_version_[b] = 0;
@@ -280,6 +296,7 @@ private:
         executor_.upload(std::span<const View<BoxNode>>(node_views), node_views_);
         executor_.upload(std::span<const View<SeenPatch>>(seen_views), seen_views_);
         executor_.upload(std::span<const BodyId>(host.ids.begin(), host.ids.end()), ids_);
+        send_filters(host);
         block_items_.resize(with_room(host.block_items.size, meshes_change_));
         ranges_.resize(host.ranges.size);
         LevelBegins level_begin{};
@@ -290,6 +307,8 @@ private:
         node_items_.resize(level_begin[BoxLevels::most]);
         scene_ = {.bodies = view_of(bodies_),
                   .ids = view_of(std::as_const(ids_)),
+                  .excluded = view_of(std::as_const(excluded_)),
+                  .world_begins = view_of(std::as_const(world_begins_)),
                   .block_items = view_of(std::as_const(block_items_)),
                   .ranges = view_of(std::as_const(ranges_)),
                   .blocks = view_of(std::as_const(block_views_)),
@@ -361,6 +380,8 @@ private:
     DeviceBuffer<View<BoxNode>> node_views_;
     DeviceBuffer<View<SeenPatch>> seen_views_;
     DeviceBuffer<BodyId> ids_;
+    DeviceBuffer<Pair> excluded_;
+    DeviceBuffer<std::uint32_t> world_begins_;
     DeviceBuffer<BlockItem> block_items_;
     DeviceBuffer<BlockRange> ranges_;
     DeviceBuffer<NodeItem> node_items_;

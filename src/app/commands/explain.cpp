@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* reason_names[] = {
-    "contact",        "excluded",       "both_fixed",   "boxes_apart",   "open_target",
-    "outside_box",    "outside_solid",  "no_direction", "entry_first",   "nothing_ahead",
-    "not_inside_own", "own_exit_first", "beyond_range", "not_looked_at", "not_looked_for",
-    "apart",          "close_at_rest",  "beside"};
+    "contact",        "excluded",       "filtered",       "both_fixed",   "boxes_apart",
+    "open_target",    "outside_box",    "outside_solid",  "no_direction", "entry_first",
+    "nothing_ahead",  "not_inside_own", "own_exit_first", "beyond_range", "not_looked_at",
+    "not_looked_for", "apart",          "close_at_rest",  "beside"};
 static_assert(std::size(reason_names) == static_cast<std::size_t>(Reason::beside) + 1);
 constexpr const char* certificate_names[] = {"none", "patch", "patch_rest", "vertex"};
 

@@ -21,9 +21,10 @@ public:
     };
 
     Id<Tag> add(Thing thing) {
-        std::uint32_t index = 0;
+        std::uint32_t index = first_free_;
         while (index < slots_.size() && slots_[index].used) ++index;
         if (index == slots_.size()) slots_.emplace_back();
+        first_free_ = index + 1;
         slots_[index].thing = std::move(thing);
         slots_[index].used = true;
         return {index, slots_[index].generation};
@@ -35,6 +36,7 @@ public:
         slot.thing = {};
         slot.used = false;
         ++slot.generation;
+        if (id.index < first_free_) first_free_ = id.index;
     }
 
     /// Throws InputError, naming `what`, for a handle that names no thing.
@@ -55,6 +57,7 @@ public:
 
 private:
     std::vector<Slot> slots_;
+    std::uint32_t first_free_ = 0;  ///< no slot before this one is free
 };
 
 }  // namespace pierce

@@ -6,6 +6,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
 #include "pierce/body.hpp"
+#include "pierce/filter.hpp"
 #include "pierce/pose.hpp"
 
 namespace pierce {
@@ -20,6 +21,9 @@ struct BodyShape {
                                     ///< deforming body only with complete coverage
     double range = 0;               ///< [length] longest ray of an open body
     Collision collision;
+    Filter filter;
+    std::uint32_t world_place = 0;  ///< of the body's world among all worlds; bodies that are in
+                                    ///< all of them have the last place
     Motion motion = Motion::fixed;
 };
 
@@ -96,6 +100,9 @@ struct Pair {
     PIERCE_HD std::uint32_t source(std::uint32_t side) const { return side == 0 ? a : b; }
     PIERCE_HD std::uint32_t target(std::uint32_t side) const { return side == 0 ? b : a; }
     friend bool operator==(const Pair&, const Pair&) = default;
+    PIERCE_HD friend bool operator<(const Pair& p, const Pair& q) {
+        return p.a < q.a || (p.a == q.a && p.b < q.b);
+    }
 };
 
 }  // namespace pierce

@@ -27,7 +27,9 @@ void require_range(std::uint32_t first, std::uint32_t count, std::size_t size) {
 class Checker {
 public:
     Checker(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids)
-        : memory_(memory), bodies_(bodies), ids_(ids) {}
+        : memory_(memory), bodies_(bodies), ids_(ids) {
+        for (const BodyView& body : bodies) as_keys_.by_world |= body.filter.world != all_worlds;
+    }
 
     void run() {
         const std::size_t pairs = memory_.pair_keys.size();
@@ -55,8 +57,7 @@ private:
     };
     Known known(std::uint64_t pair) const {
         require(pair < memory_.pair_keys.size());
-        const std::uint64_t key = memory_.pair_keys[pair];
-        const Pair p{static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+        const Pair p = as_keys_.pair(memory_.pair_keys[pair]);
         if (p.a >= bodies_.size || p.b >= bodies_.size) return {};
         return {p, memory_.identities[pair].is(stages::identity_of(bodies_, ids_, p))};
     }
@@ -121,6 +122,7 @@ private:
     const StepMemory& memory_;
     View<const BodyView> bodies_;
     View<const BodyId> ids_;
+    stages::PairKeys as_keys_;
 };
 
 }  // namespace

@@ -284,12 +284,15 @@ private:
         const std::uint32_t bodies = scene.bodies.size;
         const stages::LinkPair link{.bodies = scene.bodies,
                                     .ids = scene.ids,
+                                    .as_keys = {scene.world_begins.size > 0},
                                     .last_keys = view_of(last_.pair_keys),
                                     .last = view_of(last_.identities)};
-        if (bodies <= E::traits.bodies_at_once)
-            return executor_.emit(ListId::pairs, Count{bodies * bodies}, stages::FindPairs{link},
-                                  now_.pair_keys, pairs_.pairs, now_.identities, pairs_.links);
-        sweep(scene.bodies);
+        const stages::PairFilter filter{scene.bodies, scene.excluded};
+        if (bodies <= E::traits.bodies_at_once && !link.as_keys.by_world)
+            return executor_.emit(ListId::pairs, Count{bodies * bodies},
+                                  stages::FindPairs{link, filter}, now_.pair_keys, pairs_.pairs,
+                                  now_.identities, pairs_.links);
+        sweep(scene, filter, link.as_keys);
         const Count total = count_of(now_.pair_keys);
         pairs_.pairs.resize(total);
         now_.identities.resize(total);
@@ -301,24 +304,31 @@ private:
                                                      .links = view_of(pairs_.links)});
     }
 
-    void sweep(View<const BodyView> bodies) {
+    void sweep(const Scene& scene, const stages::PairFilter& filter, stages::PairKeys as_keys) {
+        const View<const BodyView> bodies = scene.bodies;
+        const auto worlds = static_cast<int>(std::bit_width(scene.world_begins.size));
         sort_.keys.resize(bodies.size);
         sort_.values.resize(bodies.size);
         pairs_.sweep.resize(bodies.size);
         executor_.for_each(bodies.size,
                            stages::SweepKey{bodies, view_of(sort_.keys), view_of(sort_.values)});
-        tools_.sort(stages::sweep_key_bits, sort_.keys, sort_.values, pairs_.body_keys,
+        tools_.sort(stages::sweep_key_bits + worlds, sort_.keys, sort_.values, pairs_.body_keys,
                     sort_.order);
         executor_.for_each(
             bodies.size, stages::GatherSweep{bodies, view_of(sort_.order), view_of(pairs_.sweep)});
         const std::uint32_t walks = E::traits.sweep_walks;
         executor_.emit(ListId::box_pairs, Count{bodies.size * walks},
-                       stages::SweepPairs{view_of(pairs_.sweep), walks}, pairs_.box_keys);
+                       stages::SweepPairs{.items = view_of(pairs_.sweep),
+                                          .bodies = bodies,
+                                          .world_begins = scene.world_begins,
+                                          .keys = as_keys,
+                                          .walks = walks},
+                       pairs_.box_keys);
         executor_.emit(ListId::swept_pairs, count_of(pairs_.box_keys),
-                       stages::TestPair{bodies, view_of(pairs_.box_keys)}, sort_.keys);
+                       stages::TestPair{filter, as_keys, view_of(pairs_.box_keys)}, sort_.keys);
         sort_.values.resize(count_of(sort_.keys));
-        tools_.sort(32 + std::bit_width(bodies.size), sort_.keys, sort_.values, now_.pair_keys,
-                    sort_.order);
+        tools_.sort(as_keys.by_world ? 64 : 32 + std::bit_width(bodies.size), sort_.keys,
+                    sort_.values, now_.pair_keys, sort_.order);
     }
 
     // displacement: How far pairs have moved.

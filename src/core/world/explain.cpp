@@ -10,6 +10,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/oriented_box.hpp"
+#include "core/step/common/pairs.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
 #include "core/step/solids/rules.hpp"
@@ -193,6 +194,12 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     state_->backend->fetch_bodies(view_of(state_->views));
     const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
     const View<const BodyView> views = view_of(std::as_const(state_->views));
+    const stages::PairFilter filter{views, view_of(std::as_const(state_->excluded_pairs))};
+    if (!filter.allows({std::min(body.index, other.index), std::max(body.index, other.index)})) {
+        Explanation filtered;
+        filtered.reason = Reason::filtered;
+        return filtered;
+    }
     if (sheet)
         return explain_sheet(views[body.index], views[other.index], vertex,
                              std::max(collision_of(body).thickness, collision_of(other).thickness),
@@ -276,7 +283,12 @@ std::string Explanation::text() const {
             s += ".";
             break;
         case Reason::excluded:
-            s = "No contact: one of the bodies is not finite and was left out of the step.";
+            s = "No contact: one of the bodies was left out of the step: it is not finite, or its "
+                "world is not active.";
+            break;
+        case Reason::filtered:
+            s = "No contact: the two bodies do not meet, by their filters or because the pair is "
+                "excluded.";
             break;
         case Reason::both_fixed:
             s = "No contact: two fixed bodies are no pair.";

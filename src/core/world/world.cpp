@@ -138,15 +138,60 @@ const Collision& World::collision_of(BodyId body) const {
     return state_->bodies.get(body, "body").collision;
 }
 
+void World::State::check_have_poses(std::span<const BodyId> some) const {
+    for (BodyId body : some)
+        if (bodies.get(body, "body").motion == Motion::deforming)
+            throw InputError("body " + std::to_string(body.index) +
+                             " deforms: it has positions, not a pose");
+}
+
 void World::set_pose(BodyId body, const Pose& pose) {
+    state_->check_have_poses({&body, 1});
     BodyEntry& entry = state_->bodies.get(body, "body");
-    if (entry.motion == Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) +
-                         " deforms: it has positions, not a pose");
     state_->begin_motion(entry);
     entry.pose = pose;
     if (!entry.usable) entry.start_pose = pose;
     entry.usable = is_usable(pose);
+}
+
+namespace {
+
+void check_lists(std::size_t bodies, std::size_t poses) {
+    if (bodies != poses)
+        throw InputError(std::to_string(bodies) + " bodies need as many poses, got " +
+                         std::to_string(poses));
+}
+
+/// Calls set(body, pose) for bodies and their poses in seven numbers each.
+template <class T, class Set>
+void set_from_numbers(std::span<const BodyId> bodies, std::span<const T> poses, const Set& set) {
+    constexpr std::size_t numbers = 7;
+    if (poses.size() % numbers != 0)
+        throw InputError("poses have seven numbers each, got " + std::to_string(poses.size()) +
+                         " numbers");
+    check_lists(bodies.size(), poses.size() / numbers);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const auto at = [&](std::size_t k) { return static_cast<double>(poses[numbers * i + k]); };
+        set(bodies[i], Pose{{at(0), at(1), at(2)}, {at(3), at(4), at(5), at(6)}});
+    }
+}
+
+}  // namespace
+
+void World::set_poses(std::span<const BodyId> bodies, std::span<const Pose> poses) {
+    check_lists(bodies.size(), poses.size());
+    state_->check_have_poses(bodies);
+    for (std::size_t i = 0; i < bodies.size(); ++i) set_pose(bodies[i], poses[i]);
+}
+
+void World::set_poses(std::span<const BodyId> bodies, std::span<const double> poses) {
+    state_->check_have_poses(bodies);
+    set_from_numbers(bodies, poses, [&](BodyId body, const Pose& pose) { set_pose(body, pose); });
+}
+
+void World::set_poses(std::span<const BodyId> bodies, std::span<const float> poses) {
+    state_->check_have_poses(bodies);
+    set_from_numbers(bodies, poses, [&](BodyId body, const Pose& pose) { set_pose(body, pose); });
 }
 
 void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
@@ -242,6 +287,8 @@ const StepStats& World::detect() {
                rests = certifies && s.settings.may_rest && s.rest.now();
     const Scene scene{.bodies = view_of(s.views),
                       .ids = view_of(std::as_const(s.ids)),
+                      .excluded = view_of(std::as_const(s.excluded_pairs)),
+                      .world_begins = view_of(std::as_const(s.world_begins)),
                       .block_items = view_of(std::as_const(s.block_items)),
                       .ranges = view_of(std::as_const(s.ranges)),
                       .blocks = view_of(std::as_const(s.blocks)),

@@ -18,7 +18,7 @@ namespace pierce {
 namespace {
 
 constexpr std::uint64_t mark = 0x646c726f77637270;  // "prcworld"
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t version = 4;
 
 }  // namespace
 
@@ -59,6 +59,11 @@ void transfer(A& archive, Collision& c) {
 }
 
 template <class A>
+void transfer(A& archive, Filter& f) {
+    transfer_all(archive, f.groups, f.meets, f.chain, f.world);
+}
+
+template <class A>
 void transfer(A& archive, Frame& f) {
     for (Vec3d& row : f.rotation.row) transfer(archive, row);
     transfer(archive, f.origin);
@@ -73,8 +78,13 @@ template <class A>
 void transfer(A& archive, BodyEntry& b) {
     transfer(archive, b.mesh);
     transfer(archive, b.motion, Motion::deforming);
-    transfer_all(archive, b.pose, b.positions, b.start, b.start_pose, b.moved, b.collision, b.seen,
-                 b.positions_version, b.usable);
+    transfer_all(archive, b.pose, b.positions, b.start, b.start_pose, b.moved, b.collision,
+                 b.filter, b.seen, b.positions_version, b.usable);
+}
+
+template <class A>
+void transfer(A& archive, BodyIdPair& p) {
+    transfer_all(archive, p.a, p.b);
 }
 
 template <class A>
@@ -205,7 +215,9 @@ void World::save(std::ostream& out) const {
         transfer_all(archive, slot.generation, slot.used);
         if (slot.used) transfer(archive, slot.thing);
     }
-    transfer(archive, memory);
+    std::vector<BodyIdPair> excluded(s.excluded.begin(), s.excluded.end());
+    std::vector<std::int32_t> left_out(s.left_out.begin(), s.left_out.end());
+    transfer_all(archive, excluded, left_out, memory);
 
     std::uint64_t first = mark, length = archive.bytes().size(), sum = checksum(archive.bytes());
     std::uint32_t its_version = version;
@@ -250,8 +262,15 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
         s.check_restored(body);
         return body;
     });
+    std::vector<BodyIdPair> excluded;
+    std::vector<std::int32_t> left_out;
     StepMemory memory;
-    transfer(archive, memory);
+    transfer_all(archive, excluded, left_out, memory);
+    for (const BodyIdPair& p : excluded) {
+        require(p.a.index < p.b.index, "a pair of one body");
+        s.excluded.insert(p);
+    }
+    s.left_out.insert(left_out.begin(), left_out.end());
     require(archive.left() == 0, "more than there should be");
     s.make_plan();
     check(memory, view_of(std::as_const(s.views)), view_of(std::as_const(s.ids)));
@@ -274,6 +293,7 @@ void World::State::check_restored(const BodyEntry& body) const {
                             : is_usable(body.pose) && (!body.moved || is_usable(body.start_pose));
     require(usable || !body.usable, "a body in a place that is none");
     check_collision(body.motion, mesh, body.collision, "a saved body");
+    check_filter(body.filter);
 }
 
 }  // namespace pierce

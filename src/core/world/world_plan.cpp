@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <bit>
+#include <numeric>
+#include <set>
 
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
@@ -133,6 +135,35 @@ void list_stages(Plan& plan) {
 
 }  // namespace
 
+void World::State::arrange_worlds() {
+    excluded_pairs.clear();
+    const auto exists = [&](BodyId id) { return id.index < ids.size() && ids[id.index] == id; };
+    std::erase_if(excluded, [&](const BodyIdPair& p) { return !exists(p.a) || !exists(p.b); });
+    for (const BodyIdPair& p : excluded) excluded_pairs.push_back({p.a.index, p.b.index});
+
+    std::set<std::int32_t> used;
+    for (const BodyView& view : views) used.insert(view.filter.world);
+    used.erase(all_worlds);
+    worlds.assign(used.begin(), used.end());
+    std::erase_if(left_out, [&](std::int32_t world) { return !used.contains(world); });
+    world_begins.clear();
+    plan.worlds = static_cast<std::uint32_t>(worlds.size());
+    plan.excluded_pairs = static_cast<std::uint32_t>(excluded_pairs.size());
+    if (worlds.empty()) return;
+    if (views.size() > std::size_t{1} << constants::body_bits)
+        throw InputError("a world with worlds has at most " +
+                         std::to_string(std::size_t{1} << constants::body_bits) + " bodies");
+    world_begins.assign(worlds.size() + 2, 0);
+    for (BodyView& view : views) {
+        const auto at = std::ranges::lower_bound(worlds, view.filter.world);
+        view.world_place = view.filter.world == all_worlds
+                               ? plan.worlds
+                               : static_cast<std::uint32_t>(at - worlds.begin());
+        ++world_begins[view.world_place + 1];
+    }
+    std::partial_sum(world_begins.begin(), world_begins.end(), world_begins.begin());
+}
+
 void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
@@ -191,6 +222,7 @@ void World::State::make_plan() {
                                      static_cast<std::uint32_t>(std::bit_width(most)));
         view.motion = body.motion;
         view.collision = body.collision;
+        view.filter = body.filter;
         view.range = settings.open_body_range * view.mesh.mean_edge_length;
         view.fit_box = view.mesh.box;
         view.touch = constants::touch_tolerance * view.fit_box.extent();
@@ -218,6 +250,7 @@ void World::State::make_plan() {
         }
     }
     add_nodes();
+    arrange_worlds();
     plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
                   (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
@@ -234,7 +267,7 @@ void World::State::refresh_views() {
     for (std::uint32_t i = 0; i < views.size(); ++i) {
         if (!ids[i]) continue;
         BodyEntry& body = bodies.slots()[i].thing;
-        views[i].active = body.usable;
+        views[i].active = body.usable && !left_out.contains(body.filter.world);
         if (!body.usable) {
             stats.status |= body_excluded;
             ++stats.excluded_bodies;

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <compare>
 #include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +46,7 @@ struct BodyEntry {
     Pose start_pose;           ///< of any other body that has moved: its pose when the step began
     bool moved = false;        ///< since the last step
     Collision collision;
+    Filter filter;
     const Vec3f* device_positions = nullptr;  ///< in place of `positions`
     const Vec3f* device_start = nullptr;
     std::vector<PatchBlock> blocks;  ///< of a deforming body
@@ -52,6 +57,16 @@ struct BodyEntry {
     bool usable = true;  ///< all coordinates are finite and none is too large
 };
 
+/// Two bodies, the one in the lower slot first.
+struct BodyIdPair {
+    BodyId a, b;
+
+    BodyIdPair() = default;
+    BodyIdPair(BodyId one, BodyId other) : a(std::min(one, other)), b(std::max(one, other)) {}
+
+    friend auto operator<=>(const BodyIdPair&, const BodyIdPair&) = default;
+};
+
 /// What a World is made of; world.cpp changes it, and world_plan.cpp derives the step's input from
 /// it.
 struct World::State {
@@ -60,8 +75,10 @@ struct World::State {
     SlotMap<MeshTag, MeshEntry> meshes;
     SlotMap<BodyTag, BodyEntry> bodies;
     std::uint64_t next_key = 1;
-    bool forgets_sides = false;  ///< the next step forgets the sides of sheets
-    bool stepped = false;        ///< bodies are where the last step saw them
+    std::set<BodyIdPair> excluded;    ///< pairs that are not wanted
+    std::set<std::int32_t> left_out;  ///< worlds that take no part in steps
+    bool forgets_sides = false;       ///< the next step forgets the sides of sheets
+    bool stepped = false;             ///< bodies are where the last step saw them
 
     // What a step reads. It is made anew when bodies are added, removed or change kind.
     bool planned = false;
@@ -79,6 +96,9 @@ struct World::State {
     LevelBegins level_begin{};
     std::vector<View<BoxNode>> box_nodes;
     std::vector<View<SeenPatch>> seen;
+    std::vector<Pair> excluded_pairs;         ///< of bodies that are there, sorted
+    std::vector<std::int32_t> worlds;         ///< sorted; without all_worlds
+    std::vector<std::uint32_t> world_begins;  ///< as Scene has it
     StepStats stats;
     std::unique_ptr<PairCopy> pair;  ///< what parting() moves, once it was called
 
@@ -93,13 +113,18 @@ struct World::State {
     /// Throws InputError unless bodies are where the last step saw them.
     void check_stepped(const char* who) const;
 
+    /// Throws InputError for a body that deforms.
+    void check_have_poses(std::span<const BodyId> some) const;
     /// Throws InputError, naming the body, for a Collision that the body cannot have.
     void check_collision(Motion motion, const Mesh& mesh, const Collision& collision,
                          const std::string& name) const;
+    /// Throws InputError for a world that cannot be.
+    static void check_filter(const Filter& filter);
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;
     /// Makes what does not change between steps.
     void make_plan();
+    void arrange_worlds();
     void add_blocks(std::uint32_t body);
     void add_nodes();
     void describe(const BodyEntry& body, const Mesh& mesh);

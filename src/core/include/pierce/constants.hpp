@@ -100,6 +100,9 @@ inline constexpr double any_direction[3] = {3, 5, 7};
 /// changes a thousand times faster than the vertex moves.
 inline constexpr double grazing_sine = 1e-3;
 
+/// The key of a pair, where bodies have worlds: so many bits for each body, the rest for the world.
+inline constexpr std::uint32_t body_bits = 22, most_worlds = (1u << (64 - 2 * body_bits)) - 1;
+
 /// The largest number of vertices, and of edges, of a mesh. Contacts are sorted by keys that keep
 /// thirty bits for each.
 inline constexpr std::uint32_t max_elements = std::uint32_t{1} << 30;
@@ -157,12 +160,9 @@ inline constexpr std::size_t translation_rounds = 64;
 /// is short enough; otherwise, along how many normals of contacts the pair is moved, from which
 /// cosine on two are one, which cosine to a contact's normal counts as this one when the way is
 /// guessed from the contact, and how often what was too far is halved.
-inline constexpr std::uint32_t parting_rounds = 32;
-inline constexpr double parting_enough = 1.1;
+inline constexpr std::uint32_t parting_rounds = 32, parting_halvings = 5;
+inline constexpr double parting_enough = 1.1, parting_same_direction = 0.98, parting_slope = 0.5;
 inline constexpr std::size_t parting_directions = 6;
-inline constexpr double parting_same_direction = 0.98;
-inline constexpr double parting_slope = 0.5;
-inline constexpr std::uint32_t parting_halvings = 5;
 
 /// The direction in which edges that only touch are moved [1]. A mesh has edges or faces along it
 /// only by intent.

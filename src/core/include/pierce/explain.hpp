@@ -12,7 +12,9 @@ namespace pierce {
 /// is a sheet.
 enum class Reason : std::uint8_t {
     contact,      ///< the vertex has a contact
-    excluded,     ///< one of the bodies was left out of the step: it is not finite
+    excluded,     ///< one of the bodies was left out of the step: it is not finite, or its world
+                  ///< is not active
+    filtered,     ///< the bodies do not meet: World::set_filter() or exclude()
     both_fixed,   ///< two fixed bodies are no pair
     boxes_apart,  ///< the bodies' boxes do not overlap: `distance` is between their world boxes, or
                   ///< 0 if only the boxes in their fits are apart

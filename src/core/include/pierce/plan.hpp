@@ -15,6 +15,8 @@ struct Plan {
     std::uint64_t revision = 0;  ///< changes with every new plan
     std::uint32_t fixed_bodies = 0, rigid_bodies = 0, deforming_bodies = 0;
     std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
+    std::uint32_t worlds = 0;           ///< different ones in Filter::world, without all_worlds
+    std::uint32_t excluded_pairs = 0;   ///< by World::exclude()
     bool moving = false;                ///< some contact is possible
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool casts_rays = false;  ///< some body has an inside in which others are looked for, or is

@@ -11,6 +11,7 @@
 #include "pierce/box.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/explain.hpp"
+#include "pierce/filter.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/parting.hpp"
 #include "pierce/plan.hpp"
@@ -28,6 +29,15 @@ struct RayHit {
     std::uint32_t triangle = no_triangle;
     double t = 0;  ///< [length] along the direction
     Vec3d normal;  ///< of the triangle, unit, world space
+};
+
+/// Which contacts are of which world: those of worlds[i] are the contacts from solids[i] to
+/// solids[i + 1], and from sheets[i] to sheets[i + 1]. Contacts between bodies that are in all
+/// worlds follow. Within a world, contacts are those of the same world alone, in the same order.
+struct WorldOffsets {
+    std::vector<std::int32_t> worlds;
+    std::vector<std::uint32_t> solids;  ///< worlds.size() + 1, like the next one
+    std::vector<std::uint32_t> sheets;
 };
 
 /// Bodies and their contacts. Not thread-safe; one step uses as many threads as its backend has.
@@ -72,6 +82,37 @@ public:
     void set_collision(BodyId body, const Collision& collision);
     const Collision& collision_of(BodyId body) const;
 
+    /// Sets which other bodies the body meets; by default those of all groups and worlds. Pairs
+    /// that filters leave out cost no ray. Throws InputError for a world below all_worlds or above
+    /// constants::most_worlds. When the first body gets a world, and when the last one loses its,
+    /// contacts begin a new age.
+    void set_filter(BodyId body, const Filter& filter);
+    const Filter& filter_of(BodyId body) const;
+    /// Leaves out the pair of two bodies, whatever their filters, until include() takes it in
+    /// again or one of them is removed. Throws InputError for a body and itself.
+    void exclude(BodyId a, BodyId b);
+    void include(BodyId a, BodyId b);
+
+    /// The worlds that bodies are in, sorted, without all_worlds.
+    std::vector<std::int32_t> worlds() const;
+    /// The bodies of a world, in the order in which they are sorted in contacts().
+    std::vector<BodyId> bodies_of(std::int32_t world) const;
+    /// Copies all bodies of a world, with their meshes, places, collisions, groups, chains and
+    /// excluded pairs, into `count` new worlds, and returns the first of those; they follow each
+    /// other after the highest world there is. Throws InputError if the world has no bodies, or if
+    /// there would be too many worlds or bodies, or if positions are in device memory.
+    std::int32_t replicate(std::int32_t world, std::uint32_t count);
+    /// Puts the bodies of a world where those of another one are, which has the same bodies, as a
+    /// copy has. They have not moved there. Throws InputError for worlds that differ.
+    void copy_places(std::int32_t from, std::int32_t to);
+    /// Removes all bodies of a world.
+    void remove_world(std::int32_t world);
+    /// Leaves the bodies of a world out of steps, or takes them in again. Throws InputError for
+    /// all_worlds, and for a world without bodies.
+    void set_world_active(std::int32_t world, bool active);
+    /// Which of the last step's contacts are of which world.
+    WorldOffsets world_offsets() const;
+
     MeshId mesh_of(BodyId body) const;
     Motion motion_of(BodyId body) const;
     /// The world position of a vertex as the last set_pose or set_positions left it.
@@ -81,6 +122,11 @@ public:
     /// constants::largest_coordinate or without a rotation excludes the body from detect() until a
     /// usable pose is set. Throws InputError for a deforming body.
     void set_pose(BodyId body, const Pose& pose);
+    /// set_pose() of many bodies. Throws InputError for lists of different lengths.
+    void set_poses(std::span<const BodyId> bodies, std::span<const Pose> poses);
+    /// The same from seven numbers a body: the position x, y, z and the quaternion x, y, z, w.
+    void set_poses(std::span<const BodyId> bodies, std::span<const double> poses);
+    void set_poses(std::span<const BodyId> bodies, std::span<const float> poses);
     /// Moves the vertices of a deforming body; the positions are copied. Positions that are not
     /// finite, or further away than constants::largest_coordinate, exclude the body from detect()
     /// until usable ones are set. Throws InputError for a wrong count or a body that does not
@@ -122,8 +168,9 @@ public:
 
     /// Runs one step: finds all contacts of the bodies where they are now.
     const StepStats& detect();
-    /// The last step's contacts, sorted by (a, b, source, vertex): first those of solids, then
-    /// those of sheets. Valid until the next detect().
+    /// The last step's contacts, sorted by (a, b, source, vertex), where bodies have worlds by
+    /// world before that: first those of solids, then those of sheets. Valid until the next
+    /// detect().
     std::span<const Contact> contacts() const;
     /// The last step's stages, counts and status bits.
     const StepStats& stats() const;

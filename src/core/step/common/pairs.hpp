@@ -7,6 +7,8 @@
 #include "core/geometry/oriented_box.hpp"
 #include "core/step/common/records.hpp"
 #include "pierce/body.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/filter.hpp"
 #include "pierce/ids.hpp"
 #include "pierce/min_max.hpp"
 
@@ -46,11 +48,28 @@ struct alignas(16) SweepItem {
     }
 };
 
-PIERCE_HD inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
-    return std::uint64_t{a} << 32 | b;
-}
+/// How a pair is written as a number, so that pairs sorted by it are sorted by (a, b); with worlds,
+/// by (world, a, b), and pairs of bodies that are in all worlds come last.
+struct PairKeys {
+    bool by_world = false;
 
-/// Per body: the key to sweep by.
+    PIERCE_HD std::uint32_t body_bits() const { return by_world ? constants::body_bits : 32; }
+    PIERCE_HD std::uint64_t key(View<const BodyView> bodies, std::uint32_t a,
+                                std::uint32_t b) const {
+        if (!by_world) return std::uint64_t{a} << 32 | b;
+        const std::int32_t world = max_of(bodies[a].filter.world, bodies[b].filter.world);
+        const std::uint64_t place = world == all_worlds ? constants::most_worlds
+                                                        : static_cast<std::uint32_t>(world);
+        return (place << constants::body_bits | a) << constants::body_bits | b;
+    }
+    PIERCE_HD Pair pair(std::uint64_t key) const {
+        const std::uint64_t mask = (std::uint64_t{1} << body_bits()) - 1;
+        return {static_cast<std::uint32_t>(key >> body_bits() & mask),
+                static_cast<std::uint32_t>(key & mask)};
+    }
+};
+
+/// Per body: the key to sweep by. Bodies of one world are side by side.
 struct SweepKey {
     View<const BodyView> bodies;
     View<std::uint64_t> keys;
@@ -60,8 +79,8 @@ struct SweepKey {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         order[i] = i;
-        keys[i] = bodies[i].active ? ordered_bits(SweepItem(bodies[i], i).lower.x)
-                                   : ~std::uint64_t{0};
+        keys[i] = std::uint64_t{bodies[i].world_place} << 32 |
+                  (bodies[i].active ? ordered_bits(SweepItem(bodies[i], i).lower.x) : ~0u);
     }
 };
 
@@ -79,9 +98,12 @@ struct GatherSweep {
 };
 
 /// Per place in the sweep order, `walks` items: the items take turns to visit the partners that
-/// come later. Pairs are keys a << 32 | b.
+/// come later in the same world, and those that are in all worlds.
 struct SweepPairs {
     View<const SweepItem> items;
+    View<const BodyView> bodies;
+    View<const std::uint32_t> world_begins;  ///< as Scene has it
+    PairKeys keys;
     std::uint32_t walks = 1;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
@@ -91,10 +113,10 @@ struct SweepPairs {
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
-                         std::uint64_t* keys) const {
+                         std::uint64_t* pairs) const {
         if (found == 0) return;
         each(i, [&](std::uint32_t body, std::uint32_t other) {
-            keys[place++] = pair_key(min_of(body, other), max_of(body, other));
+            pairs[place++] = keys.key(bodies, min_of(body, other), max_of(body, other));
         });
     }
 
@@ -104,10 +126,21 @@ private:
         const std::uint32_t place = i / walks;
         const SweepItem& first = items[place];
         if (first.meets_itself && i % walks == 0) see(first.body, first.body);
-        for (std::uint32_t k = place + 1 + i % walks; k < items.size; k += walks) {
+        std::uint32_t end = items.size, shared = items.size;
+        if (world_begins.size > 0) {
+            end = world_begins[bodies[first.body].world_place + 1];
+            shared = max_of(world_begins[world_begins.size - 2], end);
+        }
+        for (std::uint32_t k = place + 1 + i % walks; k < end; k += walks) {
             const SweepItem& second = items[k];
             if (!(second.lower.x <= first.upper.x)) break;
             if (first.may_meet(second)) see(first.body, second.body);
+        }
+        for (std::uint32_t k = shared + i % walks; k < items.size; k += walks) {
+            const SweepItem& second = items[k];
+            if (!(second.lower.x <= first.upper.x)) break;
+            if (first.lower.x <= second.upper.x && first.may_meet(second))
+                see(first.body, second.body);
         }
     }
 };
@@ -118,14 +151,33 @@ PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
                                   max_of(a.touch, b.touch) + a.outreach() + b.outreach());
 }
 
-/// Per pair of overlapping world boxes: keeps the pair if the oriented boxes overlap, too.
-struct TestPair {
+/// Which pairs the caller does not want.
+struct PairFilter {
     View<const BodyView> bodies;
+    View<const Pair> excluded;  ///< sorted
+
+    PIERCE_HD bool allows(Pair pair) const {
+        if (pair.is_self()) return true;
+        if (!bodies[pair.a].filter.allows(bodies[pair.b].filter)) return false;
+        std::uint32_t low = 0, high = excluded.size;
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            (excluded[middle] < pair ? low : high) = excluded[middle] < pair ? middle + 1 : middle;
+        }
+        return low == excluded.size || !(excluded[low] == pair);
+    }
+};
+
+/// Per pair of overlapping world boxes: keeps the pair if it is wanted and the oriented boxes
+/// overlap, too.
+struct TestPair {
+    PairFilter filter;
+    PairKeys as_keys;
     View<const std::uint64_t> keys;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        return fits_overlap(bodies[static_cast<std::uint32_t>(keys[i] >> 32)],
-                            bodies[static_cast<std::uint32_t>(keys[i])]);
+        const Pair pair = as_keys.pair(keys[i]);
+        return filter.allows(pair) && fits_overlap(filter.bodies[pair.a], filter.bodies[pair.b]);
     }
     PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
     PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place,
@@ -154,13 +206,14 @@ inline constexpr std::uint32_t no_pair = 0xffffffffu;
 struct LinkPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
+    PairKeys as_keys;
     View<const std::uint64_t> last_keys;
     View<const PairIdentity> last;
 
     /// Writes the pair of a key, its identity, and which of last step's pairs it was, if any.
     PIERCE_HD void operator()(std::uint64_t key, Pair& pair, PairIdentity& identity,
                               std::uint32_t& link) const {
-        pair = {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
+        pair = as_keys.pair(key);
         identity = identity_of(bodies, ids, pair);
         std::uint32_t low = 0, high = last_keys.size;
         while (low < high) {
@@ -186,9 +239,10 @@ struct LinkSorted {
 };
 
 /// Per two of `bodies.size` bodies (a * size + b): if they are a pair, their key and which of last
-/// step's pairs it was.
+/// step's pairs it was. Not for bodies of several worlds.
 struct FindPairs {
     LinkPair link;
+    PairFilter filter;
 
     static constexpr bool in_order = true;
 
@@ -199,13 +253,14 @@ struct FindPairs {
         const SweepItem first(bodies[a], a), second(bodies[b], b);
         if (a == b) return first.meets_itself;
         if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
-        return first.may_meet(second) && fits_overlap(bodies[a], bodies[b]);
+        return first.may_meet(second) && filter.allows({a, b}) &&
+               fits_overlap(bodies[a], bodies[b]);
     }
     PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
     PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys,
                          Pair* pairs, PairIdentity* identities, std::uint32_t* links) const {
         if (!is_pair) return;
-        keys[place] = pair_key(i / link.bodies.size, i % link.bodies.size);
+        keys[place] = link.as_keys.key(link.bodies, i / link.bodies.size, i % link.bodies.size);
         link(keys[place], pairs[place], identities[place], links[place]);
     }
     /// Fills an unused place: the next step searches the whole list.

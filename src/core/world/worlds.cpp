@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/device/view.hpp"
+#include "core/world/world_state.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/error.hpp"
+
+/// Filters, and worlds within a world.
+namespace pierce {
+namespace {
+
+/// A body like another one, in the same place, as if it had been added there.
+BodyEntry copy_of(const BodyEntry& body, std::int32_t world) {
+    if (body.device_positions != nullptr)
+        throw InputError("a body with positions in device memory cannot be copied");
+    BodyEntry copy(body.mesh, body.motion, body.pose);
+    copy.positions = body.positions;
+    copy.collision = body.collision;
+    copy.filter = body.filter;
+    copy.filter.world = world;
+    copy.usable = body.usable;
+    return copy;
+}
+
+}  // namespace
+
+void World::State::check_filter(const Filter& filter) {
+    if (filter.world < all_worlds ||
+        filter.world >= static_cast<std::int32_t>(constants::most_worlds))
+        throw InputError("there is no world " + std::to_string(filter.world) +
+                         ": worlds are numbers from 0 to " +
+                         std::to_string(constants::most_worlds - 1));
+}
+
+void World::set_filter(BodyId body, const Filter& filter) {
+    State::check_filter(filter);
+    state_->bodies.get(body, "body").filter = filter;
+    state_->change();
+}
+
+const Filter& World::filter_of(BodyId body) const {
+    return state_->bodies.get(body, "body").filter;
+}
+
+void World::exclude(BodyId a, BodyId b) {
+    state_->bodies.get(a, "body");
+    state_->bodies.get(b, "body");
+    if (a == b)
+        throw InputError(
+            "a body and itself are no pair that can be excluded: Collision::self says "
+            "whether it meets itself");
+    state_->excluded.insert({a, b});
+    state_->change();
+}
+
+void World::include(BodyId a, BodyId b) {
+    state_->bodies.get(a, "body");
+    state_->bodies.get(b, "body");
+    state_->excluded.erase({a, b});
+    state_->change();
+}
+
+std::vector<std::int32_t> World::worlds() const {
+    std::set<std::int32_t> found;
+    for (const auto& slot : state_->bodies.slots())
+        if (slot.used) found.insert(slot.thing.filter.world);
+    found.erase(all_worlds);
+    return {found.begin(), found.end()};
+}
+
+std::vector<BodyId> World::bodies_of(std::int32_t world) const {
+    std::vector<BodyId> bodies;
+    const auto& slots = state_->bodies.slots();
+    for (std::uint32_t i = 0; i < slots.size(); ++i)
+        if (slots[i].used && slots[i].thing.filter.world == world)
+            bodies.push_back({i, slots[i].generation});
+    return bodies;
+}
+
+std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
+    State& s = *state_;
+    const std::vector<BodyId> originals = bodies_of(world);
+    if (world == all_worlds || originals.empty())
+        throw InputError("there is no world " + std::to_string(world) + " to replicate");
+    const std::int64_t first = std::int64_t{worlds().back()} + 1;
+    if (first + count > constants::most_worlds)
+        throw InputError("there would be more than " + std::to_string(constants::most_worlds) +
+                         " worlds");
+    // Pairs that are excluded in the world: which of its bodies, and the other one, which may be
+    // in all worlds.
+    std::vector<BodyEntry> copies;
+    for (BodyId id : originals) copies.push_back(copy_of(s.bodies.get(id, "body"), world));
+    std::vector<BodyIdPair> within;
+    for (const BodyIdPair& p : s.excluded) {
+        const auto is_here = [&](BodyId id) { return std::ranges::count(originals, id) > 0; };
+        if (is_here(p.a) || is_here(p.b)) within.push_back(p);
+    }
+    s.change();
+    for (std::uint32_t k = 0; k < count; ++k) {
+        std::vector<BodyId> made;
+        for (const BodyEntry& copy : copies) {
+            BodyEntry body = copy;
+            body.filter.world = static_cast<std::int32_t>(first + k);
+            if (body.motion == Motion::deforming) body.positions_version = s.next_key++;
+            made.push_back(s.bodies.add(std::move(body)));
+        }
+        const auto copy_in_world = [&](BodyId id) {
+            const auto at = std::ranges::find(originals, id);
+            return at == originals.end() ? id
+                                         : made[static_cast<std::size_t>(at - originals.begin())];
+        };
+        for (const BodyIdPair& p : within)
+            s.excluded.insert({copy_in_world(p.a), copy_in_world(p.b)});
+    }
+    return static_cast<std::int32_t>(first);
+}
+
+void World::copy_places(std::int32_t from, std::int32_t to) {
+    State& s = *state_;
+    const std::vector<BodyId> there = bodies_of(from), here = bodies_of(to);
+    const auto is_alike = [&](BodyId a, BodyId b) {
+        const BodyEntry &one = s.bodies.get(a, "body"), &other = s.bodies.get(b, "body");
+        return one.motion == other.motion && one.mesh == other.mesh;
+    };
+    if (there.empty() || !std::ranges::equal(there, here, is_alike))
+        throw InputError("worlds " + std::to_string(from) + " and " + std::to_string(to) +
+                         " do not have the same bodies");
+    std::vector<BodyEntry> copies;
+    for (BodyId id : there) copies.push_back(copy_of(s.bodies.get(id, "body"), to));
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        BodyEntry& body = s.bodies.get(here[i], "body");
+        body.pose = body.start_pose = copies[i].pose;
+        body.start = copies[i].positions;
+        body.positions = std::move(copies[i].positions);
+        body.device_positions = body.device_start = nullptr;
+        body.usable = copies[i].usable;
+        body.moved = false;
+        if (body.motion == Motion::deforming) body.positions_version = s.next_key++;
+    }
+    s.stepped = false;
+}
+
+void World::remove_world(std::int32_t world) {
+    for (BodyId body : bodies_of(world)) remove_body(body);
+}
+
+void World::set_world_active(std::int32_t world, bool active) {
+    if (world == all_worlds || bodies_of(world).empty())
+        throw InputError("there is no world " + std::to_string(world));
+    if (active)
+        state_->left_out.erase(world);
+    else
+        state_->left_out.insert(world);
+    state_->stepped = false;
+}
+
+WorldOffsets World::world_offsets() const {
+    const State& s = *state_;
+    s.check_stepped("world_offsets");
+    WorldOffsets offsets{s.worlds, {}, {}};
+    const std::span<const Contact> all = contacts();
+    const auto sheets = std::ranges::find_if(all, [](const Contact& c) { return c.of_sheet; });
+    const auto place_of = [&](const Contact& c) {
+        return std::min(s.views[c.a.index].world_place, s.views[c.b.index].world_place);
+    };
+    const auto count = [&](std::span<const Contact> part, std::size_t before) {
+        std::vector<std::uint32_t> begins;
+        for (std::uint32_t place = 0; place <= s.worlds.size(); ++place) {
+            const auto at = std::ranges::lower_bound(part, place, {}, place_of);
+            begins.push_back(static_cast<std::uint32_t>(before) +
+                             static_cast<std::uint32_t>(at - part.begin()));
+        }
+        return begins;
+    };
+    offsets.solids = count({all.begin(), sheets}, 0);
+    offsets.sheets = count({sheets, all.end()}, static_cast<std::size_t>(sheets - all.begin()));
+    return offsets;
+}
+
+}  // namespace pierce
