@@ -212,6 +212,7 @@ void Dispatcher::State::write_contacts(Dispatcher& dispatcher) {
             continue;
         }
         for (const Contact& c : of_pair) {
+            if (c.distance > 0) continue;  // Bullet's soft contacts know no gap
             const Binding& source = c.source == Side::a ? binding_a : binding_b;
             const Binding& target = c.source == Side::a ? binding_b : binding_a;
             if (source.soft != nullptr && target.soft != nullptr)

@@ -41,6 +41,10 @@ inline void add_coverage(CLI::App& command, Settings& settings) {
             [&settings](const std::string& name) { settings.reproject = switches.at(name); },
             "move contacts to the closest point of the other surface: on (the default) or off")
         ->check(CLI::IsMember({"on", "off"}));
+    command
+        .add_option("--margin", settings.margin,
+                    "solids nearer than this are in contact before they touch")
+        ->check(positive_number);
 }
 
 /// What rays remember of the last step.

@@ -11,7 +11,7 @@ namespace pierce {
 /// or a sum of totals that earlier stages write.
 class Number {
 public:
-    static constexpr std::uint32_t most_terms = 4;
+    static constexpr std::uint32_t most_terms = 6;
 
     Number() = default;
     PIERCE_HD Number(std::uint32_t n) : bound_(n), known_(n) {}

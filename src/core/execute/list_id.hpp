@@ -46,6 +46,16 @@ enum class ListId : std::uint8_t {
     deep_pairs,
     separated_rays,
     touching_rays,
+    // margin
+    margin_blocks,
+    margin_patches,
+    margin_vertices,
+    near_contacts,
+    margin_edge_blocks,
+    margin_edge_groups,
+    margin_edges,
+    near_edge_pairs,
+    first_contacts,
     // sheets
     sheet_vertices,
     sheet_sections,

@@ -17,6 +17,7 @@
 #include "core/step/common/step_memory.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
+#include "core/step/margin/margin.hpp"
 #include "core/step/self_overlap/self_overlap.hpp"
 #include "core/step/separation/separation.hpp"
 #include "core/step/sheets/sheets.hpp"
@@ -52,6 +53,7 @@ public:
           self_overlap_(tools_),
           reprojection_(tools_),
           separation_(tools_, reprojection_),
+          margin_(tools_),
           sheets_(tools_) {}
 
     /// Runs one step, up to its contacts. `stats` gets the stages' times here, and everything else
@@ -84,6 +86,7 @@ public:
               [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
         stage(plan.reprojects ? StageId::reproject : StageId::separation, [&] { depths(scene); });
         stage(StageId::separation, [&] { separation(scene); });
+        stage(StageId::margin, [&] { margin(scene); });
         // Later stages change neither hits nor own rays.
         stage(StageId::statistics, [&] { executor_.beside([&] { count_rays(); }); });
         stage(StageId::contacts, [&] { contacts(scene); });
@@ -101,7 +104,8 @@ public:
         stats.own_rays = executor_.read(sums_.own_rays);
         if (plan.misses_no_overlap()) {
             stats.edges = executor_.number(edges_.near_edges());
-            stats.chords = executor_.number(edges_.chord_count());
+            stats.chords = executor_.number(edges_.chord_count()) -
+                           executor_.number(margin_.edge_pairs());
             stats.rays += separation_.late_rays();
             stats.inside_tests = separation_.inside_tests();
             stats.separated_pairs = separation_.deep_pairs();
@@ -210,7 +214,8 @@ private:
     /// read or change it, or the list has contacts of the last step, too.
     static bool tests_first(const Plan& plan) {
         return plan.needs(StageId::self_overlap) || plan.needs(StageId::separation) ||
-               plan.needs(StageId::reproject) || plan.settings.keeps_contacts();
+               plan.needs(StageId::reproject) || plan.needs(StageId::margin) ||
+               plan.settings.keeps_contacts();
     }
 
     /// The rays that are traced: all rays, or those that neither a proof nor a walk replaces.
@@ -237,7 +242,7 @@ private:
             executor_.for_each(scene.bodies.size,
                                stages::PlaceBox{scene.bodies, scene.plan->sheets});
         if (scene.plan->measures_deformation) measure_deformation(scene);
-        if (scene.plan->misses_no_overlap()) edges_.measure_boxes_early(scene);
+        if (scene.plan->needs_boxes()) edges_.measure_boxes_early(scene);
         now_.bodies.clear();
         if (!scene.plan->remembers()) return;
         now_.bodies.resize(scene.bodies.size);
@@ -553,6 +558,37 @@ private:
         separation_.separate(step_of_pairs(scene), edges_, batch_, routes_.routes);
     }
 
+    // margin: What does not overlap and is nearer than the margin.
+    void margin(const Scene& scene) {
+        margin_.find(step_of_pairs(scene), edges_, batch_, routes_.routes);
+    }
+
+    /// Leaves out vertices that are near and in contact by a ray, too. Returns how many are left.
+    Count drop_seconds() {
+        const Count total = tools_.list(
+            ListId::first_contacts, count_of(now_.contact_keys),
+            stages::IsNoSecond{.sources = view_of(batch_.sources),
+                               .candidates = view_of(batch_.candidates),
+                               .order = view_of(std::as_const(sort_.order)),
+                               .keys = view_of(std::as_const(now_.contact_keys))},
+            firsts_);
+        sort_.keys.resize(total);
+        sort_.values.resize(total);
+        const View<const std::uint32_t> firsts = view_of(std::as_const(firsts_));
+        executor_.for_each(
+            total, stages::Gather<std::uint64_t>{view_of(std::as_const(now_.contact_keys)), firsts,
+                                                 view_of(sort_.keys)});
+        executor_.for_each(total, stages::Gather<std::uint32_t>{view_of(std::as_const(sort_.order)),
+                                                                firsts, view_of(sort_.values)});
+        now_.contact_keys.resize(total);
+        sort_.order.resize(total);
+        executor_.for_each(total, stages::Copy<std::uint64_t>{view_of(std::as_const(sort_.keys)),
+                                                              view_of(now_.contact_keys)});
+        executor_.for_each(total, stages::Copy<std::uint32_t>{view_of(std::as_const(sort_.values)),
+                                                              view_of(sort_.order)});
+        return total;
+    }
+
     // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
     // they were tested before.
     void contacts(const Scene& scene) {
@@ -577,8 +613,8 @@ private:
                            FindAfter(own_exit_test(scene.bodies), keys), sort_.keys, sort_.values);
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
         tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
-        const Count total = count_of(now_.contact_keys);
-        if (scene.plan->misses_no_overlap())
+        const Count total = scene.plan->margins ? drop_seconds() : count_of(now_.contact_keys);
+        if (scene.plan->misses_no_overlap() || scene.plan->margins)
             executor_.for_each(total, stages::OrderChords{.chords = edges_.chords(),
                                                           .sources = view_of(batch_.sources),
                                                           .candidates = view_of(batch_.candidates),
@@ -692,6 +728,7 @@ private:
     SelfOverlap<E, T> self_overlap_;
     Reprojection<E, T> reprojection_;
     Separation<E, T> separation_;
+    Margin<E, T> margin_;
     Sheets<E, T> sheets_;
 
     StepRecords<E> now_, last_;
@@ -702,6 +739,7 @@ private:
     RouteLists<E> routes_;
     ExitLists<E> exits_;
     SortScratch<E> sort_;
+    Buffer<std::uint32_t> firsts_;  ///< places of contacts that are no seconds
     StepSums<E> sums_;
     Count traced_ = 0u;  ///< rays of vertices, of chords, and along velocities
     TracerCounts reported_;

@@ -7,7 +7,7 @@ namespace pierce {
 
 /// How a ray meets the triangle its tracer found.
 struct Meeting {
-    double t = 0;  ///< [length] not below zero
+    double t = 0;  ///< [length] below zero for a place that is outside of the target and near it
     double barycentric[3] = {};
     bool exit = false;  ///< leaves the target, or touches its surface
     std::uint8_t padding[7] = {};

@@ -38,13 +38,14 @@ struct RaySource {
     RayStart start = RayStart::vertex;
     bool separates = false;  ///< its direction is not inward, but the one in which the two bodies
                              ///< separate soonest
-    std::uint8_t padding = 0;
+    bool is_near = false;    ///< it is outside of the target, and near
 };
 
 /// A part of an edge inside the target, from one crossing of its surface to the next.
 struct Chord {
     std::uint32_t edge = 0;
-    std::uint32_t ordinal = 0;  ///< which of the edge's chords in this pair
+    std::uint32_t ordinal = 0;  ///< which of the edge's chords in this pair; if it is outside and
+                                ///< near, the target's edge
     double along = 0;  ///< where its ray starts, from 0 at the edge's first vertex to 1 at the
                        ///< second: in its middle, or where it is closest to the ridge
     double skin = 0;   ///< [length] if the edge only touches the target: its ray does not count

@@ -273,12 +273,17 @@ std::string Explanation::text() const {
     switch (reason) {
         case Reason::contact:
             if (contact && contact->of_sheet) return of_sheet(*contact);
-            s = "In contact: the vertex is inside and " +
-                number(contact ? contact->penetration_depth() : t) + " deep";
+            if (contact && contact->distance > 0)
+                s = "In contact: the vertex is outside, and with " + number(contact->distance) +
+                    " closer than the margin";
+            else
+                s = "In contact: the vertex is inside and " +
+                    number(contact ? contact->penetration_depth() : t) + " deep";
             if (contact) {
                 s += " at triangle " + std::to_string(contact->triangle);
                 s += how_found(contact->found);
-                if (contact->reprojected) s += ", then moved to the closest point";
+                if (contact->reprojected && contact->distance <= 0)
+                    s += ", then moved to the closest point";
             }
             s += ".";
             break;

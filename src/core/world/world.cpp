@@ -47,6 +47,8 @@ World::World(const Settings& settings) : World(reference_backend(), settings) {}
 World::World(std::unique_ptr<Backend> backend, const Settings& settings)
     : state_(std::make_unique<State>()) {
     if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
+    if (!(settings.margin >= 0) || std::isinf(settings.margin))
+        throw InputError("margin must be finite and not negative");
     if (settings.full_every == 0) throw InputError("full_every must be at least 1");
     if (!(settings.walk_threshold >= 0)) throw InputError("walk_threshold must not be negative");
     if (std::isnan(settings.prediction_distance))

@@ -31,7 +31,7 @@ void transfer(A& archive, Id<Tag>& id) {
 
 template <class A>
 void transfer(A& archive, Settings& s) {
-    transfer_all(archive, s.open_body_range, s.reproject, s.predict, s.may_rest,
+    transfer_all(archive, s.open_body_range, s.margin, s.reproject, s.predict, s.may_rest,
                  s.prediction_distance, s.full_every, s.walk_threshold);
     transfer(archive, s.coverage, Coverage::overlaps);
     transfer(archive, s.temporal, Temporal::certified);
@@ -55,7 +55,7 @@ void transfer(A& archive, Pose& p) {
 template <class A>
 void transfer(A& archive, Collision& c) {
     transfer(archive, c.self, SelfCollision::published);
-    transfer_all(archive, c.sheet, c.thickness);
+    transfer_all(archive, c.sheet, c.thickness, c.margin);
 }
 
 template <class A>
@@ -89,7 +89,7 @@ void transfer(A& archive, BodyIdPair& p) {
 
 template <class A>
 void transfer(A& archive, PairIdentity& p) {
-    transfer_all(archive, p.a, p.b, p.mesh_a, p.mesh_b, p.sheet_a, p.sheet_b);
+    transfer_all(archive, p.a, p.b, p.mesh_a, p.mesh_b, p.sheet_a, p.sheet_b, p.margin);
     transfer(archive, p.self_a, SelfCollision::published);
     transfer(archive, p.self_b, SelfCollision::published);
 }

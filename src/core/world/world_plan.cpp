@@ -84,6 +84,8 @@ void World::State::check_collision(Motion motion, const Mesh& mesh, const Collis
         throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
     if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
         throw InputError(name + " needs a thickness that is finite and not negative");
+    if (std::isnan(collision.margin) || std::isinf(collision.margin))
+        throw InputError(name + " needs a margin that is finite");
     if (!collision.sheet && collision.thickness > 0)
         throw InputError(name + " has a thickness but is no sheet");
     if (collision.sheet && mesh.inside().rule == Inside::winding)
@@ -164,6 +166,11 @@ void World::State::arrange_worlds() {
     std::partial_sum(world_begins.begin(), world_begins.end(), world_begins.begin());
 }
 
+double World::State::margin_of(const BodyEntry& body) const {
+    if (body.collision.sheet) return 0;
+    return body.collision.margin < 0 ? settings.margin : body.collision.margin;
+}
+
 void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
@@ -184,6 +191,7 @@ void World::State::make_plan() {
         any_deforms = any_deforms || slot.thing.motion == Motion::deforming;
         const Collision& collision = slot.thing.collision;
         solids = solids || (!collision.sheet && mesh_of(slot.thing).inside().exists());
+        plan.margins = plan.margins || margin_of(slot.thing) > 0;
         plan.sheets = plan.sheets || collision.sheet;
         plan.velocity_rays = plan.velocity_rays ||
                              (collision.sheet && (collision.self == SelfCollision::rays ||
@@ -193,6 +201,7 @@ void World::State::make_plan() {
     }
     plan.casts_rays = solids || plan.velocity_rays;
     if (!solids) plan.settings.coverage = Coverage::vertices;
+    plan.margins = plan.margins && solids;
     // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
     // nothing about the way out.
     plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
@@ -223,6 +232,7 @@ void World::State::make_plan() {
         view.motion = body.motion;
         view.collision = body.collision;
         view.filter = body.filter;
+        view.margin = margin_of(body);
         view.range = settings.open_body_range * view.mesh.mean_edge_length;
         view.fit_box = view.mesh.box;
         view.touch = constants::touch_tolerance * view.fit_box.extent();
@@ -233,7 +243,7 @@ void World::State::make_plan() {
             body.patches.resize(patch_count(view.mesh));
             view.blocks = blocks[i] = view_of(body.blocks);
             view.patches = patches[i] = view_of(body.patches);
-            if (plan.misses_no_overlap() && view.is_solid()) {
+            if (plan.needs_boxes() && view.is_solid()) {
                 body.box_nodes.resize(view.mesh.box_nodes.size);
                 view.box_nodes = box_nodes[i] = view_of(body.box_nodes);
             }

@@ -125,6 +125,8 @@ struct World::State {
     /// Makes what does not change between steps.
     void make_plan();
     void arrange_worlds();
+    /// [length] How near other solids are in contact with the body.
+    double margin_of(const BodyEntry& body) const;
     void add_blocks(std::uint32_t body);
     void add_nodes();
     void describe(const BodyEntry& body, const Mesh& mesh);

@@ -22,7 +22,8 @@ enum class SelfCollision : std::uint8_t {
                 ///< prints it (section 5.2, Algorithm 1)
 };
 
-/// What a deforming body is in contact with besides solids that it overlaps.
+/// What a body is in contact with besides solids that it overlaps. All but the margin is for bodies
+/// that deform.
 struct Collision {
     SelfCollision self = SelfCollision::off;
     /// True for a body without an inside, whatever its mesh. Its surface keeps other bodies'
@@ -30,6 +31,9 @@ struct Collision {
     bool sheet = false;
     /// [length] of a sheet: surfaces that come closer than this to it are in contact.
     double thickness = 0;
+    /// [length] of a solid, also a rigid one: it is in contact with other solids that are nearer
+    /// than this, or than their own margin if that is larger. Negative: Settings::margin.
+    double margin = -1;
 
     friend bool operator==(const Collision&, const Collision&) = default;
 };

@@ -15,7 +15,8 @@ enum class Found : std::uint8_t {
     walk,        ///< by a walk from the last step's triangle
     prediction,  ///< by a walk to a triangle that the vertex was predicted to enter through
     self,        ///< by a ray from a vertex that is inside its own body
-    near,        ///< of a sheet: closer than its thickness, and in all known steps on this side
+    near,        ///< of a solid: outside, and closer than the margin; of a sheet: closer than its
+                 ///< thickness, and in all known steps on this side
     crossing,    ///< of a sheet: the two meet during the step
     remembered,  ///< of a sheet: the two met in an earlier step and are still on the wrong side of
                  ///< each other
@@ -52,7 +53,8 @@ struct alignas(16) Contact {
     std::uint32_t edge = 0;              ///< of the source's mesh, if an edge is in contact
     std::uint32_t chord = 0;  ///< which of the edge's parts inside the target, counted from its
                               ///< first vertex
-    std::uint32_t other_edge = 0;  ///< of the target's mesh, if two edges of sheets are in contact
+    std::uint32_t other_edge = 0;  ///< of the target's mesh, if two edges are near or those of
+                                   ///< sheets
     std::uint32_t triangle = 0;    ///< of the target
     std::uint32_t age = 0;  ///< steps in a row this vertex or edge has been in contact with this
                             ///< body; 0: new
@@ -61,7 +63,7 @@ struct alignas(16) Contact {
     double time = 1;   ///< when in the step the two of a sheet's contact first meet [0: the step's
                        ///< begin]; 1 if they do not meet
     double distance = 0;  ///< signed, negative where the bodies overlap or a sheet is crossed, zero
-                          ///< where they touch
+                          ///< where they touch, positive where they are only near
     double barycentric[3] = {};  ///< of the target point in the triangle; sums to 1
     Vec3d point_a, point_b;      ///< on body a and on body b: the vertex and the target point
     Vec3d normal;  ///< unit, from a to b: the line of the ray, so (point_b - point_a) . normal =
@@ -82,10 +84,13 @@ struct alignas(16) Contact {
         const std::uint64_t kind = std::uint64_t{of_sheet} << 2 | std::uint64_t{is_edge()} << 1 |
                                    static_cast<std::uint64_t>(source);
         const std::uint64_t item = is_edge() ? edge : vertex;
+        const bool near_edges = !of_sheet && is_edge() && found == Found::near;
         const std::uint64_t other = found == Found::tangled ? triangle
                                     : of_sheet              ? (is_edge() ? other_edge : triangle)
+                                    : near_edges            ? other_edge
                                                             : chord;
-        return item << 34 | other << 4 | std::uint64_t{found == Found::tangled} << 3 | kind;
+        const bool apart = found == Found::tangled || near_edges;
+        return item << 34 | other << 4 | std::uint64_t{apart} << 3 | kind;
     }
 };
 

@@ -26,6 +26,7 @@ struct Plan {
     bool sheets = false;             ///< some body is a sheet
     std::uint32_t feature_bits = 0;  ///< bits of the largest number of a vertex, edge or triangle
     bool velocity_rays = false;   ///< some sheet is looked for in itself by rays along velocities
+    bool margins = false;         ///< some body is in contact before it touches
     bool reprojects = false;      ///< contacts move to the closest point of the target's surface
     Settings settings;            ///< the settings in effect: what no body needs is off
     std::vector<StageId> stages;  ///< the stages that run, in their order
@@ -35,6 +36,8 @@ struct Plan {
     bool is_complete() const { return settings.coverage == Coverage::complete; }
     /// True if pairs that overlap without a vertex inside are found, too.
     bool misses_no_overlap() const { return settings.coverage != Coverage::vertices; }
+    /// True if boxes around the triangles of deforming solids are measured.
+    bool needs_boxes() const { return misses_no_overlap() || margins; }
     bool needs(StageId stage) const { return std::ranges::find(stages, stage) != stages.end(); }
 
     friend bool operator==(const Plan&, const Plan&) = default;

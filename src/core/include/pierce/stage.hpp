@@ -23,6 +23,7 @@ enum class StageId : std::uint8_t {
     self_overlap,
     reproject,
     separation,
+    margin,
     contacts,
     remember,
     statistics

@@ -197,7 +197,8 @@ PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<cons
             .self_a = a.collision.self,
             .self_b = b.collision.self,
             .sheet_a = a.collision.sheet,
-            .sheet_b = b.collision.sheet};
+            .sheet_b = b.collision.sheet,
+            .margin = max_of(a.margin, b.margin)};
 }
 
 inline constexpr std::uint32_t no_pair = 0xffffffffu;

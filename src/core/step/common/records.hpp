@@ -28,12 +28,14 @@ struct PairIdentity {
     SelfCollision self_a = SelfCollision::off, self_b = SelfCollision::off;
     bool sheet_a = false, sheet_b = false;
     std::uint8_t padding[4] = {};
+    double margin = 0;  ///< [length] the larger one of both bodies'
 
     PIERCE_HD bool is(const PairIdentity& other) const {
         return a.index == other.a.index && a.generation == other.a.generation &&
                b.index == other.b.index && b.generation == other.b.generation &&
                mesh_a == other.mesh_a && mesh_b == other.mesh_b && self_a == other.self_a &&
-               self_b == other.self_b && sheet_a == other.sheet_a && sheet_b == other.sheet_b;
+               self_b == other.self_b && sheet_a == other.sheet_a && sheet_b == other.sheet_b &&
+               margin == other.margin;
     }
 };
 

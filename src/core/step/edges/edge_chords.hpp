@@ -109,6 +109,24 @@ public:
     /// How many edges were near the other body of their pair.
     Count near_edges() const { return count_of(now_.edges); }
 
+    /// Makes room for `count` more chords at the end; returns all chords.
+    View<Chord> add_room(const Count& count) {
+        chords_.resize(chord_count() + count);
+        return view_of(chords_.all);
+    }
+
+    /// Boxes around the triangles of deforming targets of some groups of edges, if they were not
+    /// measured early.
+    void measure_boxes_of(const StepOfPairs<E>& step, const Buffer<stages::CullItem>& groups) {
+        if constexpr (E::traits.overlaps_updates) return executor_.join();
+        if (step.scene.node_items.size == 0) return;
+        executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
+        executor_.for_each(
+            count_of(groups),
+            stages::MarkTargetsOfGroups{step.directed, view_of(groups), view_of(scratch_.wanted)});
+        measure_boxes(step.scene, view_of(std::as_const(scratch_.wanted)));
+    }
+
     /// Makes what this step remembers what the last step has left.
     void recall() { std::swap(now_, last_); }
 

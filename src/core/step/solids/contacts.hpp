@@ -100,13 +100,31 @@ struct OrderChords {
     }
 
 private:
-    /// Chords of bodies that were moved a little come after the others.
+    /// Edges near the target come after chords inside of it, and chords of bodies that were moved a
+    /// little come last.
     PIERCE_HD std::uint64_t chord(std::uint32_t k) const {
         const RaySource& from = sources[candidates[order[k]]];
         if (from.start == RayStart::vertex) return 0;
         const std::uint32_t item = from.item;
         const Chord& c = chords[item];
-        return std::uint64_t{c.skin > 0} << 63 | std::uint64_t{c.ordinal} << 32 | item;
+        return std::uint64_t{c.skin > 0} << 63 | std::uint64_t{from.is_near} << 62 |
+               std::uint64_t{c.ordinal} << 32 | item;
+    }
+};
+
+/// Per contact in the order of their keys: false for a vertex that is near, if the same vertex is
+/// in contact by a ray, too. Rounding may see a vertex on both sides of a surface that it touches.
+struct IsNoSecond {
+    View<const RaySource> sources;
+    View<const std::uint32_t> candidates, order;
+    View<const std::uint64_t> keys;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        const bool has_other = (i > 0 && keys[i - 1] == keys[i]) ||
+                               (i + 1 < keys.size && keys[i + 1] == keys[i]);
+        if (!has_other || (order[i] & taken_over)) return true;
+        const RaySource& from = sources[candidates[order[i]]];
+        return from.start != RayStart::vertex || !from.is_near;
     }
 };
 
@@ -172,19 +190,20 @@ struct FillContact {
         c.a = ids[pair.a];
         c.b = ids[pair.b];
         c.source = static_cast<Side>(from.side);
-        c.grazing = std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
+        c.grazing = !from.is_near && std::fabs(dot(face, ray.direction)) < constants::grazing_sine;
         const bool looked = routes.size > 0 && routes[r] == Route::looked;
         if (routes.size > 0 && routes[r] == Route::walked) c.found = found[r];
         if (looked) c.found = Found::walk;
         if (pair.is_self()) c.found = Found::self;
         if (from.separates) c.found = Found::separation;
-        c.reprojected = moved || looked;
+        if (from.is_near) c.found = Found::near;
+        c.reprojected = moved || looked || from.is_near;
         c.vertex = from.item;
         if (from.start == RayStart::chord) {
             const Chord& chord = chords[from.item];
             const Edge& edge = source.mesh.edges[chord.edge];
             c.edge = chord.edge;
-            c.chord = chord.ordinal;
+            (from.is_near ? c.other_edge : c.chord) = chord.ordinal;
             c.along = chord.along;
             c.vertex = edge.vertex[0];
             c.edge_end = edge.vertex[1];

@@ -30,11 +30,18 @@ struct JoinBatch {
 
     /// Ray `from` joins as the i-th one; returns which candidate it is.
     PIERCE_HD std::uint32_t join(std::uint32_t i, std::uint32_t from, bool is_contact) const {
+        return put(i, from_rays[from], from_sources[from], from_hits[from], from_meetings[from],
+                   is_contact);
+    }
+
+    /// The same for any ray.
+    PIERCE_HD std::uint32_t put(std::uint32_t i, const Ray& its_ray, const RaySource& source,
+                                const Hit& hit, const Meeting& meeting, bool is_contact) const {
         const std::uint32_t ray = first_ray + i, candidate = first_candidate + i;
-        rays[ray] = from_rays[from];
-        sources[ray] = from_sources[from];
-        hits[ray] = from_hits[from];
-        meetings[ray] = from_meetings[from];
+        rays[ray] = its_ray;
+        sources[ray] = source;
+        hits[ray] = hit;
+        meetings[ray] = meeting;
         if (routes.size > 0) routes[ray] = Route::full;
         candidates[candidate] = ray;
         keep[candidate] = is_contact;

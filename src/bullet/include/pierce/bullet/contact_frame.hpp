@@ -20,9 +20,10 @@ struct FramedContact {
 /// out, not along the vertex normal of the body that stands on it. The depth becomes the vertex's
 /// depth below the face's plane, and the target point becomes the vertex's projection onto that
 /// plane. A contact along a direction of separation keeps that direction, as the face that its ray
-/// leaves through says nothing about the way out.
+/// leaves through says nothing about the way out; and so does one that is only near, as an edge or
+/// a corner may be nearest.
 inline FramedContact face_frame(const Contact& contact) {
-    if (contact.found == Found::separation)
+    if (contact.found == Found::separation || contact.found == Found::near)
         return {.point_a = contact.point_a,
                 .point_b = contact.point_b,
                 .normal_on_b = -contact.normal,

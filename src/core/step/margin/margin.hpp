@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "core/device/view.hpp"
+#include "core/step/common/step_tools.hpp"
+#include "core/step/edges/edge_chords.hpp"
+#include "core/step/margin/margin_stages.hpp"
+#include "core/step/margin/near_edge_pairs.hpp"
+#include "core/step/solids/join_batch.hpp"
+#include "core/step/solids/ray_batch.hpp"
+#include "core/step/solids/step_of_pairs.hpp"
+
+namespace pierce {
+
+/// Finds what is nearer to another solid than the margin and does not overlap it: vertices and the
+/// closest points of surfaces, and pairs of edges.
+template <Executor E, Tracer<E> T>
+class Margin {
+public:
+    template <class Item>
+    using Buffer = typename E::template Buffer<Item>;
+    using Count = typename E::Count;
+
+    explicit Margin(StepTools<E, T>& tools) : tools_(tools), executor_(tools.executor) {}
+
+    /// Adds contacts with a positive distance to the batch. `routes` of all rays of `batch`; empty
+    /// if steps do not remember.
+    void find(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+              Buffer<Route>& routes) {
+        pairs_.clear();
+        if (!step.scene.plan->margins) return;
+        find_vertices(step, batch, routes);
+        find_edges(step, edges, batch, routes);
+    }
+
+    /// How many pairs of edges were near in the last step.
+    Count edge_pairs() const { return count_of(pairs_); }
+
+private:
+    void find_vertices(const StepOfPairs<E>& step, RayBatch<E>& batch, Buffer<Route>& routes) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        executor_.emit(ListId::margin_blocks, 2 * step.count,
+                       stages::ListMarginBlocks{bodies, step.directed}, blocks_);
+        tools_.share_out(count_of(blocks_), [&](auto share, const Count& blocks) {
+            executor_.emit(
+                ListId::margin_patches, blocks,
+                stages::CullMarginBlock<decltype(share)>{bodies, step.directed, view_of(blocks_)},
+                patches_);
+        });
+        tools_.share_out(count_of(patches_), [&](auto share, const Count& patches) {
+            executor_.emit(ListId::margin_vertices, patches,
+                           stages::CullMarginVertices<decltype(share)>{bodies, step.directed,
+                                                                       view_of(patches_)},
+                           near_.sources);
+        });
+        const Count count = count_of(near_.sources);
+        near_.resize(count);
+        near_.keep.resize(count);
+        queries_.resize(count);
+        tools_.closest_between(bodies, queries_,
+                               stages::GenerateNearQueries{.bodies = bodies,
+                                                           .directed = step.directed,
+                                                           .sources = view_of(near_.sources),
+                                                           .queries = view_of(queries_)},
+                               [&](View<const std::uint32_t> closest) {
+                                   return stages::MeasureNear{
+                                       .bodies = bodies,
+                                       .queries = view_of(std::as_const(queries_)),
+                                       .closest = closest,
+                                       .rays = view_of(near_.rays),
+                                       .hits = view_of(near_.hits),
+                                       .meetings = view_of(near_.meetings),
+                                       .keep = view_of(near_.keep)};
+                               });
+        const Count found = tools_.list(ListId::near_contacts, count,
+                                        stages::IsKept{view_of(std::as_const(near_.keep))},
+                                        near_.candidates);
+        executor_.for_each(found,
+                           stages::JoinAsContact{
+                               view_of(std::as_const(near_.candidates)),
+                               room_in(batch, routes, step.scene.plan->remembers(), found, near_)});
+    }
+
+    void find_edges(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
+                    Buffer<Route>& routes) {
+        const View<const BodyView> bodies = step.scene.bodies;
+        executor_.emit(ListId::margin_edge_blocks, 2 * step.count,
+                       stages::ListMarginEdgeBlocks{bodies, step.directed}, blocks_);
+        executor_.emit(ListId::margin_edge_groups, count_of(blocks_),
+                       stages::CullMarginEdgeBlock{bodies, step.directed, view_of(blocks_)},
+                       groups_);
+        edges.measure_boxes_of(step, groups_);
+        executor_.emit(ListId::margin_edges, count_of(groups_),
+                       stages::CullMarginEdges{bodies, step.directed, view_of(groups_)}, edges_);
+        executor_.emit(ListId::near_edge_pairs, count_of(edges_),
+                       stages::FindEdgePairs{bodies, step.directed, view_of(edges_)}, pairs_);
+        const Count found = count_of(pairs_), first = edges.chord_count();
+        executor_.for_each(found, stages::JoinEdgePairs{
+                                      .bodies = bodies,
+                                      .directed = step.directed,
+                                      .pairs = view_of(pairs_),
+                                      .first_chord = first,
+                                      .chords = edges.add_room(found),
+                                      .batch = room_in(batch, routes, step.scene.plan->remembers(),
+                                                       found, near_)});
+    }
+
+    StepTools<E, T>& tools_;
+    E& executor_;
+    Buffer<stages::CullItem> blocks_, patches_, groups_, edges_;
+    Buffer<Ray> queries_;
+    Buffer<stages::NearEdgePair> pairs_;
+    RayBatch<E> near_;
+};
+
+}  // namespace pierce

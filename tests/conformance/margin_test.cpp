@@ -1,0 +1,344 @@
+// Solids nearer than the margin are in contact with a positive distance, against loops over all
+// vertices, edges and triangles.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/closest_point.hpp"
+#include "core/mesh/mesh_view.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/backends.hpp"
+#include "support/brute_force.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+constexpr double rounding = 1e-6;  ///< what rounding may decide [length, and weight]
+
+class MarginTest : public testing::TestWithParam<test::NamedBackend> {};
+
+/// A body's surface in the world.
+struct Placed {
+    const Mesh* mesh;
+    std::vector<Vec3d> points;
+    test::Solid solid;
+
+    Vec3d normal(std::uint32_t t) const {
+        const auto& v = mesh->triangles()[t].vertex;
+        return normalized(cross(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]));
+    }
+};
+
+Placed placed(const World& world, BodyId body) {
+    Placed p{&world.mesh(world.mesh_of(body)), {}, {}};
+    for (std::uint32_t v = 0; v < p.mesh->positions().size(); ++v)
+        p.points.push_back(world.vertex_position(body, v));
+    for (Vec3d q : p.points) p.solid.positions.push_back(test::exact(q));
+    p.solid.triangles.assign(p.mesh->triangles().begin(), p.mesh->triangles().end());
+    return p;
+}
+
+double distance_to(const Placed& body, Vec3d p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Triangle& t : body.mesh->triangles())
+        least = std::min(least, length(p - closest_on_triangle(p, body.points[t.vertex[0]],
+                                                               body.points[t.vertex[1]],
+                                                               body.points[t.vertex[2]])));
+    return least;
+}
+
+enum class Answer { no, yes, unclear };
+
+Answer both(Answer a, Answer b) {
+    if (a == Answer::no || b == Answer::no) return Answer::no;
+    return a == Answer::yes && b == Answer::yes ? Answer::yes : Answer::unclear;
+}
+Answer positive(double value) {
+    return value > rounding ? Answer::yes : value < -rounding ? Answer::no : Answer::unclear;
+}
+
+/// Whether a direction from a point of an edge leads away from both of its triangles, which bend
+/// away from each other. Zero counts as away.
+Answer faces(const Placed& body, const Edge& edge, Vec3d direction) {
+    if (edge.triangle[1] == no_triangle) return Answer::no;
+    Answer answer = Answer::yes;
+    Vec3d opposite[2];
+    for (int k = 0; k < 2; ++k) {
+        for (std::uint32_t v : body.mesh->triangles()[edge.triangle[k]].vertex)
+            if (v != edge.vertex[0] && v != edge.vertex[1]) opposite[k] = body.points[v];
+        const double towards = dot(direction, opposite[k] - body.points[edge.vertex[0]]);
+        if (towards > rounding) return Answer::no;
+        if (towards > 1e-9) answer = Answer::unclear;
+    }
+    const double bend = -dot(body.normal(edge.triangle[0]),
+                             opposite[1] - body.points[edge.vertex[0]]);
+    return bend < 1e-9 ? Answer::no : both(answer, bend < rounding ? Answer::unclear : Answer::yes);
+}
+
+/// Whether two edges are closest to each other between their ends, outside, nearer than the margin.
+Answer are_near(const Placed& a, const Edge& e, const Placed& b, const Edge& f, double margin) {
+    const Vec3d p = a.points[e.vertex[0]], u = a.points[e.vertex[1]] - p, q = b.points[f.vertex[0]],
+                v = b.points[f.vertex[1]] - q, n = cross(u, v);
+    if (length_squared(n) < rounding * length_squared(u) * length_squared(v)) {
+        return segment_distance(p, p + u, q, q + v) < margin + rounding ? Answer::unclear
+                                                                        : Answer::no;
+    }
+    const double s = dot(cross(q - p, v), n) / length_squared(n),
+                 t = dot(cross(q - p, u), n) / length_squared(n);
+    Answer answer = Answer::yes;
+    for (double place : {s, 1 - s, t, 1 - t}) answer = both(answer, positive(place));
+    const Vec3d way = q + t * v - p - s * u;
+    answer = both(answer, both(positive(length(way)), positive(margin - length(way))));
+    if (answer == Answer::no) return answer;
+    const Vec3d direction = normalized(way);
+    return both(answer, both(faces(a, e, direction), faces(b, f, -direction)));
+}
+
+TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
+    std::size_t vertices = 0, edges = 0;
+    for (std::uint32_t seed = 1; seed <= 230; ++seed) {
+        test::Random random(seed);
+        SCOPED_TRACE("seed " + std::to_string(random.seed()));
+        const double margin = random.uniform(0.02, seed <= 24 ? 0.4 : 0.9);
+        Settings settings;
+        settings.margin = seed % 2 == 0 ? margin : 0.0;
+        World world(GetParam().make(), settings);
+        std::vector<BodyId> ids;
+        for (int k = 0; k < 2; ++k) {
+            const MeshData mesh = seed <= 24 ? test::random_closed_mesh(random)
+                                             : scenes::box({-0.7, -0.5, -0.6}, {0.5, 0.8, 0.4});
+            const Pose pose{
+                k == 0 ? Vec3d{}
+                       : random.uniform(0.9, seed <= 24 ? 1.8 : 2.2) * random.unit_vector(),
+                random.rotation()};
+            const MeshId id = world.add_mesh("mesh", mesh);
+            ids.push_back(seed % 3 == 0 ? world.add_deforming_body(id, test::placed(mesh, pose))
+                                        : world.add_rigid_body(id, pose));
+        }
+        if (seed % 2 == 1) world.set_collision(ids[seed % 4 == 1], {.margin = margin});
+        world.detect();
+        EXPECT_TRUE(world.plan().margins);
+
+        const Placed bodies[2] = {placed(world, ids[0]), placed(world, ids[1])};
+        std::map<std::pair<int, std::uint32_t>, const Contact*> of_vertices;
+        std::set<std::pair<std::uint32_t, std::uint32_t>> of_edges;
+        for (const Contact& c : world.contacts()) {
+            EXPECT_NEAR(dot(c.point_b - c.point_a, c.normal), c.distance, 1e-9);
+            EXPECT_NEAR(length(c.normal), 1, 1e-12);
+            if (c.found != Found::near) continue;
+            EXPECT_GE(c.distance, 0);
+            EXPECT_LT(c.distance, margin);
+            EXPECT_NEAR(length(c.point_b - c.point_a), c.distance, 1e-9);
+            if (c.is_edge()) {
+                EXPECT_EQ(c.source, Side::a);
+                EXPECT_TRUE(of_edges.emplace(c.edge, c.other_edge).second);
+            } else {
+                of_vertices[{static_cast<int>(c.source), c.vertex}] = &c;
+            }
+        }
+        for (int side = 0; side < 2; ++side)
+            for (std::uint32_t v = 0; v < bodies[side].points.size(); ++v) {
+                const Vec3d p = bodies[side].points[v];
+                const double distance = distance_to(bodies[1 - side], p);
+                if (distance < rounding || std::fabs(distance - margin) < rounding) continue;
+                const auto found = of_vertices.find({side, v});
+                const bool expected = distance < margin &&
+                                      !test::is_inside(test::exact(p), bodies[1 - side].solid);
+                ASSERT_EQ(found != of_vertices.end(), expected) << side << " vertex " << v;
+                if (!expected) continue;
+                ++vertices;
+                EXPECT_NEAR(found->second->distance, distance, 1e-9);
+            }
+        const MeshView a = bodies[0].mesh->view(), b = bodies[1].mesh->view();
+        for (std::uint32_t e = 0; e < a.edges.size; ++e)
+            for (std::uint32_t f = 0; f < b.edges.size; ++f) {
+                const Answer expected = are_near(bodies[0], a.edges[e], bodies[1], b.edges[f],
+                                                 margin);
+                if (expected == Answer::unclear) continue;
+                ASSERT_EQ(of_edges.contains({e, f}), expected == Answer::yes)
+                    << "edges " << e << " and " << f;
+                edges += expected == Answer::yes;
+            }
+    }
+    EXPECT_GT(vertices, 300u);
+    EXPECT_GT(edges, 30u);
+}
+
+TEST_P(MarginTest, AContactGoesThroughTouchWithoutAJump) {
+    // A tetrahedron's tip comes down on a face, and then an edge on an edge.
+    const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 0});
+    MeshData tip{{{0, 0, 0}, {-0.25f, 0.25f, 1}, {0.25f, 0.25f, 1}, {0, -0.25f, 1}},
+                 {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}}};
+    MeshData blade{
+        {{-2, 0, 0}, {2, 0, 0}, {-2, -0.25f, 1}, {2, -0.25f, 1}, {-2, 0.25f, 1}, {2, 0.25f, 1}},
+        {{{0, 2, 3}},
+         {{0, 3, 1}},
+         {{0, 1, 5}},
+         {{0, 5, 4}},
+         {{2, 4, 5}},
+         {{2, 5, 3}},
+         {{0, 4, 2}},
+         {{1, 3, 5}}}};
+    for (MeshData* mesh : {&tip, &blade})
+        for (Triangle& t : mesh->triangles) std::swap(t.vertex[1], t.vertex[2]);
+    const Pose across{{0, 0, 0}, {0, 0, 0.25f, 1}};
+    const MeshData ridge{
+        {{0, -2, 0}, {0, 2, 0}, {0.5, -2, -1}, {0.5, 2, -1}, {-0.5, -2, -1}, {-0.5, 2, -1}},
+        {{{0, 2, 3}},
+         {{0, 3, 1}},
+         {{0, 1, 5}},
+         {{0, 5, 4}},
+         {{2, 4, 5}},
+         {{2, 5, 3}},
+         {{0, 4, 2}},
+         {{1, 3, 5}}}};
+    for (const bool edges : {false, true}) {
+        Settings settings;
+        settings.margin = 0.1;
+        World world(GetParam().make(), settings);
+        world.add_fixed_body(world.add_mesh("below", edges ? ridge : box));
+        const BodyId above = world.add_rigid_body(world.add_mesh("above", edges ? blade : tip));
+        std::vector<Contact> last;
+        for (int step = 0; step <= 40; ++step) {
+            const double height = 0.02 - 0.001 * step;
+            world.set_pose(above, {{0.1, 0.05, height}, across.rotation});
+            world.detect();
+            const auto deepest = std::ranges::min_element(world.contacts(), {}, &Contact::distance);
+            if (std::fabs(height) < 1e-9) continue;
+            ASSERT_NE(deepest, world.contacts().end()) << "step " << step;
+            EXPECT_EQ(deepest->is_edge(), edges);
+            EXPECT_NEAR(deepest->distance, height, 1e-6) << "step " << step;
+            if (!last.empty()) {
+                EXPECT_LT(length(deepest->normal - last[0].normal), 1e-6);
+                EXPECT_LT(length(deepest->point_a - last[0].point_a), 0.0025);
+                EXPECT_LT(length(deepest->point_b - last[0].point_b), 0.0025);
+                EXPECT_TRUE(edges || deepest->feature() == last[0].feature());
+            }
+            last = {*deepest};
+        }
+    }
+}
+
+TEST_P(MarginTest, BackendsAndMemoriesAgree) {
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+        test::Random random(seed);
+        SCOPED_TRACE("seed " + std::to_string(random.seed()));
+        std::vector<MeshData> meshes;
+        std::vector<Pose> poses;
+        for (int k = 0; k < 6; ++k) {
+            meshes.push_back(k % 2 == 0 ? scenes::box({-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3})
+                                        : scenes::torus(0.5, 0.2, 10, 6));
+            poses.push_back({random.in_box(1), random.rotation()});
+        }
+        for (const Coverage coverage :
+             {Coverage::vertices, Coverage::overlaps, Coverage::complete}) {
+            Settings settings;
+            settings.coverage = coverage;
+            settings.margin = 0.1;
+            Settings forgetful = settings;
+            forgetful.temporal = Temporal::off;
+            World worlds[2] = {World(GetParam().make(), settings),
+                               World(reference_backend(), forgetful)};
+            std::vector<BodyId> bodies;
+            for (World& world : worlds) {
+                bodies.clear();
+                for (std::size_t k = 0; k < meshes.size(); ++k) {
+                    const MeshId id = world.add_mesh("mesh", meshes[k]);
+                    bodies.push_back(
+                        k < 2 ? world.add_deforming_body(id, test::placed(meshes[k], poses[k]))
+                              : world.add_rigid_body(id, poses[k]));
+                }
+            }
+            std::vector<Pose> now = poses;
+            std::size_t near = 0;
+            for (int step = 0; step < 5; ++step) {
+                for (World& world : worlds) world.detect();
+                ASSERT_EQ(contact_hash(worlds[0].contacts()), contact_hash(worlds[1].contacts()))
+                    << "step " << step << ", coverage " << static_cast<int>(coverage);
+                for (const Contact& c : worlds[0].contacts()) near += c.found == Found::near;
+                std::set<std::tuple<BodyId, BodyId, std::uint64_t>> features;
+                for (const Contact& c : worlds[0].contacts())
+                    EXPECT_TRUE(features.emplace(c.a, c.b, c.feature()).second);
+                // Nothing moves in the last step.
+                for (std::size_t k = 1; k < now.size() && step < 3; ++k) {
+                    now[k].position += random.in_box(0.02);
+                    for (World& world : worlds)
+                        if (k < 2)
+                            world.set_positions(bodies[k], test::placed(meshes[k], now[k]));
+                        else
+                            world.set_pose(bodies[k], now[k]);
+                }
+            }
+            EXPECT_GT(near, 50u);
+        }
+    }
+}
+
+TEST_P(MarginTest, BodiesThatTouchAreInContactOnce) {
+    const MeshData box = scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
+    Settings settings;
+    settings.margin = 0.1;
+    World world(GetParam().make(), settings);
+    const MeshId mesh = world.add_mesh("box", box);
+    const BodyId a = world.add_rigid_body(mesh), b = world.add_rigid_body(mesh, {{1, 0, 0}, {}});
+    world.detect();
+    std::set<std::uint64_t> features;
+    for (const Contact& c : world.contacts())
+        EXPECT_TRUE(features.insert(c.feature()).second) << "vertex " << c.vertex;
+    EXPECT_GE(world.contacts().size(), 4u);
+
+    // Margins change: what is remembered is not taken over.
+    world.set_pose(b, {{1.05, 0, 0}, {}});
+    world.detect();
+    EXPECT_GE(world.contacts().size(), 8u);
+    for (BodyId body : {a, b}) world.set_collision(body, {.margin = 0.02});
+    world.detect();
+    EXPECT_TRUE(world.contacts().empty());
+    world.set_collision(a, {.margin = 0.06});
+    world.detect();
+    EXPECT_GE(world.contacts().size(), 8u);
+    EXPECT_NE(world.explain(a, b, world.contacts()[0].vertex).text().find("closer than the margin"),
+              std::string::npos);
+
+    std::stringstream file;
+    world.save(file);
+    World restored = World::restore(file, GetParam().make());
+    world.detect();
+    restored.detect();
+    EXPECT_EQ(contact_hash(world.contacts()), contact_hash(restored.contacts()));
+
+    EXPECT_THROW(world.set_collision(a, {.margin = NAN}), InputError);
+    settings.margin = -1;
+    EXPECT_THROW(World(GetParam().make(), settings), InputError);
+}
+
+TEST_P(MarginTest, WithoutOneNothingIsLookedFor) {
+    World world(GetParam().make());
+    const MeshId mesh = world.add_mesh("box", scenes::box({-1, -1, -1}, {1, 1, 1}));
+    world.add_rigid_body(mesh);
+    world.add_rigid_body(mesh, {{2.001, 0, 0}, {}});
+    world.detect();
+    EXPECT_TRUE(world.contacts().empty());
+    EXPECT_FALSE(world.plan().needs(StageId::margin));
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, MarginTest, testing::ValuesIn(test::backends()),
+                         test::backend_name);
+
+}  // namespace
+}  // namespace pierce
