@@ -32,6 +32,7 @@ public:
         // Some worlds are as people make them: truth has more to say of these.
         is_tame_ = choices_.one_in(3);
         if (is_tame_) scale_ = 1, offset_ = 0, on_grid_ = false;
+        if (choices_.one_in(4)) program_.settings.margin = scale_ * choices_.pick({0.01, 0.1, 0.5});
         const std::uint32_t meshes = 1 + choices_.below(3), bodies = 2 + choices_.below(3);
         for (std::uint32_t m = 0; m < meshes; ++m) add_mesh();
         for (std::uint32_t b = 0; b < bodies; ++b) add_body();
@@ -270,6 +271,9 @@ private:
     void set_collision(std::uint32_t body) {
         Call& call = push(Kind::set_collision);
         call.body = body;
+        if (choices_.one_in(3)) call.collision.margin = scale_ * choices_.pick({0.0, 0.05, 0.3});
+        if (choices_.one_in(100)) call.collision.margin = std::nan("");
+        if (bodies_[body].motion != Motion::deforming && !choices_.one_in(6)) return;
         call.collision.sheet = likes_sheets_ || choices_.one_in(2);
         call.collision.self = choices_.pick({SelfCollision::on, SelfCollision::on,
                                              SelfCollision::off, SelfCollision::rays,
@@ -315,7 +319,7 @@ private:
     }
 
     void change_something() {
-        switch (choices_.below(16)) {
+        switch (choices_.below(20)) {
             case 0:
                 if (choices_.one_in(2))
                     add_mesh();
@@ -370,6 +374,24 @@ private:
             case 14:
                 push(Kind::restore);
                 break;
+            case 15:
+            case 16: {
+                Call& call = push(Kind::set_filter);
+                call.body = any_body_number();
+                call.filter = {.groups = 1u << choices_.below(2),
+                               .meets = choices_.pick({~0u, ~0u, 1u, 2u}),
+                               .chain = choices_.below(3),
+                               .world = choices_.pick({-1, -1, 0, 1, 7})};
+                if (choices_.one_in(50)) call.filter.world = choices_.pick({-2, 1 << 20});
+                break;
+            }
+            case 17:
+            case 18: {
+                Call& call = push(choices_.one_in(3) ? Kind::include : Kind::exclude);
+                call.body = any_body_number();
+                call.other = any_body_number();
+                break;
+            }
             default:
                 move(any_body_number());
         }

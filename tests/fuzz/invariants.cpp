@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -24,7 +25,8 @@ struct Placed {
 
 class Checker {
 public:
-    Checker(const Model& model, std::span<const Contact> contacts) : contacts_(contacts) {
+    Checker(const Model& model, std::span<const Contact> contacts)
+        : model_(model), contacts_(contacts) {
         for (const ModelBody* b : model.bodies()) {
             Placed& p = placed_[b->id];
             p.body = b;
@@ -91,7 +93,12 @@ private:
         if (std::fabs(dot(c.point_b - c.point_a, c.normal) - c.distance) > room && !c.unknown_side)
             return fail("(point_b - point_a) . normal = distance", c,
                         "is " + std::to_string(dot(c.point_b - c.point_a, c.normal)));
-        if (!c.of_sheet && c.distance > 0) return fail("solids in contact are not apart", c);
+        if (!model_.may_meet(*a.body, *b.body)) return fail("the bodies meet", c);
+        const bool is_near = !c.of_sheet && c.found == Found::near;
+        if (is_near && !(c.distance >= 0 && c.distance < model_.margin(*a.body, *b.body)))
+            return fail("what is near is nearer than the margin", c);
+        if (!c.of_sheet && !is_near && c.distance > 0)
+            return fail("solids in contact are not apart", c);
         check_points(c, source, target, room);
     }
 
@@ -118,9 +125,16 @@ private:
 
     /// Contacts of solids come in this order; of sheets, by pair.
     void check_order() {
-        const auto key = [](const Contact& c) {
-            return std::tuple(c.a.index, c.b.index, c.source, c.is_edge(),
-                              c.is_edge() ? c.edge : c.vertex, c.chord);
+        const auto world = [&](const Contact& c) {
+            const std::int32_t of_pair = std::max(placed_.at(c.a).body->filter.world,
+                                                  placed_.at(c.b).body->filter.world);
+            return of_pair == all_worlds ? std::numeric_limits<std::int32_t>::max() : of_pair;
+        };
+        const auto key = [&](const Contact& c) {
+            const bool is_near = c.found == Found::near;
+            return std::tuple(world(c), c.a.index, c.b.index, c.source, c.is_edge(),
+                              c.is_edge() ? c.edge : c.vertex, is_near,
+                              is_near ? c.other_edge : c.chord);
         };
         for (std::size_t i = 1; i < contacts_.size(); ++i) {
             const Contact &before = contacts_[i - 1], &c = contacts_[i];
@@ -129,6 +143,7 @@ private:
         }
     }
 
+    const Model& model_;
     std::span<const Contact> contacts_;
     std::map<BodyId, Placed> placed_;
     std::optional<Failure> failure_;

@@ -31,6 +31,8 @@ std::vector<Vec3d> in_double(const std::vector<Vec3f>& positions) {
     return points;
 }
 
+std::pair<BodyId, BodyId> pair_of(BodyId a, BodyId b) { return {std::min(a, b), std::max(a, b)}; }
+
 void begin_motion(ModelBody& b) {
     if (b.moved) return;
     b.moved = true;
@@ -100,6 +102,15 @@ void Model::apply(const Call& call, const Player& player) {
         case Kind::set_collision:
             bodies_[call.body].collision = call.collision;
             break;
+        case Kind::set_filter:
+            bodies_[call.body].filter = call.filter;
+            break;
+        case Kind::exclude:
+            excluded_.insert(pair_of(bodies_[call.body].id, bodies_[call.other].id));
+            break;
+        case Kind::include:
+            excluded_.erase(pair_of(bodies_[call.body].id, bodies_[call.other].id));
+            break;
         case Kind::set_pose:
             move(bodies_[call.body], call.pose);
             break;
@@ -158,6 +169,22 @@ bool Model::has_sheets() const {
                                [](const ModelBody& b) { return b.used && b.collision.sheet; });
 }
 
+bool Model::may_meet(const ModelBody& a, const ModelBody& b) const {
+    if (a.id == b.id) return true;
+    const Filter &f = a.filter, &g = b.filter;
+    return (f.groups & g.meets) != 0 && (g.groups & f.meets) != 0 &&
+           (f.chain == 0 || f.chain != g.chain) &&
+           (f.world == g.world || f.world == all_worlds || g.world == all_worlds) &&
+           !excluded_.contains(pair_of(a.id, b.id));
+}
+
+double Model::margin(const ModelBody& a, const ModelBody& b) const {
+    const auto own = [&](const ModelBody& body) {
+        return body.collision.margin < 0 ? settings_.margin : body.collision.margin;
+    };
+    return std::max(own(a), own(b));
+}
+
 std::vector<Vec3d> Model::starts(const ModelBody& body) const {
     return body.motion == Motion::deforming ? in_double(body.start)
                                             : placed(mesh(body), body.start_pose);
@@ -192,6 +219,10 @@ Player Model::fresh(const MakeBackend& backend, Temporal temporal,
         collide.body = body;
         collide.collision = b->collision;
         player.play(collide);
+        Call filter{.kind = Call::Kind::set_filter};
+        filter.body = body;
+        filter.filter = b->filter;
+        player.play(filter);
         Call place{.kind = deforms ? Call::Kind::set_position_motion : Call::Kind::set_pose_motion};
         place.body = body;
         place.start_pose = b->start_pose;
@@ -205,6 +236,15 @@ Player Model::fresh(const MakeBackend& backend, Temporal temporal,
         player.play(place);
         ++body;
     }
+    const std::vector<const ModelBody*> all = bodies();
+    for (std::uint32_t a = 0; a < all.size(); ++a)
+        for (std::uint32_t b = a + 1; b < all.size(); ++b) {
+            if (!excluded_.contains(pair_of(all[a]->id, all[b]->id))) continue;
+            Call exclude{.kind = Call::Kind::exclude};
+            exclude.body = a;
+            exclude.other = b;
+            player.play(exclude);
+        }
     return player;
 }
 

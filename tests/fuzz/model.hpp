@@ -1,5 +1,7 @@
 #pragma once
 
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "fuzz/player.hpp"
@@ -13,6 +15,7 @@ struct ModelBody {
     BodyId id;
     Motion motion = Motion::fixed;
     Collision collision;
+    Filter filter;
     Pose start_pose, pose;
     std::vector<Vec3f> start, positions;  ///< of a deforming body
     bool finite = true;
@@ -38,6 +41,10 @@ public:
     const MeshData& mesh(const ModelBody& body) const { return meshes_[body.mesh].surface; }
     bool has_inside(const ModelBody& body) const { return meshes_[body.mesh].has_inside; }
     bool has_sheets() const;
+    /// False for two bodies that are no pair by their filters, or because the pair is excluded.
+    bool may_meet(const ModelBody& a, const ModelBody& b) const;
+    /// [length] How near the two are in contact without overlapping.
+    double margin(const ModelBody& a, const ModelBody& b) const;
 
     /// Where a body's vertices are when the step begins and when it ends, in world space.
     std::vector<Vec3d> starts(const ModelBody& body) const;
@@ -65,6 +72,7 @@ private:
 
     std::vector<ModelMesh> meshes_;
     std::vector<ModelBody> bodies_;
+    std::set<std::pair<BodyId, BodyId>> excluded_;
 };
 
 }  // namespace pierce::fuzz

@@ -55,6 +55,9 @@ private:
             if (auto failure = judge_contact(c)) return failure;
         for (const Surface& s : surfaces_)
             for (const Surface& t : surfaces_)
+                if (auto failure = judge_margin(s, t)) return failure;
+        for (const Surface& s : surfaces_)
+            for (const Surface& t : surfaces_)
                 if (auto failure = model_.settings().inside_is_contact() ? judge_inside(s, t)
                                                                          : judge_vertices(s, t))
                     return failure;
@@ -89,15 +92,19 @@ private:
         return nullptr;
     }
 
-    static bool is_pair(const Surface& a, const Surface& b) {
-        return a.active && b.active &&
+    bool is_pair(const Surface& a, const Surface& b) const {
+        return a.active && b.active && model_.may_meet(*a.body, *b.body) &&
                !(a.body->motion == Motion::fixed && b.body->motion == Motion::fixed);
     }
     static bool is_solid(const Surface& s) { return s.proper && !s.body->collision.sheet; }
 
+    /// Of a solid: it does not overlap.
+    static bool is_near(const Contact& c) { return !c.of_sheet && c.found == Found::near; }
+
     std::size_t contacts_between(const Surface& a, const Surface& b) const {
-        return static_cast<std::size_t>(std::ranges::count_if(
-            contacts_, [&](const Contact& c) { return c.a == a.body->id && c.b == b.body->id; }));
+        return static_cast<std::size_t>(std::ranges::count_if(contacts_, [&](const Contact& c) {
+            return c.a == a.body->id && c.b == b.body->id && !is_near(c);
+        }));
     }
 
     static bool overlaps(const Surface& a, const Surface& b, Vec3d shift) {
@@ -154,7 +161,7 @@ private:
     /// A contact of solids: its source point is inside the target, and so is the way to its end;
     /// that is in its own body, too, unless the way is not its own inward ray.
     std::optional<Failure> judge_contact(const Contact& c) {
-        if (c.of_sheet || c.a == c.b) return std::nullopt;
+        if (c.of_sheet || c.a == c.b || is_near(c)) return std::nullopt;
         const Surface* source = find(c.source == Side::a ? c.a : c.b);
         const Surface* target = find(c.source == Side::a ? c.b : c.a);
         if (source == nullptr || target == nullptr || !is_solid(*target)) return std::nullopt;
@@ -214,7 +221,7 @@ private:
         bool separates = false;
         for (const Contact& c : contacts_) {
             const bool from_a = c.source == Side::a;
-            if (c.of_sheet || (from_a ? c.a : c.b) != source.body->id ||
+            if (c.of_sheet || is_near(c) || (from_a ? c.a : c.b) != source.body->id ||
                 (from_a ? c.b : c.a) != target.body->id)
                 continue;
             if (!c.is_edge()) found.insert(c.vertex);
@@ -240,6 +247,39 @@ private:
         return std::nullopt;
     }
 
+    /// Every vertex that is outside and nearer than the margin is in contact, and no other one.
+    std::optional<Failure> judge_margin(const Surface& source, const Surface& target) {
+        if (&source == &target || !is_pair(source, target) || !source.proper ||
+            source.body->collision.sheet || !is_solid(target))
+            return std::nullopt;
+        const double margin = model_.margin(*source.body, *target.body),
+                     room = source.touch + target.touch;
+        if (!(margin > 0) || !overlap(source.box.inflated(margin), target.box)) return std::nullopt;
+        std::map<std::uint32_t, double> found;
+        for (const Contact& c : contacts_) {
+            const bool from_a = c.source == Side::a;
+            if (is_near(c) && !c.is_edge() && (from_a ? c.a : c.b) == source.body->id &&
+                (from_a ? c.b : c.a) == target.body->id)
+                found[c.vertex] = c.distance;
+        }
+        std::set<std::uint32_t> used;
+        for (const Triangle& t : source.triangles)
+            used.insert(std::begin(t.vertex), std::end(t.vertex));
+        for (std::uint32_t v : used) {
+            const Vec3d p = source.points[v];
+            const double distance = target.distance(p);
+            if (distance <= room || std::fabs(distance - margin) <= room) continue;
+            const auto at = found.find(v);
+            const bool expected = distance < margin && !target.holds(p);
+            counts_.expected_contacts += expected;
+            if (expected != (at != found.end()) ||
+                (expected && std::fabs(at->second - distance) > room))
+                return Failure{"truth: what is nearer than the margin is in contact",
+                               describe(source, target) + " vertex " + std::to_string(v)};
+        }
+        return std::nullopt;
+    }
+
     /// Vertices of solids, by definition.
     std::optional<Failure> judge_vertices(const Surface& source, const Surface& target) {
         if (&source == &target || !is_pair(source, target) || !is_solid(source) ||
@@ -252,7 +292,7 @@ private:
         std::set<std::uint32_t> found;
         for (const Contact& c : contacts_) {
             const bool from_a = c.source == Side::a;
-            if (c.is_edge() || c.of_sheet || c.found == Found::separation ||
+            if (c.is_edge() || c.of_sheet || is_near(c) || c.found == Found::separation ||
                 (from_a ? c.a : c.b) != source.body->id || (from_a ? c.b : c.a) != target.body->id)
                 continue;
             found.insert(c.vertex);
@@ -347,7 +387,8 @@ private:
         const Collision &of_a = a.body->collision, &of_b = b.body->collision;
         const bool looked_at = self ? of_a.sheet && of_a.self == SelfCollision::on
                                     : of_a.sheet || of_b.sheet;
-        if (!looked_at || !a.active || !b.active) return std::nullopt;
+        if (!looked_at || !a.active || !b.active || !model_.may_meet(*a.body, *b.body))
+            return std::nullopt;
         const std::vector<MovingPoint> p = moving(a), q = self ? p : moving(b);
         std::set<std::tuple<bool, std::uint32_t, std::uint32_t>> vertices;  // from b, vertex,
                                                                             // triangle

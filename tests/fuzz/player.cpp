@@ -105,6 +105,15 @@ std::string Player::answer(const Call& c) {
             else
                 world_.set_mesh(body(c.body), mesh(c.mesh), c.positions);
             break;
+        case Kind::set_filter:
+            world_.set_filter(body(c.body), c.filter);
+            break;
+        case Kind::exclude:
+            world_.exclude(body(c.body), body(c.other));
+            break;
+        case Kind::include:
+            world_.include(body(c.body), body(c.other));
+            break;
         case Kind::forget_sides:
             world_.forget_sides();
             break;

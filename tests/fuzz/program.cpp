@@ -22,6 +22,9 @@ constexpr const char* names[] = {"add_mesh",
                                  "set_pose_motion",
                                  "set_position_motion",
                                  "set_mesh",
+                                 "set_filter",
+                                 "exclude",
+                                 "include",
                                  "forget_sides",
                                  "detect",
                                  "explain",
@@ -94,7 +97,8 @@ json settings(const Settings& s) {
             {"prediction_distance", number(s.prediction_distance)},
             {"full_every", s.full_every},
             {"walk_threshold", number(s.walk_threshold)},
-            {"open_body_range", number(s.open_body_range)}};
+            {"open_body_range", number(s.open_body_range)},
+            {"margin", number(s.margin)}};
 }
 Settings settings_of(const json& j) {
     Settings s;
@@ -107,6 +111,7 @@ Settings settings_of(const json& j) {
     s.full_every = j.at("full_every");
     s.walk_threshold = number_of(j.at("walk_threshold"));
     s.open_body_range = number_of(j.at("open_body_range"));
+    s.margin = number_of(j.value("margin", json(0.0)));
     return s;
 }
 
@@ -127,7 +132,8 @@ json call(const Call& c) {
                 Kind::add_deforming_body, Kind::set_mesh}))
         j["mesh"] = c.mesh;
     if (any_of({Kind::remove_body, Kind::set_collision, Kind::set_pose, Kind::set_positions,
-                Kind::set_pose_motion, Kind::set_position_motion, Kind::set_mesh, Kind::explain}))
+                Kind::set_pose_motion, Kind::set_position_motion, Kind::set_mesh, Kind::explain,
+                Kind::set_filter, Kind::exclude, Kind::include}))
         j["body"] = c.body;
     if (any_of({Kind::add_fixed_body, Kind::add_rigid_body, Kind::set_pose, Kind::set_pose_motion,
                 Kind::cast_rays}))
@@ -141,7 +147,15 @@ json call(const Call& c) {
         j["self"] = static_cast<int>(c.collision.self);
         j["sheet"] = c.collision.sheet;
         j["thickness"] = number(c.collision.thickness);
+        j["margin"] = number(c.collision.margin);
     }
+    if (c.kind == Kind::set_filter) {
+        j["groups"] = c.filter.groups;
+        j["meets"] = c.filter.meets;
+        j["chain"] = c.filter.chain;
+        j["world"] = c.filter.world;
+    }
+    if (any_of({Kind::exclude, Kind::include})) j["other"] = c.other;
     if (c.kind == Kind::explain) {
         j["other"] = c.other;
         j["vertex"] = c.vertex;
@@ -174,7 +188,13 @@ Call call_of(const json& j) {
     if (c.kind == Kind::set_collision)
         c.collision = {.self = enum_of(j.at("self"), SelfCollision::published),
                        .sheet = j.at("sheet"),
-                       .thickness = number_of(j.at("thickness"))};
+                       .thickness = number_of(j.at("thickness")),
+                       .margin = number_of(j.value("margin", json(-1.0)))};
+    if (c.kind == Kind::set_filter)
+        c.filter = {.groups = j.at("groups"),
+                    .meets = j.at("meets"),
+                    .chain = j.at("chain"),
+                    .world = j.at("world")};
     return c;
 }
 

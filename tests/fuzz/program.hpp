@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pierce/body.hpp"
+#include "pierce/filter.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/pose.hpp"
 #include "pierce/settings.hpp"
@@ -27,6 +28,9 @@ struct Call {
         set_pose_motion,      ///< set_motion of a fixed or rigid body
         set_position_motion,  ///< set_motion of a deforming body
         set_mesh,
+        set_filter,
+        exclude,
+        include,
         forget_sides,
         detect,
         explain,
@@ -39,7 +43,7 @@ struct Call {
     Kind kind = Kind::detect;
     std::uint32_t mesh = 0;
     std::uint32_t body = 0;
-    std::uint32_t other = 0;   ///< body, of explain
+    std::uint32_t other = 0;   ///< body, of explain, exclude and include
     std::uint32_t vertex = 0;  ///< of explain
     MeshData data{};
     Inside inside = Inside::automatic;  ///< of add_mesh, like the next one
@@ -47,6 +51,7 @@ struct Call {
     Pose start_pose{}, pose{};          ///< the position of `pose` is the origin of cast_rays, too
     std::vector<Vec3f> start{}, positions{};  ///< the directions of cast_rays, too
     Collision collision{};
+    Filter filter{};
 };
 
 /// What a world is made with, and what is asked of it, one call after the other.

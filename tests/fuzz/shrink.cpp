@@ -28,10 +28,17 @@ bool names_body(const Call& c) {
         case Kind::set_position_motion:
         case Kind::set_mesh:
         case Kind::explain:
+        case Kind::set_filter:
+        case Kind::exclude:
+        case Kind::include:
             return true;
         default:
             return false;
     }
+}
+
+bool names_two(const Call& c) {
+    return c.kind == Kind::explain || c.kind == Kind::exclude || c.kind == Kind::include;
 }
 
 /// Without some calls, nor those that name what these would have added; the rest is numbered anew.
@@ -48,7 +55,7 @@ Program without(const Program& program, std::size_t begin, std::size_t end) {
         Call c = program.calls[i];
         const bool keep = (i < begin || i >= end) && (!names_mesh(c) || known(mesh, c.mesh)) &&
                           (!names_body(c) || known(body, c.body)) &&
-                          (c.kind != Kind::explain || known(body, c.other));
+                          (!names_two(c) || known(body, c.other));
         if (c.before != Call::no_mesh)
             c.before = known(mesh, c.before) ? *mesh[c.before] : Call::no_mesh;
         if (c.kind == Kind::add_mesh) mesh.push_back(keep ? std::optional(meshes++) : std::nullopt);
@@ -56,7 +63,7 @@ Program without(const Program& program, std::size_t begin, std::size_t end) {
         if (adds_body(c)) body.push_back(keep ? std::optional(bodies++) : std::nullopt);
         if (!keep) continue;
         if (names_body(c)) c.body = *body[c.body];
-        if (c.kind == Kind::explain) c.other = *body[c.other];
+        if (names_two(c)) c.other = *body[c.other];
         rest.calls.push_back(std::move(c));
     }
     return rest;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "core/body/body_view.hpp"
 #include "core/device/bits.hpp"
 #include "core/device/view.hpp"
@@ -131,14 +133,35 @@ struct GenerateNearQueries {
     }
 };
 
-/// The outward normal of a surface where it is closest to a point outside or inside of it: of the
-/// triangle, of its edge or of its corner. Its sign tells on which side the point is (Baerentzen
-/// and Aanaes 2005). Not of length 1.
+/// Of the triangles at a vertex, or at the edge between two, the normal of the one whose plane is
+/// furthest from the end of `way`. It stands for all of them where they are not one fan, or not
+/// two.
+PIERCE_HD inline Vec3d most_facing_normal(const BodyView& body, Vec3d way, std::uint32_t v,
+                                          std::uint32_t other = no_vertex) {
+    const Vec3d apex = to_double(body.positions[v]);
+    Vec3d best;
+    double most = -1;
+    for (std::uint32_t i = body.mesh.corner_offsets[v]; i < body.mesh.corner_offsets[v + 1]; ++i) {
+        const Corner& corner = body.mesh.corners[i];
+        if (other != no_vertex && corner.next != other && corner.previous != other) continue;
+        const Vec3d normal = normalized(cross(to_double(body.positions[corner.next]) - apex,
+                                              to_double(body.positions[corner.previous]) - apex));
+        const double height = std::fabs(dot(normal, way));
+        if (!(length_squared(normal) > 0) || !(height > most)) continue;
+        most = height;
+        best = normal;
+    }
+    return best;
+}
+
+/// The outward normal of a surface where it is closest to the end of `way`, a point outside or
+/// inside of it: of the triangle, of its edge or of its corner. Its sign tells on which side the
+/// point is (Baerentzen and Aanaes 2005). Not of length 1.
 PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
-                                 const TrianglePlace& place) {
+                                 const TrianglePlace& place, Vec3d way) {
     const double weight[3] = {1 - place.second - place.third, place.second, place.third};
-    const Triangle& t = body.mesh.triangles[triangle];
-    const Vec3d normal = triangle_normal(body.mesh, body.positions, triangle);
+    const MeshView& mesh = body.mesh;
+    const Triangle& t = mesh.triangles[triangle];
     std::uint32_t zero = 3, zeros = 0, corner = 0;
     // A weight is a difference of numbers up to one.
     for (std::uint32_t k = 0; k < 3; ++k)
@@ -148,11 +171,20 @@ PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
             zero = k;
             ++zeros;
         }
+    const std::uint32_t v = t.vertex[corner];
+    if (zeros == 2) {
+        const bool is_one_fan = mesh.fans[mesh.corner_offsets[v]] != no_vertex;
+        const Vec3d normal = is_one_fan ? vertex_normal(mesh, body.positions, v) : Vec3d{};
+        return length_squared(normal) > 0 ? normal : most_facing_normal(body, way, v);
+    }
+    const Vec3d normal = triangle_normal(mesh, body.positions, triangle);
     if (zeros == 0) return normal;
-    if (zeros == 2) return vertex_normal(body.mesh, body.positions, t.vertex[corner]);
-    const std::uint32_t across = body.mesh.neighbors[triangle].across[zero];
-    return across == no_triangle ? normal
-                                 : normal + triangle_normal(body.mesh, body.positions, across);
+    const std::uint32_t across = mesh.neighbors[triangle].across[zero];
+    const Vec3d both = across == no_triangle
+                           ? Vec3d{}
+                           : normal + triangle_normal(mesh, body.positions, across);
+    return length_squared(both) > 0 ? both
+                                    : most_facing_normal(body, way, v, t.vertex[3 - zero - corner]);
 }
 
 /// Per query: if its vertex is outside and near, the way from the closest point to the vertex, as a
@@ -178,7 +210,7 @@ struct MeasureNear {
         if (is_degenerate(a, b, c)) return;
         const TrianglePlace place = closest_place_on_triangle(ray.origin, a, b, c);
         const Vec3d point = a + place.second * (b - a) + place.third * (c - a),
-                    way = ray.origin - point, normal = normal_at(target, closest[i], place);
+                    way = ray.origin - point, normal = normal_at(target, closest[i], place, way);
         const double distance = length(way);
         const bool touches = !(distance > ray.touch);
         if (!(touches || dot(way, normal) > 0) || !(distance < ray.t_max)) return;

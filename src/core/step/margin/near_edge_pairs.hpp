@@ -135,9 +135,19 @@ public:
             for (std::uint32_t v : t.vertex)
                 if (v != edge.vertex[0] && v != edge.vertex[1]) opposite_[k] = at(v);
         }
-        const Vec3d normal = to_space.rotation *
-                             triangle_normal(body.mesh, body.positions, edge.triangle[0]);
-        bends_ = dot(normal, opposite_[1] - from_) < -touch;
+        for (int k = 0; k < 2; ++k)
+            normal_[k] = to_space.rotation *
+                         triangle_normal(body.mesh, body.positions, edge.triangle[k]);
+        bends_ = dot(normal_[0], opposite_[1] - from_) < -touch;
+    }
+
+    PIERCE_HD bool bends() const { return bends_; }
+
+    /// False if a segment is behind both triangles: then no place of it lies in the wedge.
+    PIERCE_HD bool may_face(Vec3d from, Vec3d to) const {
+        for (const Vec3d& normal : normal_)
+            if (max_of(dot(normal, from - from_), dot(normal, to - from_)) > -touch_) return true;
+        return false;
     }
 
     /// True if `direction`, unit, from a point of the edge and at right angles to it, leads away
@@ -149,7 +159,7 @@ public:
 
 private:
     double touch_;
-    Vec3d from_, opposite_[2];
+    Vec3d from_, opposite_[2], normal_[2];
     bool bends_ = false;
 };
 
@@ -180,6 +190,9 @@ private:
         const Edge& edge = source.mesh.edges[item.index];
         const ConvexEdge ridge(source, d.to_space, edge, d.touch);
         const PlacedEdge placed(source, d, edge);
+        if (!ridge.bends() ||
+            (target.mesh.slabs.size > 0 && proof_of(source, target, placed).gap > margin + d.touch))
+            return;
         for_each_group(
             target.box_nodes, BoxLevels(target.mesh.triangles.size),
             boxes_along(placed, target, margin), [&](std::uint32_t group, std::uint32_t mask) {
@@ -203,6 +216,7 @@ private:
         const std::uint32_t side = corner == 2 ? 0 : corner + 1;  // edge[k] joins k and the next
         if (!(features.own >> (3 + side) & 1u) || features.edge[side] == no_vertex) return;
         const RidgeEnds ends(target.surface(), {t, corner});
+        if (!ridge.may_face(ends.from, ends.to)) return;
         const SegmentPlaces places = closest_points_of_segments(placed.a, placed.b, ends.from,
                                                                 ends.to);
         if (!(places.first > 0 && places.first < 1 && places.second > 0 && places.second < 1))

@@ -1,0 +1,185 @@
+#include "pierce/contact_reduction.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "pierce/box.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+namespace {
+
+/// A force and its torque.
+using Wrench = std::array<double, least_reduced>;
+
+Vec3d place_of(const Contact& c) { return 0.5 * (c.point_a + c.point_b); }
+
+/// Contacts of one pair.
+class PairReduction {
+public:
+    PairReduction(std::span<const Contact> contacts, std::uint32_t first)
+        : contacts_(contacts), first_(first) {
+        Box box;
+        for (const Contact& c : contacts) box.extend(place_of(c));
+        center_ = box.center();
+        size_ = box.extent() > 0 ? box.extent() : 1;
+    }
+
+    void reduce_to(std::uint32_t most, std::vector<ReducedContact>& result) {
+        std::vector<std::uint32_t> pushing, resting;
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i)
+            (contacts_[i].penetration_depth() > 0 ? pushing : resting).push_back(i);
+        std::vector<Weighted> kept;
+        for (std::uint32_t i : preferred(pushing, most)) kept.push_back({i, 1.0});
+        while (kept.size() > most && drop_one(kept)) {
+        }
+        std::erase_if(kept, [](const Weighted& k) { return !(k.weight > 0); });
+        const std::uint32_t room = most - static_cast<std::uint32_t>(
+                                              std::min<std::size_t>(kept.size(), most));
+        const std::vector<std::uint32_t> others = preferred(resting, room);
+        for (std::uint32_t i = 0; i < std::min<std::size_t>(room, others.size()); ++i)
+            kept.push_back({others[i], 1.0});
+        std::ranges::sort(kept, {}, &Weighted::contact);
+        for (const Weighted& k : kept) result.push_back({first_ + k.contact, k.weight});
+    }
+
+private:
+    struct Weighted {
+        std::uint32_t contact = 0;
+        double weight = 1;
+    };
+
+    /// The same contacts in another order: the deepest one, then `most` of them one after the
+    /// other, each as far as can be from those before it, then the rest by depth.
+    std::vector<std::uint32_t> preferred(std::vector<std::uint32_t> places,
+                                         std::uint32_t most) const {
+        std::ranges::stable_sort(places, {},
+                                 [&](std::uint32_t i) { return contacts_[i].distance; });
+        std::vector<double> gap(places.size(), std::numeric_limits<double>::infinity());
+        for (std::size_t done = 1; done < std::min<std::size_t>(most, places.size()); ++done) {
+            for (std::size_t i = done; i < places.size(); ++i)
+                gap[i] = std::min(gap[i], between(places[i], places[done - 1]));
+            const auto best = static_cast<std::size_t>(
+                std::max_element(gap.begin() + static_cast<std::ptrdiff_t>(done), gap.end()) -
+                gap.begin());
+            // The others keep their order.
+            std::rotate(places.begin() + static_cast<std::ptrdiff_t>(done),
+                        places.begin() + static_cast<std::ptrdiff_t>(best),
+                        places.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+            std::rotate(gap.begin() + static_cast<std::ptrdiff_t>(done),
+                        gap.begin() + static_cast<std::ptrdiff_t>(best),
+                        gap.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+        }
+        return places;
+    }
+
+    double between(std::uint32_t i, std::uint32_t j) const {
+        const Contact &c = contacts_[i], &d = contacts_[j];
+        return length_squared((1 / size_) * (place_of(c) - place_of(d))) +
+               length_squared(c.normal - d.normal);
+    }
+
+    Wrench wrench_of(std::uint32_t i) const {
+        const Contact& c = contacts_[i];
+        const Vec3d force = c.penetration_depth() * c.normal,
+                    torque = (1 / size_) * cross(place_of(c) - center_, force);
+        return {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+    }
+
+    /// Leaves out one of the last seven contacts; the others' weights make up for it. Seven vectors
+    /// with six numbers depend on each other: some multiple of that dependence takes one weight to
+    /// zero and leaves the others positive. Of the two ways, the shorter one lets weights grow
+    /// less.
+    bool drop_one(std::vector<Weighted>& kept) const {
+        constexpr std::size_t count = least_reduced + 1;
+        const std::size_t begin = kept.size() - count;
+        std::array<Wrench, count> columns;
+        for (std::size_t k = 0; k < count; ++k) columns[k] = wrench_of(kept[begin + k].contact);
+        const std::array<double, count> dependence = null_vector(columns);
+        std::size_t gone = count;
+        double step = std::numeric_limits<double>::infinity();
+        for (const double sign : {1.0, -1.0})
+            for (std::size_t k = 0; k < count; ++k) {
+                const double down = -sign * dependence[k];
+                if (!(down > 0) || !(kept[begin + k].weight / down < std::fabs(step))) continue;
+                step = sign * kept[begin + k].weight / down;
+                gone = k;
+            }
+        if (gone == count) return false;
+        for (std::size_t k = 0; k < count; ++k)
+            kept[begin + k].weight = std::max(kept[begin + k].weight + step * dependence[k], 0.0);
+        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(begin + gone));
+        return true;
+    }
+
+    /// Numbers, not all zero, by which the columns add up to zero: by elimination with the largest
+    /// pivot of what is left.
+    static std::array<double, least_reduced + 1> null_vector(
+        std::array<Wrench, least_reduced + 1> columns) {
+        constexpr std::size_t rows = least_reduced, count = least_reduced + 1;
+        std::array<std::size_t, count> order;
+        for (std::size_t k = 0; k < count; ++k) order[k] = k;
+        double largest = 0;
+        for (const Wrench& c : columns)
+            for (double x : c) largest = std::max(largest, std::fabs(x));
+        std::size_t rank = 0;
+        for (; rank < rows; ++rank) {
+            std::size_t row = rank, column = rank;
+            for (std::size_t c = rank; c < count; ++c)
+                for (std::size_t r = rank; r < rows; ++r)
+                    if (std::fabs(columns[c][r]) > std::fabs(columns[column][row])) {
+                        row = r;
+                        column = c;
+                    }
+            if (!(std::fabs(columns[column][row]) > largest * constants::double_rounding)) break;
+            std::swap(columns[rank], columns[column]);
+            std::swap(order[rank], order[column]);
+            for (Wrench& c : columns) std::swap(c[rank], c[row]);
+            for (std::size_t r = rank + 1; r < rows; ++r) {
+                const double factor = columns[rank][r] / columns[rank][rank];
+                for (std::size_t c = rank; c < count; ++c)
+                    columns[c][r] -= factor * columns[c][rank];
+            }
+        }
+        // The first column without a pivot in terms of those with one.
+        std::array<double, count> numbers{};
+        std::array<double, count> result{};
+        numbers[rank] = 1;
+        for (std::size_t r = rank; r-- > 0;) {
+            double sum = 0;
+            for (std::size_t c = r + 1; c <= rank; ++c) sum += columns[c][r] * numbers[c];
+            numbers[r] = -sum / columns[r][r];
+        }
+        for (std::size_t k = 0; k < count; ++k) result[order[k]] = numbers[k];
+        return result;
+    }
+
+    std::span<const Contact> contacts_;
+    std::uint32_t first_;
+    Vec3d center_;
+    double size_ = 1;
+};
+
+}  // namespace
+
+std::vector<ReducedContact> reduce(std::span<const Contact> contacts, std::uint32_t most_per_pair) {
+    if (most_per_pair < least_reduced)
+        throw InputError("contacts are reduced to " + std::to_string(least_reduced) +
+                         " a pair or more, not " + std::to_string(most_per_pair));
+    std::vector<ReducedContact> result;
+    for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
+        while (end < contacts.size() && contacts[end].a == contacts[begin].a &&
+               contacts[end].b == contacts[begin].b)
+            ++end;
+        PairReduction(contacts.subspan(begin, end - begin), static_cast<std::uint32_t>(begin))
+            .reduce_to(most_per_pair, result);
+    }
+    return result;
+}
+
+}  // namespace pierce
