@@ -98,7 +98,7 @@ private:
     bool drop_one(std::vector<Weighted>& kept) const {
         constexpr std::size_t count = least_reduced + 1;
         const std::size_t begin = kept.size() - count;
-        std::array<Wrench, count> columns;
+        std::array<Wrench, count> columns{};
         for (std::size_t k = 0; k < count; ++k) columns[k] = wrench_of(kept[begin + k].contact);
         const std::array<double, count> dependence = null_vector(columns);
         std::size_t gone = count;
@@ -122,7 +122,7 @@ private:
     static std::array<double, least_reduced + 1> null_vector(
         std::array<Wrench, least_reduced + 1> columns) {
         constexpr std::size_t rows = least_reduced, count = least_reduced + 1;
-        std::array<std::size_t, count> order;
+        std::array<std::size_t, count> order{};
         for (std::size_t k = 0; k < count; ++k) order[k] = k;
         double largest = 0;
         for (const Wrench& c : columns)

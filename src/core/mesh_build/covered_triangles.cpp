@@ -1,12 +1,10 @@
 #include "core/mesh_build/covered_triangles.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <unordered_map>
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
-#include "core/device/view.hpp"
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "core/mesh_build/winding_tree.hpp"

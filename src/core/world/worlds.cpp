@@ -1,9 +1,7 @@
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
-#include "core/device/view.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
@@ -92,6 +90,7 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     // Pairs that are excluded in the world: which of its bodies, and the other one, which may be
     // in all worlds.
     std::vector<BodyEntry> copies;
+    copies.reserve(originals.size());
     for (BodyId id : originals) copies.push_back(copy_of(s.bodies.get(id, "body"), world));
     std::vector<BodyIdPair> within;
     for (const BodyIdPair& p : s.excluded) {
@@ -129,6 +128,7 @@ void World::copy_places(std::int32_t from, std::int32_t to) {
         throw InputError("worlds " + std::to_string(from) + " and " + std::to_string(to) +
                          " do not have the same bodies");
     std::vector<BodyEntry> copies;
+    copies.reserve(there.size());
     for (BodyId id : there) copies.push_back(copy_of(s.bodies.get(id, "body"), to));
     for (std::size_t i = 0; i < here.size(); ++i) {
         BodyEntry& body = s.bodies.get(here[i], "body");
