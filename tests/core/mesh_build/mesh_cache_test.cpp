@@ -59,6 +59,7 @@ void expect_same(const MeshView& mesh, const MeshView& other) {
     for_each_array(
         [](const auto& a, const auto& b) {
             ASSERT_EQ(a.size, b.size);
+            if (a.size == 0) return;  // there is no address
             EXPECT_EQ(std::memcmp(a.data, b.data, a.size * sizeof *a.data), 0);
         },
         mesh, other);
