@@ -87,6 +87,11 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     if (first + count > constants::most_worlds)
         throw InputError("there would be more than " + std::to_string(constants::most_worlds) +
                          " worlds");
+    const std::uint64_t bodies = s.bodies.slots().size() + std::uint64_t{count} * originals.size();
+    if (bodies > std::uint64_t{1} << constants::body_bits)
+        throw InputError("there would be " + std::to_string(bodies) +
+                         " bodies; with worlds there are at most " +
+                         std::to_string(std::uint64_t{1} << constants::body_bits));
     // Pairs that are excluded in the world: which of its bodies, and the other one, which may be
     // in all worlds.
     std::vector<BodyEntry> copies;

@@ -83,9 +83,9 @@ public:
     const Collision& collision_of(BodyId body) const;
 
     /// Sets which other bodies the body meets; by default those of all groups and worlds. Pairs
-    /// that filters leave out cost no ray. Throws InputError for a world below all_worlds or above
-    /// constants::most_worlds. When the first body gets a world, and when the last one loses its,
-    /// contacts begin a new age.
+    /// that filters leave out cost no ray. Throws InputError for a world below all_worlds, and for
+    /// one that is not below constants::most_worlds. When the first body gets a world, and when the
+    /// last one loses its, contacts begin a new age.
     void set_filter(BodyId body, const Filter& filter);
     const Filter& filter_of(BodyId body) const;
     /// Leaves out the pair of two bodies, whatever their filters, until include() takes it in
@@ -110,7 +110,8 @@ public:
     /// Leaves the bodies of a world out of steps, or takes them in again. Throws InputError for
     /// all_worlds, and for a world without bodies.
     void set_world_active(std::int32_t world, bool active);
-    /// Which of the last step's contacts are of which world.
+    /// Which of the last step's contacts are of which world. Throws InputError if bodies were
+    /// added, removed, moved or changed since.
     WorldOffsets world_offsets() const;
 
     MeshId mesh_of(BodyId body) const;
