@@ -301,7 +301,9 @@ TEST_P(FiltersTest, ReplicatedWorldsFindTheSame) {
 
     EXPECT_THROW(world.replicate(99, 1), InputError);
     EXPECT_THROW(world.replicate(all_worlds, 1), InputError);
-    EXPECT_THROW(world.replicate(4, 1u << 20), InputError);
+    EXPECT_THROW(world.replicate(4, 1u << 20), InputError) << "too many worlds";
+    EXPECT_THROW(world.replicate(4, 900'000), InputError) << "too many bodies";
+    EXPECT_EQ(world.worlds().size(), 6u);
     EXPECT_THROW(world.copy_places(4, 99), InputError);
     EXPECT_THROW(world.set_world_active(99, false), InputError);
 }
