@@ -11,9 +11,8 @@
 #include <algorithm>
 
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/bullet/bullet_dispatcher.hpp"
 #include "pierce/bullet/contact_frame.hpp"
-#include "pierce/bullet/contact_reduction.hpp"
+#include "pierce/bullet/install.hpp"
 #include "pierce/bullet/soft_solver.hpp"
 #include "pierce/error.hpp"
 #include "pierce/penalty_force.hpp"
@@ -110,27 +109,6 @@ TEST(ContactFrameTest, PointsLieOneDepthApartAlongTheNormal) {
     }
 }
 
-TEST(ReductionTest, KeepsTheDeepestAndFewOthers) {
-    std::vector<bullet::FramedContact> contacts;
-    for (int x = 0; x < 10; ++x)
-        for (int y = 0; y < 10; ++y)
-            contacts.push_back({{x * 1.0, y * 1.0, 0},
-                                {x * 1.0, y * 1.0, 0.1},
-                                {0, 0, 1},
-                                x == 4 && y == 5 ? -0.2 : -0.1,
-                                static_cast<std::uint64_t>(10 * x + y),
-                                0});
-    contacts.push_back({{0, 0, 0}, {0.1, 0, 0}, {1, 0, 0}, -0.05, 1000, 0});
-    const auto reduced = bullet::reduce(contacts);
-    ASSERT_EQ(reduced.size(), 5u);
-    EXPECT_TRUE(std::ranges::any_of(reduced, [](const auto& c) { return c.distance == -0.2; }));
-    EXPECT_EQ(reduced.back().feature, 1000u) << "another direction, another cluster";
-    double spread = 0;
-    for (const auto& c : reduced) spread = std::max(spread, c.point_a.x);
-    EXPECT_EQ(spread, 9) << "points at the rim, not around the deepest";
-    EXPECT_EQ(bullet::reduce({}).size(), 0u);
-}
-
 TEST(SimulationTest, ATorusComesToRestOnThePlane) {
     const SceneSetup scene = make_scene("tori", {1, false, 4});
     Simulation simulation(scene, Method::rays, {"embree", 1});
@@ -143,15 +121,6 @@ TEST(SimulationTest, ATorusComesToRestOnThePlane) {
     }
     EXPECT_NEAR(lowest, 0, 0.02);
     EXPECT_LT(highest, 1.1) << "it lies flat";
-}
-
-TEST(SimulationTest, ImpulsesStayWithTheirVertices) {
-    const SceneSetup scene = make_scene("tori", {1, false, 4});
-    Simulation simulation(scene, Method::rays, {"embree", 1});
-    for (int i = 0; i < 600; ++i) simulation.step(dt);
-    std::uint32_t youngest = ~0u;
-    for (const Contact& c : simulation.world()->contacts()) youngest = std::min(youngest, c.age);
-    EXPECT_GT(youngest, 10u) << "at rest the same vertices stay in contact";
 }
 
 /// How far bodies may move in the last second; a torus is 5 wide.
@@ -265,17 +234,16 @@ TEST(SoftDampingTest, StopsVibrationAndKeepsTheMotionAsAWhole) {
 }
 
 /// A rigid and a soft body meet in mid-air, without gravity.
-TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
+TEST(InstallTest, RigidAndSoftBodiesPushEachOther) {
     World world;
     const MeshData ball = scenes::sphere(1, 2);
     const MeshId mesh = world.add_mesh("ball", ball);
-    bullet::Dispatcher* dispatcher = nullptr;
     btSoftBodyRigidBodyCollisionConfiguration configuration;
-    auto owned = std::make_unique<bullet::Dispatcher>(&configuration, world);
-    dispatcher = owned.get();
+    btCollisionDispatcher dispatcher(&configuration);
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
-    btSoftRigidDynamicsWorld bullet_world(dispatcher, &broadphase, &solver, &configuration);
+    btSoftRigidDynamicsWorld bullet_world(&dispatcher, &broadphase, &solver, &configuration);
+    bullet::Installation& installed = bullet::install(bullet_world, world, {.automatic = false});
     bullet_world.setGravity({0, 0, 0});
     bullet_world.getWorldInfo().m_gravity.setZero();
 
@@ -299,15 +267,15 @@ TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
     soft->setPose(false, true);
     soft->m_cfg.collisions = 0;
     bullet_world.addSoftBody(soft.get());
-    dispatcher->bind(rigid, world.add_rigid_body(mesh));
-    dispatcher->bind(*soft, world.add_deforming_body(mesh));
+    installed.bind(rigid, world.add_rigid_body(mesh));
+    installed.bind(*soft, world.add_deforming_body(mesh));
     const MeshId other = world.add_mesh("other", scenes::sphere(1, 1));
-    EXPECT_THROW(dispatcher->bind(*soft, world.add_deforming_body(other)), InputError);
+    EXPECT_THROW(installed.bind(*soft, world.add_deforming_body(other)), InputError);
 
     std::uint32_t most = 0;
     for (int i = 0; i < 120; ++i) {
         bullet_world.stepSimulation(btScalar(dt), 0);
-        most = std::max(most, dispatcher->reduced_contacts());
+        most = std::max(most, installed.reduced_contacts());
     }
     btVector3 velocity(0, 0, 0);
     for (int i = 0; i < soft->m_nodes.size(); ++i)
@@ -315,6 +283,7 @@ TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
     EXPECT_GT(most, 0u);
     EXPECT_GT(velocity.x(), 0.3) << "the soft ball was pushed on";
     EXPECT_LT(rigid.getLinearVelocity().x(), 1.7) << "and the rigid one was slowed down";
+    bullet::uninstall(bullet_world);
     bullet_world.removeSoftBody(soft.get());
     bullet_world.removeRigidBody(&rigid);
 }
@@ -323,13 +292,16 @@ TEST(DispatcherTest, RigidAndSoftBodiesPushEachOther) {
 struct BoundWorld {
     World world;
     btSoftBodyRigidBodyCollisionConfiguration configuration;
-    bullet::Dispatcher dispatcher{&configuration, world};
+    btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     bullet::SoftSolver soft_solver;
     btSoftRigidDynamicsWorld bullet_world{&dispatcher, &broadphase, &solver, &configuration,
                                           &soft_solver};
+    bullet::Installation& installed = bullet::install(bullet_world, world, {.automatic = false});
     btSphereShape shape{1};
+
+    ~BoundWorld() { bullet::uninstall(bullet_world); }
 
     BoundWorld() {
         bullet_world.setGravity({0, 0, 0});
@@ -360,7 +332,7 @@ struct BoundWorld {
     void step() { bullet_world.stepSimulation(btScalar(dt), 0); }
 };
 
-TEST(DispatcherTest, ObjectsComeAndGoAtAnyTime) {
+TEST(InstallTest, ObjectsComeAndGoAtAnyTime) {
     BoundWorld scene;
     const MeshData ball = scenes::sphere(1, 2);
     MeshData torn = ball;
@@ -382,24 +354,24 @@ TEST(DispatcherTest, ObjectsComeAndGoAtAnyTime) {
             if (step % 3 == 0) {
                 bound.soft = scene.add_soft(torn, x);
                 bound.body = scene.world.add_deforming_body(torn_mesh);
-                scene.dispatcher.bind(*bound.soft, bound.body);
+                scene.installed.bind(*bound.soft, bound.body);
             } else {
                 bound.rigid = scene.add_rigid(x);
                 bound.body = scene.world.add_rigid_body(mesh);
-                scene.dispatcher.bind(*bound.rigid, bound.body);
+                scene.installed.bind(*bound.rigid, bound.body);
             }
             bodies.push_back(std::move(bound));
         }
         scene.step();
-        contacts += scene.dispatcher.reduced_contacts();
+        contacts += scene.installed.reduced_contacts();
         if (step % 4 != 3) continue;
         // The object is deleted; another one may come to the same address.
         const auto gone = bodies.begin() + random.integer(0, static_cast<int>(bodies.size()) - 1);
         if (gone->soft) {
-            scene.dispatcher.unbind(*gone->soft);
+            scene.installed.unbind(*gone->soft);
             scene.bullet_world.removeSoftBody(gone->soft.get());
         } else {
-            scene.dispatcher.unbind(*gone->rigid);
+            scene.installed.unbind(*gone->rigid);
             scene.bullet_world.removeRigidBody(gone->rigid.get());
         }
         scene.world.remove_body(gone->body);
@@ -414,7 +386,7 @@ TEST(DispatcherTest, ObjectsComeAndGoAtAnyTime) {
     }
 }
 
-TEST(DispatcherTest, BindingAgainEndsTheLastBinding) {
+TEST(InstallTest, BindingAgainEndsTheLastBinding) {
     BoundWorld scene;
     const MeshId mesh = scene.world.add_mesh("ball", scenes::sphere(1, 2));
     const auto first = scene.add_rigid(0), second = scene.add_rigid(1.5);
@@ -423,19 +395,19 @@ TEST(DispatcherTest, BindingAgainEndsTheLastBinding) {
     EXPECT_GT(by_bullet, 0) << "Bullet's own contacts, before anything is bound";
     const BodyId a = scene.world.add_rigid_body(mesh), b = scene.world.add_rigid_body(mesh),
                  c = scene.world.add_rigid_body(mesh);
-    scene.dispatcher.bind(*first, a);
-    scene.dispatcher.bind(*second, b);
+    scene.installed.bind(*first, a);
+    scene.installed.bind(*second, b);
     scene.step();
-    EXPECT_GT(scene.dispatcher.reduced_contacts(), 0u);
-    scene.dispatcher.bind(*second, c);
+    EXPECT_GT(scene.installed.reduced_contacts(), 0u);
+    scene.installed.bind(*second, c);
     scene.world.remove_body(b);
     scene.step();
-    EXPECT_GT(scene.dispatcher.reduced_contacts(), 0u);
-    scene.dispatcher.unbind(*second);
-    scene.dispatcher.unbind(*second);
+    EXPECT_GT(scene.installed.reduced_contacts(), 0u);
+    scene.installed.unbind(*second);
+    scene.installed.unbind(*second);
     scene.world.remove_body(c);
     scene.step();
-    EXPECT_EQ(scene.dispatcher.reduced_contacts(), 0u);
+    EXPECT_EQ(scene.installed.reduced_contacts(), 0u);
     EXPECT_GT(scene.dispatcher.getNumManifolds(), 0) << "Bullet's own contacts again";
     scene.bullet_world.removeRigidBody(first.get());
     scene.bullet_world.removeRigidBody(second.get());

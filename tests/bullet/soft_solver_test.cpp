@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pierce/bullet/bullet_convert.hpp"
-#include "pierce/bullet/bullet_dispatcher.hpp"
+#include "pierce/bullet/install.hpp"
 #include "pierce/bullet/soft_solver.hpp"
 #include "scenes/named/shapes.hpp"
 #include "scenes/simulate/soft_damping.hpp"
@@ -78,7 +78,7 @@ public:
         soft.setPose(false, true);
         soft.setVelocity(velocity);
         bullet_.addSoftBody(&soft);
-        dispatcher_.bind(soft, world_.add_deforming_body(world_.add_mesh("soft", mesh)));
+        installed_.bind(soft, world_.add_deforming_body(world_.add_mesh("soft", mesh)));
         return soft;
     }
 
@@ -96,8 +96,8 @@ public:
         bullet_.addRigidBody(boxes_.back().get());
         const MeshId mesh = world_.add_mesh(
             "box", scenes::box(bullet::from_bullet(-half), bullet::from_bullet(half)));
-        dispatcher_.bind(*boxes_.back(),
-                         mass > 0 ? world_.add_rigid_body(mesh) : world_.add_fixed_body(mesh));
+        installed_.bind(*boxes_.back(),
+                        mass > 0 ? world_.add_rigid_body(mesh) : world_.add_fixed_body(mesh));
         return *boxes_.back();
     }
 
@@ -119,12 +119,13 @@ public:
 private:
     World world_;
     btSoftBodyRigidBodyCollisionConfiguration configuration_;
-    bullet::Dispatcher dispatcher_{&configuration_, world_};
+    btCollisionDispatcher dispatcher_{&configuration_};
     btDbvtBroadphase broadphase_;
     btSequentialImpulseConstraintSolver solver_;
     bullet::SoftSolver soft_solver_;
     btSoftRigidDynamicsWorld bullet_{&dispatcher_, &broadphase_, &solver_, &configuration_,
                                      &soft_solver_};
+    bullet::Installation& installed_ = bullet::install(bullet_, world_, {.automatic = false});
     std::vector<std::unique_ptr<btBoxShape>> shapes_;
     std::vector<std::unique_ptr<btRigidBody>> boxes_;
     std::vector<std::unique_ptr<btSoftBody>> softs_;

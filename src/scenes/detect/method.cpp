@@ -63,4 +63,9 @@ std::unique_ptr<Backend> make_backend(const RaySettings& settings) {
                      "'; there are: automatic, embree, cuda, bvh, reference");
 }
 
+void FrameResult::forget_times() {
+    for (NamedTime& time : times) time.milliseconds = 0;
+    milliseconds = update_ms = narrow_ms = response_ms = total_ms = 0;
+}
+
 }  // namespace pierce::scenes

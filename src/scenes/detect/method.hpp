@@ -100,6 +100,8 @@ struct FrameResult : StepStats {
 
     /// Appends the times of a step's stages to `times`, by their names.
     void name_stages(const std::vector<StageTime>& its_stages);
+    /// For a step in which nothing was looked for.
+    void forget_times();
 };
 
 /// A contact in the same terms for every method: bodies by their index in the scene, a < b.

@@ -85,7 +85,7 @@ std::uint32_t Simulation::State::tear() {
             continue;
         }
         if (solids != nullptr) solids->set_mesh(solid_body(i).index, mesh, positions);
-        ray_dispatcher().bind(body, solid_body(i));
+        installed->bind(body, solid_body(i));
     }
     return count;
 }
@@ -118,13 +118,9 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
     if (method == Method::rays) {
         s.rays = std::make_unique<SceneWorld>(scene, settings);
         configuration = &s.soft_configuration;
-        if (any_sheet && (any_free || any_soft_solid)) {
+        s.dispatcher = std::make_unique<btCollisionDispatcher>(configuration);
+        if (any_sheet && (any_free || any_soft_solid))
             s.solids = std::make_unique<SceneWorld>(solid_part(scene), settings);
-            s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.solids->world);
-        } else if (any_sheet || any_given)
-            s.dispatcher = std::make_unique<btCollisionDispatcher>(configuration);
-        else
-            s.dispatcher = std::make_unique<bullet::Dispatcher>(configuration, s.rays->world);
         if (any_sheet) s.apart = std::make_unique<bullet::SheetResponse>(s.rays->world);
     } else {
         if (by_clusters) configuration = &s.soft_configuration;
@@ -134,6 +130,9 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
     s.world = std::make_unique<ClockedWorld>(
         s.dispatcher.get(), &s.broadphase, &s.solver, configuration,
         any_sheet && !any_soft_solid ? nullptr : &s.soft_solver);
+    if (s.solids != nullptr || (s.rays != nullptr && !any_sheet && !any_given))
+        s.installed = &bullet::install(*s.world, s.solids ? s.solids->world : s.rays->world,
+                                       {.automatic = false});
     const btVector3 down(0, 0, static_cast<btScalar>(-scene.gravity));
     s.world->setGravity(down);
     s.world->getWorldInfo().m_gravity = down;
@@ -142,6 +141,7 @@ Simulation::Simulation(const SceneSetup& scene, Method method, const RaySettings
 }
 
 Simulation::~Simulation() {
+    bullet::uninstall(*state_->world);
     for (std::size_t i = 0; i < state_->soft.size(); ++i)
         if (btSoftBody* body = state_->soft_body(i)) state_->world->removeSoftBody(body);
     for (const auto& body : state_->rigid)
@@ -170,13 +170,13 @@ const FrameResult& Simulation::step(double dt) {
             s.result.total_ms += ms;
         }
         s.measure_sheets();
-    } else if (dynamic_cast<bullet::Dispatcher*>(s.dispatcher.get()) == nullptr &&
-               s.rays != nullptr) {
+    } else if (s.installed == nullptr && s.rays != nullptr) {
         s.rays->world.detect();
         s.result = s.rays->result();
     } else if (s.rays != nullptr) {
         s.result = s.rays->result();
-        s.result.response_ms = s.ray_dispatcher().response_milliseconds();
+        if (!s.installed->has_detected()) s.result.forget_times();
+        s.result.response_ms = s.installed->response_milliseconds();
         s.result.times.push_back({"response", s.result.response_ms});
         s.result.total_ms += s.result.response_ms;
     } else {

@@ -106,7 +106,7 @@ void Simulation::State::add_rigid(std::uint32_t index) {
                                         btCollisionObject::CF_KINEMATIC_OBJECT);
     if (apart != nullptr) apart->bind(*rigid[index], rays->bodies[index]);
     if (solids != nullptr || (apart == nullptr && rays != nullptr))
-        ray_dispatcher().bind(*rigid[index], solid_body(index));
+        installed->bind(*rigid[index], solid_body(index));
 }
 
 void Simulation::State::add_soft(std::uint32_t index) {
@@ -118,7 +118,7 @@ void Simulation::State::add_soft(std::uint32_t index) {
     made.setUserIndex(static_cast<int>(index));
     world->addSoftBody(&made);
     add_changes(index, made);
-    ray_dispatcher().bind(made, solid_body(index));
+    installed->bind(made, solid_body(index));
 }
 
 void Simulation::State::add_sheet(std::uint32_t index) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pierce/bullet/baseline_shapes.hpp"
-#include "pierce/bullet/bullet_dispatcher.hpp"
+#include "pierce/bullet/install.hpp"
 #include "pierce/bullet/sheet_response.hpp"
 #include "pierce/bullet/soft_solver.hpp"
 #include "scenes/detect/bullet_result.hpp"
@@ -68,11 +68,11 @@ struct Simulation::State {
     std::vector<double> mass;                         ///< by body
     bullet::SoftSolver soft_solver;
     std::unique_ptr<ClockedWorld> world;
+    bullet::Installation* installed = nullptr;  ///< set if solids meet by rays in Bullet's world
     FrameResult result;
 
     State(const SceneSetup& s, Method m) : scene(s), method(m) {}
 
-    bullet::Dispatcher& ray_dispatcher() { return static_cast<bullet::Dispatcher&>(*dispatcher); }
     void add_bodies();
     void add_rigid(std::uint32_t index);
     void add_soft(std::uint32_t index);

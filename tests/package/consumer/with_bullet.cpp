@@ -1,9 +1,15 @@
 #include <btBulletCollisionCommon.h>
-#include <pierce/bullet/bullet_dispatcher.hpp>
+#include <btBulletDynamicsCommon.h>
+#include <pierce/bullet/install.hpp>
 
 int main() {
     btDefaultCollisionConfiguration configuration;
-    pierce::World world;
-    const pierce::bullet::Dispatcher dispatcher(&configuration, world);
-    return dispatcher.reduced_contacts() == 0 ? 0 : 1;
+    btCollisionDispatcher dispatcher(&configuration);
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDiscreteDynamicsWorld bullet(&dispatcher, &broadphase, &solver, &configuration);
+    pierce::World contacts;
+    const bool none = pierce::bullet::install(bullet, contacts).reduced_contacts() == 0;
+    pierce::bullet::uninstall(bullet);
+    return none ? 0 : 1;
 }

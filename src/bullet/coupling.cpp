@@ -1,0 +1,173 @@
+#include "bullet/coupling.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "bullet/soft_response.hpp"
+#include "pierce/bullet/bullet_convert.hpp"
+
+namespace pierce::bullet {
+namespace {
+
+/// The triangles of a mesh as Bullet's soft solver wants them. The soft body's own faces need not
+/// be those of the mesh's surface.
+std::vector<btSoftBody::Face> faces_of(const Mesh& mesh, btSoftBody& soft) {
+    std::vector<btSoftBody::Face> faces(mesh.triangles().size());
+    for (std::size_t t = 0; t < faces.size(); ++t)
+        for (int k = 0; k < 3; ++k)
+            faces[t].m_n[k] = &soft.m_nodes[static_cast<int>(mesh.triangles()[t].vertex[k])];
+    return faces;
+}
+
+}  // namespace
+
+void Coupling::bind(btCollisionObject& object, btSoftBody* soft, BodyId body) {
+    unbind(&object);
+    if (const auto last = by_body_.find(body); last != by_body_.end())
+        unbind(bindings_[last->second].object);
+    by_object_[&object] = bindings_.size();
+    by_body_[body] = bindings_.size();
+    Binding& made = bindings_.emplace_back();
+    made.object = &object;
+    made.soft = soft;
+    made.body = body;
+    if (soft != nullptr) made.faces = faces_of(world_.mesh(world_.mesh_of(body)), *soft);
+}
+
+void Coupling::unbind(const btCollisionObject* object) {
+    const auto found = by_object_.find(object);
+    if (found == by_object_.end()) return;
+    const std::size_t place = found->second;
+    by_object_.erase(found);
+    by_body_.erase(bindings_[place].body);
+    if (place + 1 != bindings_.size()) {
+        // Faces of the other one keep their addresses.
+        bindings_[place] = std::move(bindings_.back());
+        by_object_[bindings_[place].object] = place;
+        by_body_[bindings_[place].body] = place;
+    }
+    bindings_.pop_back();
+}
+
+void Coupling::forget_soft_contacts() {
+    for (const Binding& binding : bindings_) {
+        if (binding.soft == nullptr) continue;
+        binding.soft->m_rcontacts.resizeNoInitialize(0);
+        binding.soft->m_scontacts.resizeNoInitialize(0);
+    }
+}
+
+Binding* Coupling::find(const btCollisionObject* object) {
+    const auto found = by_object_.find(object);
+    return found != by_object_.end() ? &bindings_[found->second] : nullptr;
+}
+
+bool Coupling::has_moved(const Binding& binding) {
+    if (binding.soft == nullptr) return binding.place != binding.object->getWorldTransform();
+    if (binding.positions.size() != static_cast<std::size_t>(binding.soft->m_nodes.size()))
+        return true;
+    for (std::size_t i = 0; i < binding.positions.size(); ++i)
+        if (binding.positions[i] !=
+            from_bullet_float(binding.soft->m_nodes[static_cast<int>(i)].m_x))
+            return true;
+    return false;
+}
+
+bool Coupling::any_has_moved() const {
+    return std::ranges::any_of(bindings_, [](const Binding& b) { return has_moved(b); });
+}
+
+void Coupling::detect() {
+    for (Binding& binding : bindings_) {
+        if (!has_moved(binding)) continue;
+        if (binding.soft == nullptr) {
+            binding.place = binding.object->getWorldTransform();
+            world_.set_pose(binding.body, from_bullet(*binding.place));
+            continue;
+        }
+        binding.positions.clear();
+        for (int i = 0; i < binding.soft->m_nodes.size(); ++i)
+            binding.positions.push_back(from_bullet_float(binding.soft->m_nodes[i].m_x));
+        world_.set_positions(binding.body, binding.positions);
+    }
+    world_.detect();
+    by_pair_.clear();
+    const std::span<const Contact> contacts = world_.contacts();
+    for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
+        while (end < contacts.size() && contacts[end].a == contacts[begin].a &&
+               contacts[end].b == contacts[begin].b &&
+               contacts[end].of_sheet == contacts[begin].of_sheet)
+            ++end;
+        // A SheetResponse handles sheets.
+        if (!contacts[begin].of_sheet)
+            by_pair_[key(contacts[begin].a, contacts[begin].b)] = {begin, end};
+    }
+}
+
+void Coupling::begin_step() {
+    for (Binding& binding : bindings_)
+        if (binding.soft != nullptr)
+            binding.takes_contacts = binding.soft->m_rcontacts.size() == 0 &&
+                                     binding.soft->m_scontacts.size() == 0;
+}
+
+std::span<const Contact> Coupling::contacts_of(BodyId a, BodyId b) const {
+    const auto found = by_pair_.find(key(a, b));
+    if (found == by_pair_.end()) return {};
+    return world_.contacts().subspan(found->second.begin, found->second.end - found->second.begin);
+}
+
+ContactSide Coupling::side(const Binding& binding) {
+    return {.object = binding.object, .mesh = &world_.mesh(world_.mesh_of(binding.body))};
+}
+
+std::uint32_t Coupling::write_soft(Binding& a, Binding& b, std::span<const Contact> contacts) {
+    std::uint32_t count = 0;
+    for (const Contact& c : contacts) {
+        if (c.distance > 0) continue;  // Bullet's soft contacts know no gap
+        Binding& source = c.source == Side::a ? a : b;
+        Binding& target = c.source == Side::a ? b : a;
+        ++count;
+        // Bullet keeps a contact with the body whose nodes it moves first.
+        if (!(source.soft != nullptr ? source : target).takes_contacts) continue;
+        if (source.soft != nullptr && target.soft != nullptr)
+            add_soft_soft(*source.soft, target.faces[c.triangle], *target.soft, c);
+        else if (source.soft != nullptr)
+            add_soft_rigid(*source.soft, *target.object, c);
+        else
+            add_rigid_soft(*source.object, target.faces[c.triangle], *target.soft, c);
+    }
+    return count;
+}
+
+void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) {
+    const bool in_order = first.body.index <= second.body.index;
+    Binding &a = in_order ? first : second, &b = in_order ? second : first;
+    const std::span<const Contact> contacts = contacts_of(a.body, b.body);
+    if (a.soft == nullptr && b.soft == nullptr)
+        algorithm.write_manifolds(side(a), side(b), contacts, most_per_pair_);
+    else
+        algorithm.note_soft(write_soft(a, b, contacts));
+}
+
+void Coupling::write_self() {
+    written_self_ = 0;
+    for (Binding& binding : bindings_)
+        if (binding.soft != nullptr)
+            written_self_ += write_soft(binding, binding, contacts_of(binding.body, binding.body));
+}
+
+std::vector<Contact> Coupling::soft_contacts() const {
+    std::vector<Contact> result;
+    for (const auto& [pair, range] : by_pair_) {
+        const std::span<const Contact> contacts = world_.contacts().subspan(
+            range.begin, range.end - range.begin);
+        const auto a = by_body_.find(contacts.front().a), b = by_body_.find(contacts.front().b);
+        if (a == by_body_.end() || b == by_body_.end()) continue;
+        if (bindings_[a->second].soft != nullptr || bindings_[b->second].soft != nullptr)
+            result.insert(result.end(), contacts.begin(), contacts.end());
+    }
+    return result;
+}
+
+}  // namespace pierce::bullet

@@ -1,0 +1,88 @@
+#include "bullet/shape_mesh.hpp"
+
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleCallback.h>
+#include <BulletSoftBody/btSoftBody.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "pierce/bullet/bullet_convert.hpp"
+
+namespace pierce::bullet {
+namespace {
+
+struct Corners {
+    int part = 0, index = 0;
+    std::array<Vec3f, 3> at;
+};
+
+class CollectTriangles : public btTriangleCallback {
+public:
+    void processTriangle(btVector3* triangle, int part, int index) override {
+        triangles.push_back({part,
+                             index,
+                             {from_bullet_float(triangle[0]), from_bullet_float(triangle[1]),
+                              from_bullet_float(triangle[2])}});
+    }
+    std::vector<Corners> triangles;
+};
+
+bool is_triangle_mesh(const btCollisionShape& shape) {
+    switch (shape.getShapeType()) {
+        case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+        case GIMPACT_SHAPE_PROXYTYPE:
+            return true;
+        default:
+            return false;
+    }
+}
+
+}  // namespace
+
+std::optional<MeshData> mesh_of(const btCollisionShape& shape) {
+    if (!is_triangle_mesh(shape)) return {};
+    CollectTriangles found;
+    const btVector3 all(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    static_cast<const btConcaveShape&>(shape).processAllTriangles(&found, -all, all);
+    if (found.triangles.empty()) return {};  // a compound of GImpact's
+    // Bullet's trees give triangles in their own order.
+    std::ranges::sort(found.triangles, {},
+                      [](const Corners& c) { return std::pair(c.part, c.index); });
+    MeshData mesh;
+    std::map<std::tuple<float, float, float>, std::uint32_t> vertex_at;
+    for (const Corners& corners : found.triangles) {
+        Triangle triangle{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3f p = corners.at[k];
+            const auto [place, is_new] = vertex_at.try_emplace(
+                {p.x, p.y, p.z}, static_cast<std::uint32_t>(mesh.positions.size()));
+            if (is_new) mesh.positions.push_back(p);
+            triangle.vertex[k] = place->second;
+        }
+        mesh.triangles.push_back(triangle);
+    }
+    return mesh;
+}
+
+MeshData mesh_of(const btSoftBody& soft) {
+    MeshData mesh;
+    for (int i = 0; i < soft.m_nodes.size(); ++i)
+        mesh.positions.push_back(from_bullet_float(soft.m_nodes[i].m_x));
+    for (int i = 0; i < soft.m_faces.size(); ++i) {
+        Triangle triangle{};
+        for (int k = 0; k < 3; ++k)
+            triangle.vertex[k] = static_cast<std::uint32_t>(soft.m_faces[i].m_n[k] -
+                                                            &soft.m_nodes[0]);
+        mesh.triangles.push_back(triangle);
+    }
+    return mesh;
+}
+
+}  // namespace pierce::bullet

@@ -1,0 +1,437 @@
+// Pierce installed in stock Bullet worlds: what is bound, followed, left alone and given back.
+#include "pierce/bullet/install.hpp"
+
+#include <gtest/gtest.h>
+
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletCollisionCommon.h>
+
+#include <algorithm>
+
+#include "pierce/bullet/bullet_convert.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+constexpr btScalar dt = btScalar(1.0 / 60);
+
+/// A shape of Bullet's that reads a mesh in place.
+struct MeshShape {
+    btTriangleMesh triangles;
+    std::unique_ptr<btCollisionShape> shape;
+
+    static std::unique_ptr<MeshShape> gimpact(const MeshData& mesh) {
+        auto made = std::make_unique<MeshShape>();
+        made->fill(mesh);
+        auto shape = std::make_unique<btGImpactMeshShape>(&made->triangles);
+        shape->setMargin(btScalar(0.01));
+        shape->updateBound();
+        made->shape = std::move(shape);
+        return made;
+    }
+    static std::unique_ptr<MeshShape> bvh(const MeshData& mesh) {
+        auto made = std::make_unique<MeshShape>();
+        made->fill(mesh);
+        made->shape = std::make_unique<btBvhTriangleMeshShape>(&made->triangles, true);
+        return made;
+    }
+
+private:
+    void fill(const MeshData& mesh) {
+        for (const Triangle& t : mesh.triangles)
+            triangles.addTriangle(bullet::to_bullet(mesh.positions[t.vertex[0]]),
+                                  bullet::to_bullet(mesh.positions[t.vertex[1]]),
+                                  bullet::to_bullet(mesh.positions[t.vertex[2]]));
+    }
+};
+
+/// A stock world for rigid and soft bodies, as Bullet's examples make it.
+struct StockWorld {
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btSoftRigidDynamicsWorld bullet{&dispatcher, &broadphase, &solver, &configuration};
+    World contacts{bvh_backend()};
+    std::vector<std::unique_ptr<btRigidBody>> rigid;
+    std::vector<std::unique_ptr<btSoftBody>> soft;
+
+    explicit StockWorld(btScalar gravity = 0) {
+        btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
+        bullet.setGravity({0, 0, -gravity});
+        bullet.getWorldInfo().m_gravity.setValue(0, 0, -gravity);
+    }
+    ~StockWorld() {
+        for (const auto& body : rigid) bullet.removeRigidBody(body.get());
+        for (const auto& body : soft) bullet.removeSoftBody(body.get());
+        bullet::uninstall(bullet);
+    }
+    StockWorld(const StockWorld&) = delete;
+    StockWorld& operator=(const StockWorld&) = delete;
+
+    btRigidBody& add(btCollisionShape& shape, btScalar mass, const btTransform& at) {
+        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, {mass, mass, mass});
+        info.m_startWorldTransform = at;
+        rigid.push_back(std::make_unique<btRigidBody>(info));
+        bullet.addRigidBody(rigid.back().get());
+        return *rigid.back();
+    }
+    btSoftBody& add_soft(const MeshData& mesh, const btVector3& at) {
+        std::vector<btScalar> coordinates;
+        for (Vec3f p : mesh.positions)
+            coordinates.insert(coordinates.end(), {p.x + at.x(), p.y + at.y(), p.z + at.z()});
+        std::vector<int> indices;
+        for (const Triangle& t : mesh.triangles)
+            for (std::uint32_t v : t.vertex) indices.push_back(static_cast<int>(v));
+        soft.emplace_back(btSoftBodyHelpers::CreateFromTriMesh(
+            bullet.getWorldInfo(), coordinates.data(), indices.data(),
+            static_cast<int>(mesh.triangles.size()), false));
+        soft.back()->setTotalMass(1);
+        bullet.addSoftBody(soft.back().get());
+        return *soft.back();
+    }
+    void remove_rigid(std::size_t which) {
+        bullet.removeRigidBody(rigid[which].get());
+        rigid.erase(rigid.begin() + static_cast<std::ptrdiff_t>(which));
+    }
+    void remove_soft(std::size_t which) {
+        bullet.removeSoftBody(soft[which].get());
+        soft.erase(soft.begin() + static_cast<std::ptrdiff_t>(which));
+    }
+    int points() {
+        int count = 0;
+        for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
+            count += dispatcher.getManifoldByIndexInternal(m)->getNumContacts();
+        return count;
+    }
+};
+
+btTransform at(btScalar x, btScalar y, btScalar z) {
+    return btTransform(btQuaternion::getIdentity(), {x, y, z});
+}
+
+const MeshData ring = scenes::torus(1, 0.4, 24, 10);
+
+TEST(InstallTest, EveryKindOfTriangleMeshIsBoundAndNothingElse) {
+    StockWorld scene;
+    const auto gimpact = MeshShape::gimpact(ring), bvh = MeshShape::bvh(ring);
+    btScaledBvhTriangleMeshShape scaled(static_cast<btBvhTriangleMeshShape*>(bvh->shape.get()),
+                                        {2, 2, 2});
+    MeshData sheet = scenes::grid(2, 2, 4, 4);
+    const auto terrain = MeshShape::bvh(sheet);
+    btBoxShape box({1, 1, 1});
+    btGImpactCompoundShape compound;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    btRigidBody& moving = scene.add(*gimpact->shape, 1, at(0, 0, 0));
+    btRigidBody& twin = scene.add(*gimpact->shape, 1, at(0.3f, 0, 0.3f));
+    btRigidBody& standing = scene.add(*bvh->shape, 0, at(0, 0.4f, -0.3f));
+    btRigidBody& large = scene.add(scaled, 0, at(0, 0, 0.4f));
+    btRigidBody& ground = scene.add(*terrain->shape, 0, at(0, 0, 0));
+    btRigidBody& solid = scene.add(box, 1, at(0, 0, 9));
+    btSoftBody& soft = scene.add_soft(ring, {0.5f, 0, 0.2f});
+    btSoftBody& cloth = scene.add_soft(sheet, {0, 0, 5});
+    scene.bullet.stepSimulation(dt, 0);
+    for (const btCollisionObject* bound :
+         std::initializer_list<const btCollisionObject*>{&moving, &twin, &standing, &large, &soft})
+        EXPECT_TRUE(installed.body_of(*bound));
+    EXPECT_FALSE(installed.body_of(solid));
+    EXPECT_FALSE(installed.body_of(ground));
+    EXPECT_FALSE(installed.body_of(cloth));
+    ASSERT_EQ(installed.left_to_bullet().size(), 2u);
+    EXPECT_EQ(installed.left_to_bullet()[0].object, &ground);
+    EXPECT_NE(installed.left_to_bullet()[0].why.find("no inside"), std::string::npos);
+    EXPECT_EQ(installed.left_to_bullet()[1].object, &cloth);
+    EXPECT_EQ(scene.contacts.mesh_of(installed.body_of(moving)),
+              scene.contacts.mesh_of(installed.body_of(twin)))
+        << "one mesh for one shape";
+    const Mesh& small = scene.contacts.mesh(scene.contacts.mesh_of(installed.body_of(standing)));
+    const Mesh& twice = scene.contacts.mesh(scene.contacts.mesh_of(installed.body_of(large)));
+    EXPECT_EQ(small.positions().size(), ring.positions.size());
+    EXPECT_EQ(small.triangles().size(), ring.triangles.size());
+    EXPECT_NEAR(twice.traits().volume, 8 * small.traits().volume, 1e-3);
+    EXPECT_EQ(scene.contacts.motion_of(installed.body_of(standing)), Motion::fixed);
+    EXPECT_EQ(scene.contacts.motion_of(installed.body_of(moving)), Motion::rigid);
+    EXPECT_EQ(scene.contacts.motion_of(installed.body_of(soft)), Motion::deforming);
+    EXPECT_GT(installed.reduced_contacts(), 0u);
+}
+
+/// The contacts of a new world without memory, with the bodies of the installed one where Bullet
+/// has them.
+void contacts_from_nothing(const StockWorld& scene, const bullet::Installation& installed,
+                           std::vector<double>& depths) {
+    World fresh(bvh_backend(), {.temporal = Temporal::off});
+    const auto add = [&](const btCollisionObject& object, const btSoftBody* soft) {
+        const BodyId body = installed.body_of(object);
+        if (!body) return;
+        const Mesh& mesh = scene.contacts.mesh(scene.contacts.mesh_of(body));
+        const MeshId copy = fresh.add_mesh("copy", mesh.data());
+        if (soft == nullptr) {
+            const Pose pose = bullet::from_bullet(object.getWorldTransform());
+            if (object.isStaticObject())
+                fresh.add_fixed_body(copy, pose);
+            else
+                fresh.add_rigid_body(copy, pose);
+            return;
+        }
+        std::vector<Vec3f> positions;
+        for (std::uint32_t v = 0; v < mesh.positions().size(); ++v)
+            positions.push_back(to_float(scene.contacts.vertex_position(body, v)));
+        fresh.set_collision(fresh.add_deforming_body(copy, positions), {.self = SelfCollision::on});
+    };
+    for (const auto& body : scene.rigid) add(*body, nullptr);
+    for (const auto& body : scene.soft) add(*body, body.get());
+    fresh.detect();
+    for (const Contact& c : fresh.contacts()) depths.push_back(c.penetration_depth());
+}
+
+TEST(InstallTest, FollowsWhatIsAddedRemovedTeleportedAndChanged) {
+    test::Random random(11);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    const auto first = MeshShape::gimpact(ring),
+               second = MeshShape::gimpact(scenes::sphere(0.8, 2));
+    const auto place = [&] {
+        btTransform result = at(btScalar(random.uniform(-1.5, 1.5)),
+                                btScalar(random.uniform(-1.5, 1.5)),
+                                btScalar(random.uniform(-1, 1)));
+        result.setRotation(btQuaternion(btScalar(random.uniform(-3, 3)),
+                                        btScalar(random.uniform(-3, 3)),
+                                        btScalar(random.uniform(-3, 3))));
+        return result;
+    };
+    std::size_t compared = 0, removed = 0;
+    for (int step = 0; step < 150; ++step) {
+        switch (random.integer(0, 5)) {
+            case 0:
+                if (scene.rigid.size() < 6)
+                    scene.add(random.integer(0, 1) ? *first->shape : *second->shape,
+                              random.integer(0, 2) ? 1 : 0, place());
+                break;
+            case 1:
+                if (scene.soft.size() < 2) scene.add_soft(ring, place().getOrigin());
+                break;
+            case 2:
+                if (scene.rigid.empty()) break;
+                scene.remove_rigid(static_cast<std::size_t>(
+                    random.integer(0, static_cast<int>(scene.rigid.size()) - 1)));
+                ++removed;
+                break;
+            case 3:
+                if (scene.soft.empty()) break;
+                scene.remove_soft(0);
+                ++removed;
+                break;
+            case 4:
+                if (scene.rigid.empty()) break;
+                scene.rigid.front()->setWorldTransform(place());
+                scene.rigid.front()->activate();
+                break;
+            default:
+                if (scene.rigid.empty()) break;
+                scene.rigid.back()->setCollisionShape(random.integer(0, 1) ? first->shape.get()
+                                                                           : second->shape.get());
+                break;
+        }
+        // Nothing pushes rigid bodies, so they stay where contacts were found.
+        for (const auto& body : scene.rigid)
+            body->setCollisionFlags(body->getCollisionFlags() |
+                                    btCollisionObject::CF_NO_CONTACT_RESPONSE);
+        scene.bullet.stepSimulation(dt, 0);
+        std::vector<double> expected, found;
+        contacts_from_nothing(scene, installed, expected);
+        for (const Contact& c : scene.contacts.contacts()) found.push_back(c.penetration_depth());
+        std::ranges::sort(expected);
+        std::ranges::sort(found);
+        ASSERT_EQ(found.size(), expected.size()) << "step " << step;
+        for (std::size_t i = 0; i < found.size(); ++i)
+            ASSERT_NEAR(found[i], expected[i], 1e-6) << "step " << step;
+        compared += found.size();
+    }
+    EXPECT_GT(compared, 2000u);
+    EXPECT_GT(removed, 20u);
+}
+
+TEST(InstallTest, WhatSleepsKeepsItsContactsAndIsNotLookedAt) {
+    StockWorld scene(10);
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    const auto floor = MeshShape::bvh(scenes::box({-4, -4, -1}, {4, 4, 0})),
+               shape = MeshShape::gimpact(ring);
+    scene.add(*floor->shape, 0, at(0, 0, 0));
+    btRigidBody& body = scene.add(*shape->shape, 1, at(0, 0, 0.45f));
+    for (int i = 0; i < 600 && body.isActive(); ++i) scene.bullet.stepSimulation(dt, 0);
+    ASSERT_FALSE(body.isActive());
+    const std::uint32_t reached = installed.reduced_contacts();
+    const int points = scene.points();
+    EXPECT_GT(reached, 2u);
+    EXPECT_NEAR(body.getWorldTransform().getOrigin().z(), 0.4, 0.02);
+    for (int i = 0; i < 10; ++i) {
+        scene.bullet.stepSimulation(dt, 0);
+        EXPECT_FALSE(installed.has_detected());
+        EXPECT_EQ(installed.reduced_contacts(), reached);
+        EXPECT_EQ(scene.points(), points);
+    }
+    body.setWorldTransform(at(0, 0, 3));  // without a word to anyone
+    scene.bullet.updateSingleAabb(&body);
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_TRUE(installed.has_detected());
+    EXPECT_EQ(installed.reduced_contacts(), 0u);
+    EXPECT_TRUE(scene.contacts.contacts().empty());
+}
+
+TEST(InstallTest, PairsThatBulletFiltersOutGetNoContacts) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& a = scene.add(*shape->shape, 1, at(0, 0, 0));
+    btRigidBody& b = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    a.setIgnoreCollisionCheck(&b, true);
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_EQ(installed.reduced_contacts(), 0u);
+    a.setIgnoreCollisionCheck(&b, false);
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_GT(installed.reduced_contacts(), 0u);
+    EXPECT_LE(installed.reduced_contacts(), 24u) << "reduced";
+}
+
+TEST(InstallTest, UninstallGivesTheWorldBack) {
+    StockWorld scene;
+    const auto shape = MeshShape::gimpact(ring);
+    scene.add(*shape->shape, 1, at(0, 0, 0));
+    scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    const MeshId kept = scene.contacts.add_mesh("kept", ring);
+    const BodyId own = scene.contacts.add_fixed_body(kept, {{9, 9, 9}, {0, 0, 0, 1}});
+    scene.bullet.performDiscreteCollisionDetection();
+    const int by_bullet = scene.points();
+    btCollisionConfiguration* const before = scene.dispatcher.getCollisionConfiguration();
+    for (int round = 0; round < 3; ++round) {
+        const bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+        EXPECT_THROW(bullet::install(scene.bullet, scene.contacts), InputError);
+        scene.bullet.performDiscreteCollisionDetection();
+        EXPECT_EQ(static_cast<std::uint32_t>(scene.points()), installed.reduced_contacts());
+        EXPECT_GT(scene.points(), 0);
+        bullet::uninstall(scene.bullet);
+        EXPECT_EQ(scene.dispatcher.getCollisionConfiguration(), before);
+        EXPECT_EQ(scene.dispatcher.getNearCallback(), &btCollisionDispatcher::defaultNearCallback);
+        scene.bullet.performDiscreteCollisionDetection();
+        EXPECT_EQ(scene.points(), by_bullet);
+        scene.contacts.detect();
+        EXPECT_EQ(scene.contacts.body_boxes().size(), 1u) << "only the one that was there";
+    }
+    EXPECT_EQ(scene.contacts.mesh_of(own), kept);
+    bullet::uninstall(scene.bullet);
+    EXPECT_THROW(bullet::install(scene.bullet, scene.contacts, {.most_per_pair = 5}), InputError);
+}
+
+TEST(InstallTest, ASoftBodyMeetsItself) {
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    btSoftBody& soft = scene.add_soft(ring, {0, 0, 0});
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_TRUE(scene.contacts.contacts().empty());
+    // One side of the ring goes into the other one.
+    for (int i = 0; i < soft.m_nodes.size(); ++i)
+        if (soft.m_nodes[i].m_x.x() > 0.5f)
+            soft.m_nodes[i].m_x.setX(soft.m_nodes[i].m_x.x() - 1.9f);
+    scene.bullet.stepSimulation(dt, 0);
+    const auto self = std::ranges::count_if(scene.contacts.contacts(),
+                                            [](const Contact& c) { return c.a == c.b; });
+    EXPECT_GT(self, 5);
+    EXPECT_EQ(soft.m_scontacts.size(), self);
+}
+
+class CountPoints : public btIDebugDraw {
+public:
+    int points = 0;
+    void drawLine(const btVector3&, const btVector3&, const btVector3&) override {}
+    void drawContactPoint(const btVector3&, const btVector3&, btScalar, int,
+                          const btVector3&) override {
+        ++points;
+    }
+    void reportErrorWarning(const char*) override {}
+    void draw3dText(const btVector3&, const char*) override {}
+    void setDebugMode(int) override {}
+    int getDebugMode() const override { return DBG_DrawContactPoints | DBG_DrawAabb; }
+};
+
+TEST(InstallTest, TheDebugDrawerShowsContacts) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    CountPoints drawer;
+    scene.bullet.setDebugDrawer(&drawer);
+    const auto shape = MeshShape::gimpact(ring);
+    scene.add(*shape->shape, 1, at(0, 0, 0));
+    scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    scene.bullet.performDiscreteCollisionDetection();
+    scene.bullet.debugDrawWorld();
+    EXPECT_EQ(static_cast<std::uint32_t>(drawer.points), installed.reduced_contacts());
+    EXPECT_GT(drawer.points, 0);
+    scene.add_soft(ring, {-0.4f, 0, 0.2f});
+    scene.bullet.stepSimulation(dt, 0);
+    drawer.points = 0;
+    scene.bullet.debugDrawWorld();
+    EXPECT_GT(drawer.points, scene.points()) << "those of soft bodies, too";
+}
+
+int callbacks = 0;
+bool count_point(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int index_a,
+                 const btCollisionObjectWrapper*, int, int index_b) {
+    ++callbacks;
+    EXPECT_NE(index_a < 0, index_b < 0) << "one side is a vertex";
+    point.m_combinedFriction = btScalar(0.125);
+    return true;
+}
+
+TEST(InstallTest, TheProgramsOwnCallbackChangesPoints) {
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    scene.add(*shape->shape, 1, at(0, 0, 0));
+    btRigidBody& special = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    special.setCollisionFlags(special.getCollisionFlags() |
+                              btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+    callbacks = 0;
+    gContactAddedCallback = count_point;
+    scene.bullet.performDiscreteCollisionDetection();
+    gContactAddedCallback = nullptr;
+    EXPECT_GT(callbacks, 0);
+    EXPECT_EQ(callbacks, scene.points());
+    EXPECT_EQ(scene.dispatcher.getManifoldByIndexInternal(0)->getContactPoint(0).m_combinedFriction,
+              btScalar(0.125));
+}
+
+/// Impulses stay with their vertices: a body at rest that may not sleep is held up by them.
+TEST(InstallTest, PointsKeepTheirImpulsesAtRest) {
+    StockWorld scene(10);
+    bullet::install(scene.bullet, scene.contacts);
+    const auto floor = MeshShape::bvh(scenes::box({-4, -4, -1}, {4, 4, 0})),
+               shape = MeshShape::gimpact(scenes::box({-1, -1, -1}, {1, 1, 1}));
+    scene.add(*floor->shape, 0, at(0, 0, 0));
+    btRigidBody& body = scene.add(*shape->shape, 1, at(0.1f, 0.2f, 1));
+    body.setActivationState(DISABLE_DEACTIVATION);
+    for (int i = 0; i < 240; ++i) scene.bullet.stepSimulation(dt, 0);
+    double push = 0;
+    int youngest = 1000;
+    for (int m = 0; m < scene.dispatcher.getNumManifolds(); ++m) {
+        const btPersistentManifold& manifold = *scene.dispatcher.getManifoldByIndexInternal(m);
+        for (int i = 0; i < manifold.getNumContacts(); ++i) {
+            push += manifold.getContactPoint(i).getAppliedImpulse();
+            youngest = std::min(youngest, manifold.getContactPoint(i).getLifeTime());
+        }
+    }
+    EXPECT_NEAR(push, 10 * dt, 0.02 * 10 * dt) << "they carry its weight";
+    EXPECT_GT(youngest, 10);
+}
+
+}  // namespace
+}  // namespace pierce
