@@ -13,6 +13,7 @@
 #include "pierce/explain.hpp"
 #include "pierce/filter.hpp"
 #include "pierce/mesh.hpp"
+#include "pierce/overlap.hpp"
 #include "pierce/parting.hpp"
 #include "pierce/plan.hpp"
 #include "pierce/pose.hpp"
@@ -29,6 +30,15 @@ struct RayHit {
     std::uint32_t triangle = no_triangle;
     double t = 0;  ///< [length] along the direction
     Vec3d normal;  ///< of the triangle, unit, world space
+};
+
+/// What is pressed against a point of a sensor, or near it.
+struct ProbeContact {
+    BodyId body;
+    std::uint32_t triangle = no_triangle;
+    double distance = 0;  ///< [length] along the sensor's normal: negative where the body is
+                          ///< pressed in, positive where it is still away
+    Vec3d normal;  ///< of the triangle, unit, outward, world space
 };
 
 /// Which contacts are of which world: those of worlds[i] are the contacts from solids[i] to
@@ -202,11 +212,33 @@ public:
     /// body and itself, for a sheet, and for positions in device memory.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
+    /// What two solids have in common, with both where the last set_pose or set_positions left
+    /// them: volume, areas, how the volume changes, and patches. A patch is what overlaps along
+    /// directions with at least `same_direction` as cosine. Nothing if they have no volume in
+    /// common. Which triangles cross is decided without rounding; positions are rounded to 1e-11 of
+    /// the pair's extent first. Nothing of the last step is used or changed; it takes one thread of
+    /// the host. Throws InputError for a body and itself, for a body without an inside, and for
+    /// positions in device memory.
+    std::optional<Overlap> overlap(BodyId a, BodyId b, double same_direction = 0.9);
+
     /// The first body along each line of sight from `origin`, with bodies where the last detect()
     /// saw them. Directions need not be unit; a zero direction meets nothing. Throws InputError for
     /// an origin or a direction that is not finite, or if bodies were added, removed, moved or
     /// changed since.
     std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
+
+    /// What touches a sensor, such as the skin of a finger: `points` on it, with normals that point
+    /// out of it. A solid that covers a point is pressed in as far as the way from the point
+    /// against the normal to where it leaves the solid. Others are near if the point meets them
+    /// along the normal, `radius` away at most. Of several solids the one counts that is pressed in
+    /// furthest, or nearest. `others`: the bodies that count; empty: all, the sensor's own ones as
+    /// well. Sheets do not count. Uses the trees of the last detect(), on its backend. Normals need
+    /// not be unit; a zero normal meets nothing. Throws InputError for lists of different lengths,
+    /// for numbers that are not finite, for a negative radius, or if bodies were added, removed,
+    /// moved or changed since the last detect().
+    std::vector<std::optional<ProbeContact>> probe(std::span<const Vec3d> points,
+                                                   std::span<const Vec3d> normals, double radius,
+                                                   std::span<const BodyId> others = {});
 
 private:
     class PairCopy;

@@ -1,0 +1,93 @@
+#include <algorithm>
+
+#include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
+#include "core/trace/meeting.hpp"
+#include "core/world/world_state.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+namespace {
+
+/// A ray of a probe: inward it looks for the way out of a body, outward for the way in.
+struct ProbeRay {
+    std::size_t probe = 0;
+    bool inward = false;
+};
+
+}  // namespace
+
+std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> points,
+                                                      std::span<const Vec3d> normals, double radius,
+                                                      std::span<const BodyId> others) {
+    state_->check_stepped("probe");
+    if (points.size() != normals.size())
+        throw InputError("there are " + std::to_string(points.size()) + " points and " +
+                         std::to_string(normals.size()) + " normals");
+    const auto usable = [](Vec3d v) { return is_finite(v); };
+    if (!std::ranges::all_of(points, usable) || !std::ranges::all_of(normals, usable))
+        throw InputError("probe needs points and normals that are finite");
+    if (!(radius >= 0)) throw InputError("the radius of a probe is negative");
+    for (const BodyId other : others) (void)state_->bodies.get(other, "body");
+
+    state_->backend->fetch_bodies(view_of(state_->views));
+    const auto& views = state_->views;
+    std::vector<std::uint32_t> targets;
+    for (std::uint32_t b = 0; b < views.size(); ++b)
+        if (views[b].active && views[b].is_solid() &&
+            (others.empty() || std::ranges::find(others, state_->ids[b]) != others.end()))
+            targets.push_back(b);
+
+    std::vector<Ray> rays;
+    std::vector<ProbeRay> of_probe;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3d normal = normalized(normals[i]);
+        if (length_squared(normal) == 0) continue;
+        for (const std::uint32_t b : targets) {
+            const Frame to_fit = relative_frame({}, views[b].fit);
+            const Box box = views[b].fit_box.inflated(views[b].touch);
+            const double away = box.distance(to_fit.to_parent(points[i]));
+            if (away > radius) continue;
+            const Frame to_space = relative_frame({}, views[b].space);
+            const auto add = [&](bool inward, double t_max) {
+                Ray ray;
+                ray.origin = to_space.to_parent(points[i]);
+                ray.direction = to_space.rotation * (inward ? -normal : normal);
+                ray.t_max = t_max;
+                ray.target = b;
+                ray.touch = views[b].touch;
+                rays.push_back(ray);
+                of_probe.push_back({i, inward});
+            };
+            if (away == 0) add(true, box.extent());
+            add(false, radius);
+        }
+    }
+    std::vector<Hit> hits(rays.size());
+    state_->backend->closest_hits(view_of(views), view_of(std::as_const(rays)), view_of(hits));
+
+    std::vector<std::optional<ProbeContact>> found(points.size());
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+        if (hits[r].triangle == no_triangle) continue;
+        const BodyView& body = views[rays[r].target];
+        const Meeting m = meet(rays[r], body.surface(), hits[r].triangle);
+        // From outside, the inward ray meets nothing that is pressed against the probe; from
+        // inside, the outward ray leaves the body at its far side.
+        const auto [probe, inward] = of_probe[r];
+        if (m.exit != inward) continue;
+        const double distance = inward ? -m.t : m.t;
+        std::optional<ProbeContact>& best = found[probe];
+        if (best && best->distance <= distance) continue;
+        const Triangle& t = body.mesh.triangles[hits[r].triangle];
+        const Vec3d a = to_double(body.positions[t.vertex[0]]);
+        const Vec3d n = cross(to_double(body.positions[t.vertex[1]]) - a,
+                              to_double(body.positions[t.vertex[2]]) - a);
+        best = ProbeContact{.body = state_->ids[rays[r].target],
+                            .triangle = hits[r].triangle,
+                            .distance = distance,
+                            .normal = body.space.rotation * normalized(n)};
+    }
+    return found;
+}
+
+}  // namespace pierce
