@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <mutex>
-#include <new>
 #include <utility>
 
 #include "bullet/coupling.hpp"
