@@ -1,11 +1,14 @@
-// Steps on the GPU, positions already there: times beside what was found, and Embree's answer to
-// the same frames.
-//   pierce_gpu_steps RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT...
+// Steps on the GPU, places already there: times beside what was found, and Embree's answer to the
+// same frames.
+//   pierce_gpu_steps
+//   RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT|tori:COUNT|hand:COUNT|nut:COUNT...
 //       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
 //       [--coverage vertices|overlaps|complete] [--reproject on|off]
 // A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
-// wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. MODE is what
-// rays remember of the last step: full (nothing), walk, walk-predict or certified. Prints CSV.
+// wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. The last
+// three are COUNT small worlds (scenes/recording/small_worlds.hpp). Places are named once and then
+// only written, so that the host does nothing per body. MODE is what rays remember of the last
+// step: full (nothing), walk, walk-predict or certified. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -21,6 +24,7 @@
 #include "pierce/world.hpp"
 #include "scenes/recording/lattice.hpp"
 #include "scenes/recording/recording.hpp"
+#include "scenes/recording/small_worlds.hpp"
 
 namespace pierce {
 namespace {
@@ -44,8 +48,8 @@ struct Player {
     World world;
     std::vector<BodyId> bodies;
 
-    Player(const scenes::Recording& played, std::unique_ptr<Backend> backend,
-           const Settings& settings)
+    Player(const scenes::Recording& played, const std::vector<Filter>& filters,
+           std::unique_ptr<Backend> backend, const Settings& settings)
         : recording(played), world(std::move(backend), settings) {
         std::vector<MeshId> meshes;
         for (const auto& mesh : recording.meshes)
@@ -58,6 +62,7 @@ struct Player {
                 bodies.push_back(recording.bodies[b].motion == Motion::fixed
                                      ? world.add_fixed_body(mesh, recording.pose(b, 0))
                                      : world.add_rigid_body(mesh, recording.pose(b, 0)));
+            if (!filters.empty()) world.set_filter(bodies.back(), filters[b]);
         }
     }
 
@@ -65,16 +70,67 @@ struct Player {
         return recording.bodies[body].motion == Motion::deforming;
     }
 
-    void put_rigid(std::uint32_t frame) {
+    void put(std::uint32_t frame) {
         for (std::uint32_t b = 0; b < bodies.size(); ++b)
-            if (recording.bodies[b].motion == Motion::rigid)
+            if (deforms(b))
+                world.set_positions(bodies[b], recording.positions(b, frame));
+            else if (recording.bodies[b].motion == Motion::rigid)
                 world.set_pose(bodies[b], recording.pose(b, frame));
     }
-    void put(std::uint32_t frame) {
-        put_rigid(frame);
-        for (std::uint32_t b = 0; b < bodies.size(); ++b)
-            if (deforms(b)) world.set_positions(bodies[b], recording.positions(b, frame));
+};
+
+/// The places of all bodies that move, in device memory.
+class DevicePlaces {
+public:
+    explicit DevicePlaces(Player& player) : player_(player) {
+        for (std::uint32_t b = 0; b < player.bodies.size(); ++b) {
+            if (player.deforms(b))
+                deforming_.push_back(b);
+            else if (player.recording.bodies[b].motion == Motion::rigid)
+                rigid_.push_back(b);
+        }
+        stage(0);
+        device_positions_.resize(static_cast<std::uint32_t>(positions_.size()));
+        device_poses_.resize(static_cast<std::uint32_t>(poses_.size()));
+        player.world.set_device_positions(ids_of(deforming_), device_positions_.data());
+        player.world.set_device_poses(ids_of(rigid_), std::as_const(device_poses_).data());
     }
+    void write(std::uint32_t frame) {
+        stage(frame);
+        cuda::check(cudaMemcpy(device_positions_.data(), positions_.data(),
+                               positions_.size() * sizeof(Vec3f), cudaMemcpyHostToDevice),
+                    "a frame's positions");
+        cuda::check(cudaMemcpy(device_poses_.data(), poses_.data(), poses_.size() * sizeof(double),
+                               cudaMemcpyHostToDevice),
+                    "a frame's poses");
+    }
+
+private:
+    std::vector<BodyId> ids_of(const std::vector<std::uint32_t>& some) const {
+        std::vector<BodyId> ids;
+        for (std::uint32_t b : some) ids.push_back(player_.bodies[b]);
+        return ids;
+    }
+    void stage(std::uint32_t frame) {
+        positions_.clear();
+        poses_.clear();
+        for (std::uint32_t b : deforming_) {
+            const auto positions = player_.recording.positions(b, frame);
+            positions_.insert(positions_.end(), positions.begin(), positions.end());
+        }
+        for (std::uint32_t b : rigid_) {
+            const Pose p = player_.recording.pose(b, frame);
+            poses_.insert(poses_.end(), {p.position.x, p.position.y, p.position.z, p.rotation.x,
+                                         p.rotation.y, p.rotation.z, p.rotation.w});
+        }
+    }
+
+    Player& player_;
+    std::vector<std::uint32_t> deforming_, rigid_;
+    std::vector<Vec3f> positions_;
+    std::vector<double> poses_;
+    cuda::DeviceBuffer<Vec3f> device_positions_;
+    cuda::DeviceBuffer<double> device_poses_;
 };
 
 struct Options {
@@ -112,22 +168,16 @@ TreeBuilder builder_named(const std::string& name) {
     return name == "ploc" ? TreeBuilder::ploc : TreeBuilder::trbvh;
 }
 
-void run(const std::string& name, const scenes::Recording& recording, const Options& options) {
+void run(const std::string& name, const scenes::Recording& recording, const Options& options,
+         const std::vector<Filter>& filters = {}) {
     const auto& [steps, checks, stages, builder, memory, coverage, reproject] = options;
-    Player gpu(recording, cuda_backend({.builder = builder_named(builder), .graph = !stages}),
+    Player gpu(recording, filters,
+               cuda_backend({.builder = builder_named(builder), .graph = !stages}),
                settings_of(options));
-    std::size_t vertices = 0, triangles = 0;
-    std::vector<std::size_t> first;
-    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
-        first.push_back(vertices);
-        const MeshData& mesh = recording.meshes[recording.bodies[b].mesh].data;
-        triangles += mesh.triangles.size();
-        if (gpu.deforms(b)) vertices += mesh.positions.size();
-    }
-    // Two frames in device memory by turns: what is read does not change while it is read.
-    cuda::DeviceBuffer<Vec3f> device[2];
-    std::vector<Vec3f> staged(vertices);
-    for (auto& buffer : device) buffer.resize(static_cast<std::uint32_t>(vertices));
+    std::size_t triangles = 0;
+    for (const auto& body : recording.bodies)
+        triangles += recording.meshes[body.mesh].data.triangles.size();
+    DevicePlaces places(gpu);
 
     std::vector<double> wall, on_device, full_rays, walks, lost;
     std::map<std::string, std::vector<double>> by_stage;
@@ -136,17 +186,7 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     StepStats last;
     const auto frame_of_step = [&](std::uint32_t i) { return i % recording.frame_count; };
     for (std::uint32_t i = 0; i < steps; ++i) {
-        gpu.put_rigid(frame_of_step(i));
-        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b)
-            if (gpu.deforms(b))
-                std::ranges::copy(recording.positions(b, frame_of_step(i)),
-                                  staged.begin() + static_cast<std::ptrdiff_t>(first[b]));
-        cuda::check(cudaMemcpy(device[i % 2].data(), staged.data(), vertices * sizeof(Vec3f),
-                               cudaMemcpyHostToDevice),
-                    "a frame's positions");
-        for (std::uint32_t b = 0; b < recording.bodies.size(); ++b)
-            if (gpu.deforms(b))
-                gpu.world.set_device_positions(gpu.bodies[b], device[i % 2].data() + first[b]);
+        places.write(frame_of_step(i));
         last = gpu.world.detect();
         if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
@@ -164,7 +204,7 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     std::uint32_t differ = 0;
     std::vector<double> embree;
     if (checks > 0) {
-        Player cpu(recording, embree_backend(), settings_of(options));
+        Player cpu(recording, filters, embree_backend(), settings_of(options));
         for (std::uint32_t i = 0; i < checks; ++i) {
             cpu.put(frame_of_step(i));
             embree.push_back(cpu.world.detect().milliseconds);
@@ -226,6 +266,10 @@ int main(int argc, char** argv) {
                                                            : LatticeMotion::rest;
             const std::uint32_t frames = kind != "lattice" ? 32 : count > 2000 ? 4 : 16;
             pierce::run(scene, pierce::scenes::lattice(count, frames, motion), options);
+        } else if (const auto small = pierce::scenes::small_world_named(kind)) {
+            const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(colon + 1)));
+            const auto worlds = pierce::scenes::small_worlds(*small, count, 4);
+            pierce::run(scene, worlds.recording, options, worlds.filters);
         } else {
             const auto recording = pierce::scenes::as_deforming(
                 pierce::scenes::read_recording(scene));

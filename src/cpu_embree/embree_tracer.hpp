@@ -28,6 +28,7 @@ public:
                       View<const Ray> rays, View<Hit> hits);
     void closest_triangles(TbbExecutor& executor, View<const BodyView> bodies, std::uint32_t count,
                            View<const Ray> rays, View<std::uint32_t> triangles);
+    void add_up(TbbExecutor&) {}
     TracerCounts counts(const TbbExecutor&) const;
 
 private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/reach.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
@@ -41,16 +42,41 @@ struct ReplaceBody {
     }
 };
 
-/// Copies, per body, where the caller has put it. The step itself finds out where deforming bodies
-/// are.
+/// Where the caller has put a body.
+struct PlacedBody {
+    std::uint32_t body = 0;
+    BodyInput input;
+};
+
+/// Copies, per body that has changed, where the caller has put it. The step itself finds out where
+/// deforming bodies are.
 struct ApplyInput {
-    View<const BodyInput> inputs;
+    View<const PlacedBody> placed;
     View<BodyView> bodies;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        BodyView& body = bodies[i];
-        static_cast<BodyInput&>(body) = inputs[i];
+        BodyView& body = bodies[placed[i].body];
+        static_cast<BodyInput&>(body) = placed[i].input;
         if (body.motion != Motion::deforming && body.active) body.fit = body.space;
+    }
+};
+
+/// A body whose pose the caller keeps in device memory.
+struct PosedBody {
+    std::uint32_t body = 0;
+    bool takes_part = true;  ///< unless its pose is unusable
+};
+
+/// Per such body: reads its pose.
+struct ReadPose {
+    View<const PosedBody> posed;
+    View<BodyView> bodies;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        BodyView& body = bodies[posed[i].body];
+        const Pose pose = body.device_pose.read();
+        body.active = posed[i].takes_part && is_usable(pose);
+        if (body.active) body.fit = body.space = frame_of(pose);
     }
 };
 

@@ -8,9 +8,11 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/pipeline.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
+#include "gpu_cuda/contact_arrays.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/scene_mirror.cuh"
 #include "pierce/cuda_backend.hpp"
+#include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
 #include "pierce/reference_backends.hpp"
@@ -35,32 +37,36 @@ public:
           mirror_(executor_),
           pipeline_(executor_, tracer_) {
         for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
+        check(cudaEventCreateWithFlags(&handover_, cudaEventDisableTiming), "an event");
     }
     ~CudaBackend() override {
         drop_graphs();
         for (cudaEvent_t event : events_) cudaEventDestroy(event);
+        cudaEventDestroy(handover_);
     }
 
     std::string description() const override { return "cuda, " + name_; }
     bool runs_on_device() const override { return true; }
     bool certificates_pay() const override { return false; }
 
+    void set_stream(void* stream) override {
+        stream_of_caller_ = static_cast<cudaStream_t>(stream);
+    }
+
     void step(const Scene& host, StepStats& stats) override {
-        using Change = cuda::SceneMirror::Change;
-        const Change change = mirror_.update(host);
-        if (change != Change::none || tracer_.is_stale()) {
-            tracer_.arrange(executor_, host.bodies);
-            tracer_.build_changed(executor_, mirror_.scene().bodies);
-        }
-        if (change == Change::all || (host.plan->casts_rays && tracer_.is_stale())) restart();
-        bank_ = 1 - bank_;
-        if (!can_repeat() || repeated_ < rehearsals) {
-            exact_step(stats);
-            repeated_ = can_repeat() ? repeated_ + 1 : 0;
-        } else {
-            bounded_step(stats);
-        }
-        fetched_ = false;
+        wait_for_caller();
+        find_contacts(host, stats);
+        let_caller_go_on();
+    }
+
+    DeviceContacts device_contacts(std::uint32_t worlds) override {
+        const View<const BodyView> bodies = mirror_.scene().bodies;
+        DeviceContacts contacts;
+        contacts.solids = solids_.fill(executor_, pipeline_.contacts(), bodies, worlds);
+        if (mirror_.scene().plan->sheets)
+            contacts.sheets = sheets_.fill(executor_, pipeline_.sheet_contacts(), bodies, worlds);
+        let_caller_go_on();
+        return contacts;
     }
 
     View<const Contact> contacts() const override {
@@ -93,6 +99,37 @@ private:
     // The first steps after a change run stage by stage, so that the trees exist and the buffers
     // are large enough.
     static constexpr std::uint32_t rehearsals = 2;
+
+    void wait_for_caller() {
+        if (stream_of_caller_ == nullptr) return;
+        check(cudaEventRecord(handover_, stream_of_caller_), "an event");
+        check(cudaStreamWaitEvent(executor_.stream(), handover_), "an event");
+    }
+    void let_caller_go_on() {
+        if (stream_of_caller_ == nullptr) return;
+        check(cudaEventRecord(handover_, executor_.stream()), "an event");
+        check(cudaStreamWaitEvent(stream_of_caller_, handover_), "an event");
+    }
+
+    void find_contacts(const Scene& host, StepStats& stats) {
+        using Change = cuda::SceneMirror::Change;
+        // The device's time begins with the places of bodies.
+        check(cudaEventRecord(events_[0], executor_.stream()), "an event");
+        const Change change = mirror_.update(host);
+        if (change != Change::none || tracer_.is_stale()) {
+            tracer_.arrange(executor_, host.bodies);
+            tracer_.build_changed(executor_, mirror_.scene().bodies);
+        }
+        if (change == Change::all || (host.plan->casts_rays && tracer_.is_stale())) restart();
+        bank_ = 1 - bank_;
+        if (!can_repeat() || repeated_ < rehearsals) {
+            exact_step(stats);
+            repeated_ = can_repeat() ? repeated_ + 1 : 0;
+        } else {
+            bounded_step(stats);
+        }
+        fetched_ = false;
+    }
 
     /// True if steps may be bounded.
     bool can_repeat() const { return options_.graph && !options_.rebuild; }
@@ -140,7 +177,6 @@ private:
         }
         stats.stages.clear();
         if (graph != nullptr) {
-            check(cudaEventRecord(events_[0], executor_.stream()), "an event");
             check(cudaGraphLaunch(graph, executor_.stream()), "launch of a step");
             check(cudaEventRecord(events_[1], executor_.stream()), "an event");
         }
@@ -190,6 +226,9 @@ private:
     std::uint32_t bank_ = 0, repeated_ = 0, warm_ = 0;
     std::array<cudaGraphExec_t, 2> graphs_{};
     std::array<cudaEvent_t, 2> events_{};
+    cudaStream_t stream_of_caller_ = nullptr;
+    cudaEvent_t handover_ = nullptr;  ///< between that stream and ours
+    cuda::ContactArrays solids_, sheets_;
     mutable bool fetched_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;

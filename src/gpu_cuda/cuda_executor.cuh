@@ -81,7 +81,7 @@ public:
     /// Begins a step, or the repetition of a captured step. `bank`: 0 or 1, not the one of the last
     /// step, whose totals are still read.
     void begin_exact(std::uint32_t bank) {
-        bounded_ = false;
+        is_finished_ = bounded_ = false;
         bank_ = bank;
         next_ = 0;
     }
@@ -96,6 +96,7 @@ public:
         waits_for_lists_ = true;
     }
     void begin_repetition(std::uint32_t bank) {
+        is_finished_ = false;
         bounded_ = true;
         bank_ = bank;
         next_ = 0;
@@ -109,7 +110,8 @@ public:
     }
     /// Waits for the device; true if the step fitted.
     bool finish() {
-        cuda::check(cudaStreamSynchronize(stream_), "a step");
+        wait();
+        is_finished_ = true;
         if (host_totals_[2 * most_totals] == 0) return true;
         clear(overflow_);
         return false;
@@ -288,10 +290,10 @@ public:
             add_up<cuda::block_threads>(n, term, sum);
     }
 
-    /// The result of a reduction. Waits for the device, like the next functions.
+    /// The result of a reduction. Waits for the device, unless the step is finished.
     template <class T>
     T read(const Sum<T>& sum) const {
-        wait();
+        wait_for_step();
         return *sum.data();
     }
 
@@ -307,19 +309,15 @@ public:
 
     std::uint32_t number(const Count& count) const {
         if (count.is_known()) return count.bound();
-        wait();
-        return count.number([&](const std::uint32_t* total) {
-            const auto place = static_cast<std::uint32_t>(total - totals_.data()) % most_totals;
-            return host_totals_[bank_ * most_totals + place];
-        });
+        wait_for_step();
+        return count.number(
+            [&](const std::uint32_t* total) { return host_totals_[place_in_bank(total)]; });
     }
-
-    template <class T>
-    T first(const Buffer<T>& buffer) const {
-        T value;
-        copy_to_host(&value, buffer.data(), 1);
-        wait();
-        return value;
+    /// The count in the last step: a list that a captured step has made keeps the count that it had
+    /// when it was captured, with the totals of that bank.
+    Count in_last_step(const Count& count) const {
+        return count.with(
+            [&](const std::uint32_t* total) { return totals_.data() + place_in_bank(total); });
     }
 
     template <class T>
@@ -363,6 +361,15 @@ public:
 
 private:
     static constexpr std::uint32_t most_totals = 128;
+
+    std::size_t place_in_bank(const std::uint32_t* total) const {
+        const auto place = static_cast<std::uint32_t>(total - totals_.data()) % most_totals;
+        return bank_ * most_totals + place;
+    }
+
+    void wait_for_step() const {
+        if (!is_finished_) wait();
+    }
 
     cuda::Items items(const Count& n) const { return {n, overflow_.data() + is_beside_}; }
 
@@ -508,6 +515,7 @@ private:
 
     cudaStream_t stream_ = nullptr, branch_stream_ = nullptr;
     bool bounded_ = false;
+    bool is_finished_ = false;  ///< what the last step has summed and counted is there
     std::uint32_t bank_ = 0, next_ = 0;
     std::array<std::uint32_t, list_count> bounds_{};  ///< the room for each total; 0: unknown
     std::array<std::uint32_t, list_count> rounds_{};  ///< how often work was repeated at most

@@ -41,6 +41,15 @@ public:
         return min_of(sum, bound_);
     }
 
+    /// The same sum of other totals: `other(total)` is where the one that stands for a total is.
+    template <class Other>
+    DeviceCount with(const Other& other) const {
+        DeviceCount count = *this;
+        for (Term& term : count.terms_)
+            if (term.total != nullptr) term.total = other(term.total);
+        return count;
+    }
+
     template <std::integral N>
     friend DeviceCount operator*(N times, DeviceCount c) {
         const auto by = static_cast<std::uint32_t>(times);

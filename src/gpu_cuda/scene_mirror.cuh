@@ -12,6 +12,7 @@
 #include "gpu_cuda/body_changes.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/mesh_mirror.cuh"
+#include "gpu_cuda/place_mirror.cuh"
 
 namespace pierce::cuda {
 
@@ -20,7 +21,8 @@ namespace pierce::cuda {
 /// all else keeps its place and its size, so that captured steps stay valid.
 class SceneMirror {
 public:
-    explicit SceneMirror(CudaExecutor& executor) : executor_(executor), meshes_(executor) {}
+    explicit SceneMirror(CudaExecutor& executor)
+        : executor_(executor), meshes_(executor), places_(executor) {}
 
     enum class Change { none, meshes, all };
 
@@ -34,7 +36,7 @@ public:
             plan_ = *host.plan;
         }
         scene_.plan = host.plan;
-        send_inputs(host.bodies);
+        places_.send(host, view_of(bodies_));
         if (change == Change::all || sent_forgets_ != host.forgets_sides[0]) {
             sent_forgets_ = host.forgets_sides[0];
             executor_.upload(std::span<const std::uint32_t>(&sent_forgets_, 1), forgets_);
@@ -51,7 +53,11 @@ public:
         std::vector<BodyView> there(bodies_.size());
         executor_.copy_to_host(there.data(), bodies_.data(), there.size());
         executor_.wait();
-        for (std::uint32_t b = 0; b < host.size; ++b) static_cast<BodyBounds&>(host[b]) = there[b];
+        for (std::uint32_t b = 0; b < host.size; ++b) {
+            static_cast<BodyBounds&>(host[b]) = there[b];
+            host[b].space = there[b].space;
+            host[b].active = there[b].active;
+        }
     }
 
     /// Copies deforming bodies' shapes of the last step into the host's, for bodies that still
@@ -130,7 +136,7 @@ private:
                 const BodyView& body = host.bodies[b];
                 sizes_differ = sizes_differ || body.patches.size != patches_at_.size(b) ||
                                body.box_nodes.size != nodes_at_.size(b);
-                if (!vertices_at_.resize(b, body.positions.size) ||
+                if (!places_.vertices().resize(b, body.positions.size) ||
                     !blocks_at_.resize(b, body.blocks.size) ||
                     !patches_at_.resize(b, body.patches.size) ||
                     !nodes_at_.resize(b, body.box_nodes.size))
@@ -219,12 +225,12 @@ private:
                      .world_place = view.world_place,
                      .range = view.range,
                      .seen = host.seen[b].size};
-        sent_version_[b] = 0;
-        if (view.mesh_key == 0) return now;
+        if (view.mesh_key == 0) {
+            places_.place(b, view);
+            return now;
+        }
         view.mesh = meshes_.view_of(host.bodies[b]);
         if (view.motion == Motion::deforming) {
-            view.positions = {positions_.data() + vertices_at_.first(b), view.positions.size};
-            view.start = {starts_.data() + vertices_at_.first(b), view.start.size};
             view.blocks = now.blocks = {blocks_.data() + blocks_at_.first(b), view.blocks.size};
             view.patches = now.patches = {patches_.data() + patches_at_.first(b),
                                           view.patches.size};
@@ -237,7 +243,7 @@ private:
             view.patches = view.mesh.patches;
             view.box_nodes = view.mesh.box_nodes;
         }
-        positions_of_[b] = view.positions.data;
+        places_.place(b, view);
         return now;
     }
 
@@ -259,10 +265,8 @@ private:
         const auto count = [&](auto member) {
             return [member](const BodyView& body) { return (body.*member).size; };
         };
-        const std::uint32_t vertices = lay_out(host.bodies, vertices_at_,
-                                               count(&BodyView::positions));
-        positions_.resize(vertices);
-        starts_.resize(host.plan->sheets ? vertices : 0);
+        lay_out(host.bodies, places_.vertices(), count(&BodyView::positions));
+        places_.rebuild(host.bodies.size, host.plan->sheets);
         blocks_.resize(lay_out(host.bodies, blocks_at_, count(&BodyView::blocks)));
         patches_.resize(lay_out(host.bodies, patches_at_, count(&BodyView::patches)));
         box_nodes_.resize(lay_out(host.bodies, nodes_at_, count(&BodyView::box_nodes)));
@@ -275,8 +279,6 @@ private:
         for (const BodyView& body : host.bodies)
             if (body.mesh_key != 0) meshes_.add(body);
         known_.assign(host.bodies.size, {});
-        sent_version_.assign(host.bodies.size, 0);
-        positions_of_.assign(host.bodies.size, nullptr);
         std::vector<BodyView> views;
         std::vector<View<PatchBlock>> block_views;
         std::vector<View<Offsets>> patch_views;
@@ -307,6 +309,7 @@ private:
         node_items_.resize(level_begin[BoxLevels::most]);
         scene_ = {.bodies = view_of(bodies_),
                   .ids = view_of(std::as_const(ids_)),
+                  .changed = {},
                   .excluded = view_of(std::as_const(excluded_)),
                   .world_begins = view_of(std::as_const(world_begins_)),
                   .block_items = view_of(std::as_const(block_items_)),
@@ -322,34 +325,6 @@ private:
         copy_items(host);
     }
 
-    void send_inputs(View<const BodyView> host) {
-        BodyInput* const staged = staged_inputs_.resize(host.size);
-        for (std::uint32_t b = 0; b < host.size; ++b) {
-            BodyInput& input = staged[b] = host[b];
-            const std::uint32_t first = vertices_at_.first(b);
-            input.positions.data = positions_of_[b];
-            input.start.data = starts_.data() + first;
-            if (host[b].device_positions != nullptr) {
-                input.positions.data = host[b].device_positions;
-                input.start.data = host[b].device_start;
-                continue;
-            }
-            if (host[b].motion != Motion::deforming ||
-                sent_version_[b] == host[b].positions_version)
-                continue;
-            sent_version_[b] = host[b].positions_version;
-            if (!host[b].active) continue;
-            executor_.copy(positions_.data() + first, host[b].positions.data,
-                           host[b].positions.size, cudaMemcpyHostToDevice);
-            executor_.copy(starts_.data() + first, host[b].start.data, host[b].start.size,
-                           cudaMemcpyHostToDevice);
-        }
-        // The last step is over, so that nothing reads the inputs any more.
-        inputs_.resize(host.size);
-        executor_.copy(inputs_.data(), staged, host.size, cudaMemcpyHostToDevice);
-        executor_.for_each(host.size, ApplyInput{view_of(inputs_), view_of(bodies_)});
-    }
-
     CudaExecutor& executor_;
     Plan plan_;  ///< of the last step
     Scene scene_;
@@ -357,20 +332,16 @@ private:
     bool has_room_ = false;       ///< for bodies that grow
     MeshMirror meshes_;
     std::vector<Known> known_;  ///< per body, like the next ones
-    Places vertices_at_, blocks_at_, patches_at_, nodes_at_;
-    std::vector<std::uint64_t> sent_version_;
-    std::vector<const Vec3f*> positions_of_;  ///< on the device
-    StagingBuffer<BodyInput> staged_inputs_;
+    PlaceMirror places_;
+    Places blocks_at_, patches_at_, nodes_at_;
     StagingBuffer<ChangedBody> staged_changes_;
     StagingBuffer<BlockItem> staged_blocks_;
     StagingBuffer<NodeItem> staged_nodes_;
     StagingBuffer<BlockRange> staged_ranges_;
     std::uint32_t sent_forgets_ = 0;
     DeviceBuffer<std::uint32_t> forgets_;
-    DeviceBuffer<BodyInput> inputs_;
     DeviceBuffer<BodyView> bodies_;
     DeviceBuffer<ChangedBody> changes_;
-    DeviceBuffer<Vec3f> positions_, starts_;
     DeviceBuffer<PatchBlock> blocks_;
     DeviceBuffer<Offsets> patches_;
     DeviceBuffer<BoxNode> box_nodes_;

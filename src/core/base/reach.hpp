@@ -1,20 +1,31 @@
 #pragma once
 
-#include <cmath>
 #include <span>
 #include <string>
 
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
+#include "pierce/host_device.hpp"
+#include "pierce/pose.hpp"
 #include "pierce/vec3.hpp"
 
 namespace pierce {
 
 /// True if no coordinate is NaN or beyond constants::largest_coordinate.
 template <class T>
-bool is_within_reach(Vec3<T> p) {
+PIERCE_HD bool is_within_reach(Vec3<T> p) {
     const T most = static_cast<T>(constants::largest_coordinate);
-    return std::fabs(p.x) <= most && std::fabs(p.y) <= most && std::fabs(p.z) <= most;
+    bool within = true;
+    for (int k = 0; k < 3; ++k) within = within && p[k] <= most && p[k] >= -most;
+    return within;
+}
+
+/// True if a body can be there: the position is within reach, and the quaternion is a rotation.
+PIERCE_HD inline bool is_usable(const Pose& pose) {
+    const Quaternion& q = pose.rotation;
+    const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    return is_within_reach(pose.position) && norm >= constants::smallest_rotation &&
+           norm <= constants::largest_rotation;
 }
 
 /// Throws InputError unless every position is within reach.

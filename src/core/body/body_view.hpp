@@ -28,6 +28,21 @@ struct BodyShape {
     Motion motion = Motion::fixed;
 };
 
+/// Seven numbers in device memory in which the caller keeps a pose: the position and the quaternion
+/// x, y, z, w.
+struct DevicePose {
+    const float* floats = nullptr;
+    const double* doubles = nullptr;
+
+    PIERCE_HD bool exists() const { return floats != nullptr || doubles != nullptr; }
+    PIERCE_HD Pose read() const {
+        double n[7];
+        for (int k = 0; k < 7; ++k)
+            n[k] = floats != nullptr ? static_cast<double>(floats[k]) : doubles[k];
+        return {{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}};
+    }
+};
+
 /// Where a body is; the caller sets it before a step.
 struct BodyInput {
     View<const Vec3f> positions;  ///< in the body's space
@@ -37,6 +52,8 @@ struct BodyInput {
                                               ///< positions, if on the device
     const Vec3f* device_start = nullptr;  ///< where the caller keeps the positions when the step
                                           ///< began, if on the device
+    DevicePose device_pose;               ///< of a fixed or rigid body: where the caller keeps its
+                                          ///< pose, if on the device
     Frame space;                          ///< body's space to world
     Frame start_space;  ///< of a fixed or rigid body: where its space was when the step began
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do

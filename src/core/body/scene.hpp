@@ -49,6 +49,8 @@ using LevelBegins = std::array<std::uint32_t, BoxLevels::most + 1>;
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
+    View<const std::uint32_t> changed;       ///< bodies whose input may differ from that of the
+                                             ///< last step; the rest is as it was
     View<const Pair> excluded;               ///< pairs that the caller does not want, sorted
     View<const std::uint32_t> world_begins;  ///< where, in the order of worlds, the bodies of each
                                              ///< begin, then those that are in all worlds, and

@@ -92,7 +92,6 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     executor.assign(list, std::uint32_t{}, 0.0f);
     executor.upload(std::span<const float>{}, list);
     { executor.download(list) } -> std::same_as<std::vector<float>>;
-    { executor.first(list) } -> std::same_as<float>;
 };
 
 }  // namespace pierce

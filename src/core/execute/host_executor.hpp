@@ -125,11 +125,6 @@ public:
     void join() {}
 
     template <class T>
-    T first(const HostBuffer<T>& buffer) const {
-        return buffer[0];
-    }
-
-    template <class T>
     std::vector<T> download(const HostBuffer<T>& buffer) const {
         return {buffer.begin(), buffer.end()};
     }

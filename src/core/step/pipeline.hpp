@@ -719,6 +719,7 @@ private:
         executor_.reduce(count_of(batch_.hits), stages::CountHit{view_of(batch_.hits)}, sums_.hits);
         executor_.reduce(count_of(exits_.rays), stages::CountTraced{view_of(exits_.rays)},
                          sums_.own_rays);
+        tracer_.add_up(executor_);
     }
 
     E& executor_;

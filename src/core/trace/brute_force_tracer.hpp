@@ -27,6 +27,8 @@ public:
         executor.for_each(count, Closest{bodies, rays, triangles});
     }
 
+    template <class E>
+    void add_up(E&) {}
     /// Counts nothing: it has no trees.
     template <class E>
     TracerCounts counts(const E&) const {

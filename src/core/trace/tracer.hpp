@@ -33,6 +33,7 @@ concept Tracer = requires(T tracer, E executor, View<const BodyView> bodies,
     // The triangle of its target that is closest to each ray's origin; no_triangle if that triangle
     // is further away than t_max.
     tracer.closest_triangles(executor, bodies, count, rays, triangles);
+    tracer.add_up(executor);  // makes counts() tell what was done so far; a stage of a step
     { tracer.counts(executor) } -> std::convertible_to<TracerCounts>;
 };
 

@@ -45,9 +45,9 @@ std::optional<Overlap> World::overlap(BodyId a, BodyId b, double same_direction)
         if (body.collision.sheet || !mesh.inside().exists())
             throw InputError("body " + std::to_string(id.index) + " of mesh '" + mesh.name() +
                              "' has no inside");
-        if (body.device_positions != nullptr)
+        if (body.is_on_device())
             throw InputError("body " + std::to_string(id.index) +
-                             " has its positions in device memory");
+                             " has its place in device memory");
         std::vector<Vec3d> result;
         const Frame frame = frame_of(body.pose);
         for (std::size_t v = 0; v < mesh.positions().size(); ++v)

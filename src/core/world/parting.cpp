@@ -149,9 +149,9 @@ std::optional<Parting> World::parting(BodyId a, BodyId b) {
         const Mesh& mesh = state_->mesh_of(body);
         if (body.collision.sheet)
             throw InputError("a sheet of mesh '" + mesh.name() + "' has no inside to part from");
-        if (body.device_positions != nullptr)
+        if (body.is_on_device())
             throw InputError("a body of mesh '" + mesh.name() +
-                             "' cannot be parted: its positions are in device memory");
+                             "' cannot be parted: its place is in device memory");
         return PairCopy::Body{.mesh = state_->meshes.get(body.mesh, "mesh").mesh,
                               .motion = body.motion,
                               .pose = body.pose,

@@ -14,13 +14,6 @@
 
 namespace pierce {
 
-bool is_usable(const Pose& pose) {
-    const Quaternion& q = pose.rotation;
-    const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    return is_within_reach(pose.position) && norm >= constants::smallest_rotation &&
-           norm <= constants::largest_rotation;
-}
-
 bool is_usable(std::span<const Vec3f> positions) {
     return std::ranges::all_of(positions, [](Vec3f p) { return is_within_reach(p); });
 }
@@ -120,9 +113,8 @@ Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
     const Mesh& mesh = state_->mesh_of(entry);
     if (vertex >= mesh.positions().size())
         throw InputError("mesh '" + mesh.name() + "' has no vertex " + std::to_string(vertex));
-    if (entry.device_positions != nullptr)
-        throw InputError("body " + std::to_string(body.index) +
-                         " has its positions in device memory");
+    if (entry.is_on_device())
+        throw InputError("body " + std::to_string(body.index) + " has its place in device memory");
     if (entry.motion == Motion::deforming) return to_double(entry.positions[vertex]);
     return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
 }
@@ -149,8 +141,8 @@ void World::State::check_have_poses(std::span<const BodyId> some) const {
 
 void World::set_pose(BodyId body, const Pose& pose) {
     state_->check_have_poses({&body, 1});
-    BodyEntry& entry = state_->bodies.get(body, "body");
-    state_->begin_motion(entry);
+    BodyEntry& entry = state_->begin_motion(body);
+    entry.leave_device();
     entry.pose = pose;
     if (!entry.usable) entry.start_pose = pose;
     entry.usable = is_usable(pose);
@@ -202,12 +194,31 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
         throw InputError("body " + std::to_string(body.index) +
                          " is rigid: it has a pose, not positions");
     check_count(positions.size(), state_->mesh_of(entry));
-    state_->begin_motion(entry);
+    state_->begin_motion(body);
     std::ranges::copy(positions, entry.positions.begin());
     if (!entry.usable) entry.start = entry.positions;
-    entry.device_positions = entry.device_start = nullptr;
+    entry.leave_device();
     entry.positions_version = state_->next_key++;
     entry.usable = is_usable(positions);
+}
+
+void World::set_positions(std::span<const BodyId> bodies, std::span<const Vec3f> positions) {
+    std::size_t count = 0;
+    for (const BodyId body : bodies) {
+        const BodyEntry& entry = state_->bodies.get(body, "body");
+        if (entry.motion != Motion::deforming)
+            throw InputError("body " + std::to_string(body.index) +
+                             " is rigid: it has a pose, not positions");
+        count += state_->mesh_of(entry).positions().size();
+    }
+    if (positions.size() != count)
+        throw InputError("the bodies have " + std::to_string(count) + " vertices, got " +
+                         std::to_string(positions.size()) + " positions");
+    for (const BodyId body : bodies) {
+        const std::size_t own = mesh(mesh_of(body)).positions().size();
+        set_positions(body, positions.first(own));
+        positions = positions.subspan(own);
+    }
 }
 
 void World::set_motion(BodyId body, std::span<const Vec3f> start,
@@ -226,28 +237,6 @@ void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
     entry.usable = entry.usable && is_usable(start);
 }
 
-void World::set_device_positions(BodyId body, const Vec3f* positions) {
-    if (plan().sheets)
-        throw InputError(
-            "a world with a sheet needs positions at both ends of a step: use set_device_motion()");
-    set_device_motion(body, nullptr, positions);
-}
-
-void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
-    BodyEntry& entry = state_->bodies.get(body, "body");
-    if (entry.motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) +
-                         " is rigid: it has a pose, not positions");
-    if (!state_->backend->runs_on_device())
-        throw InputError("positions in device memory need a backend that runs there, not '" +
-                         backend() + "'");
-    entry.device_positions = positions;
-    entry.device_start = start;
-    entry.positions_version = state_->next_key++;
-    entry.usable = true;
-    state_->stepped = false;
-}
-
 void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     const Mesh& shape = this->mesh(mesh);
@@ -262,7 +251,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     if (entry.seen.size() != patch_count(shape.view({}))) entry.seen.clear();
     entry.start.assign(positions.begin(), positions.end());
     entry.positions.assign(positions.begin(), positions.end());
-    entry.device_positions = entry.device_start = nullptr;
+    entry.leave_device();
     entry.positions_version = state_->next_key++;
     entry.usable = is_usable(positions);
     state_->change();
@@ -289,6 +278,7 @@ const StepStats& World::detect() {
                rests = certifies && s.settings.may_rest && s.rest.now();
     const Scene scene{.bodies = view_of(s.views),
                       .ids = view_of(std::as_const(s.ids)),
+                      .changed = view_of(std::as_const(s.refreshed)),
                       .excluded = view_of(std::as_const(s.excluded_pairs)),
                       .world_begins = view_of(std::as_const(s.world_begins)),
                       .block_items = view_of(std::as_const(s.block_items)),

@@ -191,7 +191,7 @@ Inside rule_that_made(const MeshInside& inside) {
 void World::save(std::ostream& out) const {
     State& s = *state_;
     for (const auto& slot : s.bodies.slots())
-        if (slot.used && slot.thing.device_positions != nullptr)
+        if (slot.used && slot.thing.is_on_device())
             throw InputError("a body with positions in device memory cannot be saved");
     if (s.planned)
         s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));

@@ -97,13 +97,21 @@ void World::State::check_collision(Motion motion, const Mesh& mesh, const Collis
         throw InputError(name + " is a solid: rays along velocities are for sheets");
 }
 
-void World::State::begin_motion(BodyEntry& body) {
+void World::State::note_change(BodyId body) {
     stepped = false;
-    if (body.moved) return;
+    changed.push_back(body.index);
+}
+
+BodyEntry& World::State::begin_motion(BodyId id) {
+    BodyEntry& body = bodies.get(id, "body");
+    stepped = false;
+    if (body.moved) return body;
+    note_change(id);
     body.moved = true;
     body.start_pose = body.pose;
     body.start.swap(body.positions);
     body.positions.resize(body.start.size());
+    return body;
 }
 
 void World::State::check_stepped(const char* who) const {
@@ -113,7 +121,9 @@ void World::State::check_stepped(const char* who) const {
 }
 
 void World::State::end_motion() {
-    for (auto& slot : bodies.slots()) slot.thing.moved = false;
+    for (const std::uint32_t i : refreshed) bodies.slots()[i].thing.moved = false;
+    changed_last.swap(changed);
+    changed.clear();
 }
 
 namespace {
@@ -270,37 +280,53 @@ void World::State::make_plan() {
     list_stages(resting_plan);
     not_seen.assign(slots.size(), {});
     planned = true;
+    unusable.clear();
+    changed.clear();
+    for (std::uint32_t i = 0; i < ids.size(); ++i)
+        if (ids[i]) changed.push_back(i);
 }
 
 void World::State::refresh_views() {
     if (!planned) make_plan();
-    for (std::uint32_t i = 0; i < views.size(); ++i) {
-        if (!ids[i]) continue;
-        BodyEntry& body = bodies.slots()[i].thing;
-        views[i].active = body.usable && !left_out.contains(body.filter.world);
-        if (!body.usable) {
-            stats.status |= body_excluded;
-            ++stats.excluded_bodies;
+    refreshed = changed;
+    // Where a motion has ended, the step begins where it ends.
+    if (plan.sheets) refreshed.insert(refreshed.end(), changed_last.begin(), changed_last.end());
+    std::ranges::sort(refreshed);
+    refreshed.erase(std::ranges::unique(refreshed).begin(), refreshed.end());
+    std::erase_if(refreshed, [&](std::uint32_t i) { return !(i < ids.size()) || !ids[i]; });
+    for (const std::uint32_t i : refreshed) refresh_view(i);
+    if (!unusable.empty()) stats.status |= body_excluded;
+    stats.excluded_bodies = static_cast<std::uint32_t>(unusable.size());
+}
+
+void World::State::refresh_view(std::uint32_t i) {
+    BodyEntry& body = bodies.slots()[i].thing;
+    views[i].active = body.usable && !left_out.contains(body.filter.world);
+    if (body.usable)
+        unusable.erase(i);
+    else
+        unusable.insert(i);
+    if (body.motion == Motion::deforming) {
+        if (plan.sheets && body.device_positions != nullptr && body.device_start == nullptr)
+            throw InputError("body " + std::to_string(i) +
+                             " needs positions in device memory for both ends of the step");
+        if (plan.sheets && !body.moved && body.device_positions == nullptr &&
+            body.start != body.positions) {
+            body.start = body.positions;
+            body.positions_version = next_key++;
         }
-        if (body.motion == Motion::deforming) {
-            if (plan.sheets && body.device_positions != nullptr && body.device_start == nullptr)
-                throw InputError("body " + std::to_string(i) +
-                                 " needs positions in device memory for both ends of the step");
-            if (plan.sheets && !body.moved && body.device_positions == nullptr &&
-                body.start != body.positions) {
-                body.start = body.positions;
-                body.positions_version = next_key++;
-            }
-            place_vertices(i);
-            views[i].positions_version = body.positions_version;
-            views[i].device_positions = body.device_positions;
-            views[i].device_start = body.device_start;
-        } else {
-            if (body.usable) views[i].fit = views[i].space = frame_of(body.pose);
-            views[i].start_space = plan.sheets && body.moved ? frame_of(body.start_pose)
-                                                             : views[i].space;
-        }
+        place_vertices(i);
+        views[i].positions_version = body.positions_version;
+        views[i].device_positions = body.device_positions;
+        views[i].device_start = body.device_start;
+        return;
     }
+    if (plan.sheets && body.device_pose.exists())
+        throw InputError("body " + std::to_string(i) +
+                         " has its pose in device memory, where sheets cannot have it");
+    views[i].device_pose = body.device_pose;
+    if (body.usable) views[i].fit = views[i].space = frame_of(body.pose);
+    views[i].start_space = plan.sheets && body.moved ? frame_of(body.start_pose) : views[i].space;
 }
 
 void World::State::place_vertices(std::uint32_t index) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/reach.hpp"
 #include "core/base/slot_map.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
@@ -20,9 +21,7 @@
 
 namespace pierce {
 
-/// True if a body can be there: all coordinates are finite, none is too large, and a pose's
-/// quaternion is a rotation.
-bool is_usable(const Pose& pose);
+/// True if a body can be there: all coordinates are finite and none is too large.
 bool is_usable(std::span<const Vec3f> positions);
 
 /// A mesh of a world.
@@ -49,12 +48,20 @@ struct BodyEntry {
     Filter filter;
     const Vec3f* device_positions = nullptr;  ///< in place of `positions`
     const Vec3f* device_start = nullptr;
+    DevicePose device_pose;          ///< in place of `pose`
     std::vector<PatchBlock> blocks;  ///< of a deforming body
     std::vector<Offsets> patches;
     std::vector<BoxNode> box_nodes;
     std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;
     bool usable = true;  ///< all coordinates are finite and none is too large
+
+    /// True if the host does not know where the body is.
+    bool is_on_device() const { return device_positions != nullptr || device_pose.exists(); }
+    void leave_device() {
+        device_positions = device_start = nullptr;
+        device_pose = {};
+    }
 };
 
 /// Two bodies, the one in the lower slot first.
@@ -86,6 +93,10 @@ struct World::State {
     Plan resting_plan;  ///< the same without memory
     MemoryRest rest;
     std::vector<View<SeenPatch>> not_seen;  ///< what a resting step compares deforming bodies with
+    std::vector<std::uint32_t> changed;     ///< bodies whose views are out of date
+    std::vector<std::uint32_t> changed_last;  ///< before the last step, where a motion ended
+    std::vector<std::uint32_t> refreshed;     ///< for the last step
+    std::set<std::uint32_t> unusable;         ///< bodies that take no part
     std::vector<BodyView> views;
     std::vector<BodyId> ids;
     std::vector<BlockItem> block_items;
@@ -132,12 +143,16 @@ struct World::State {
     void describe(const BodyEntry& body, const Mesh& mesh);
     /// To be called before a body gets a new place: its present place becomes the place where the
     /// step begins. The positions of a deforming body are undefined afterwards.
-    void begin_motion(BodyEntry& body);
+    BodyEntry& begin_motion(BodyId body);
+    /// To be called whenever a body has got another place, or takes part or not.
+    void note_change(BodyId body);
     /// To be called after a step: the next step begins where this one has ended, whatever poses or
     /// positions are set.
     void end_motion();
-    /// Updates what may have changed since the last step.
+    /// Updates what may have changed since the last step: of all bodies after a new plan, else of
+    /// those that have changed.
     void refresh_views();
+    void refresh_view(std::uint32_t index);
     /// Sets, in a deforming body's view, where its vertices are kept.
     void place_vertices(std::uint32_t index);
 };

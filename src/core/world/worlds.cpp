@@ -12,8 +12,8 @@ namespace {
 
 /// A body like another one, in the same place, as if it had been added there.
 BodyEntry copy_of(const BodyEntry& body, std::int32_t world) {
-    if (body.device_positions != nullptr)
-        throw InputError("a body with positions in device memory cannot be copied");
+    if (body.is_on_device())
+        throw InputError("a body whose place is in device memory cannot be copied");
     BodyEntry copy(body.mesh, body.motion, body.pose);
     copy.positions = body.positions;
     copy.collision = body.collision;
@@ -140,12 +140,12 @@ void World::copy_places(std::int32_t from, std::int32_t to) {
         body.pose = body.start_pose = copies[i].pose;
         body.start = copies[i].positions;
         body.positions = std::move(copies[i].positions);
-        body.device_positions = body.device_start = nullptr;
+        body.leave_device();
         body.usable = copies[i].usable;
         body.moved = false;
+        s.note_change(here[i]);
         if (body.motion == Motion::deforming) body.positions_version = s.next_key++;
     }
-    s.stepped = false;
 }
 
 void World::remove_world(std::int32_t world) {
@@ -153,13 +153,14 @@ void World::remove_world(std::int32_t world) {
 }
 
 void World::set_world_active(std::int32_t world, bool active) {
-    if (world == all_worlds || bodies_of(world).empty())
+    const std::vector<BodyId> bodies = bodies_of(world);
+    if (world == all_worlds || bodies.empty())
         throw InputError("there is no world " + std::to_string(world));
     if (active)
         state_->left_out.erase(world);
     else
         state_->left_out.insert(world);
-    state_->stepped = false;
+    for (BodyId body : bodies) state_->note_change(body);
 }
 
 WorldOffsets World::world_offsets() const {

@@ -12,6 +12,7 @@ namespace pierce {
 struct BodyView;
 struct Certificate;
 struct Contact;
+struct DeviceContacts;
 struct Hit;
 struct Pair;
 struct Ray;
@@ -33,6 +34,12 @@ public:
     virtual std::string description() const = 0;
     /// True if steps run where set_device_positions() keeps positions.
     virtual bool runs_on_device() const { return false; }
+    /// Makes steps wait for what was issued on a stream of the device, and the stream for steps.
+    /// Only for backends that run there.
+    virtual void set_stream(void* stream);
+    /// The last step's contacts in device memory. Only for backends that run there. `worlds`: how
+    /// many there are.
+    virtual DeviceContacts device_contacts(std::uint32_t worlds);
     /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }

@@ -10,6 +10,7 @@
 #include "pierce/body.hpp"
 #include "pierce/box.hpp"
 #include "pierce/contact.hpp"
+#include "pierce/device_contacts.hpp"
 #include "pierce/explain.hpp"
 #include "pierce/filter.hpp"
 #include "pierce/mesh.hpp"
@@ -38,7 +39,7 @@ struct ProbeContact {
     std::uint32_t triangle = no_triangle;
     double distance = 0;  ///< [length] along the sensor's normal: negative where the body is
                           ///< pressed in, positive where it is still away
-    Vec3d normal;  ///< of the triangle, unit, outward, world space
+    Vec3d normal;         ///< of the triangle, unit, outward, world space
 };
 
 /// Which contacts are of which world: those of worlds[i] are the contacts from solids[i] to
@@ -110,7 +111,7 @@ public:
     /// Copies all bodies of a world, with their meshes, places, collisions, groups, chains and
     /// excluded pairs, into `count` new worlds, and returns the first of those; they follow each
     /// other after the highest world there is. Throws InputError if the world has no bodies, or if
-    /// there would be too many worlds or bodies, or if positions are in device memory.
+    /// there would be too many worlds or bodies, or if places are in device memory.
     std::int32_t replicate(std::int32_t world, std::uint32_t count);
     /// Puts the bodies of a world where those of another one are, which has the same bodies, as a
     /// copy has. They have not moved there. Throws InputError for worlds that differ.
@@ -143,6 +144,8 @@ public:
     /// until usable ones are set. Throws InputError for a wrong count or a body that does not
     /// deform.
     void set_positions(BodyId body, std::span<const Vec3f> positions);
+    /// set_positions() of many bodies, whose positions follow each other.
+    void set_positions(std::span<const BodyId> bodies, std::span<const Vec3f> positions);
     /// Moves the vertices of a deforming body and sets where they were when the step began, in
     /// place of where the last step left them. This is for solvers that try several ends of one
     /// step. Unusable positions at the start exclude the body, too.
@@ -150,13 +153,26 @@ public:
     /// The same for a fixed or rigid body. The body's points are taken to move in straight lines
     /// between the two poses.
     void set_motion(BodyId body, const Pose& start, const Pose& pose);
-    /// set_positions() with positions in device memory, which must not change until the next
-    /// detect() is over. The positions are not checked: a body with a position that is not finite
-    /// has no contacts or wrong ones. Throws InputError unless the backend runs on the device, or
-    /// if some body is a sheet.
+    /// set_positions() with positions in device memory. Every step reads them there, until others
+    /// are set; they must not change while it does. The positions are not checked: a body with a
+    /// position that is not finite has no contacts or wrong ones. Throws InputError unless the
+    /// backend runs on the device, or if some body is a sheet.
     void set_device_positions(BodyId body, const Vec3f* positions);
+    /// The same for many bodies, whose positions follow each other.
+    void set_device_positions(std::span<const BodyId> bodies, const Vec3f* positions);
     /// The same for both ends of the step; a world with a sheet needs both.
     void set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions);
+    /// set_poses() with poses in device memory, seven numbers each. Every step reads them there,
+    /// until others are set; they must not change while it does. A pose that set_pose() would
+    /// exclude leaves the body out of the step; StepStats does not count it. Throws InputError
+    /// unless the backend runs on the device, for a body that deforms, or if some body is a sheet.
+    void set_device_poses(std::span<const BodyId> bodies, const float* poses);
+    void set_device_poses(std::span<const BodyId> bodies, const double* poses);
+    /// Names the CUDA stream, a cudaStream_t, on which the caller writes places and reads contacts
+    /// in device memory: a step begins when what was issued there before is done, and what is
+    /// issued there after detect() or device_contacts() sees their results. Null: none. Throws
+    /// InputError unless the backend runs on the device.
+    void set_stream(void* stream);
     /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`. Only what
     /// belongs to this body is made anew. What is remembered of pairs without it stays.
     void set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions);
@@ -170,7 +186,7 @@ public:
 
     /// Writes the world: settings, meshes, bodies, and what the last step keeps for the next one.
     /// The last step's contacts are not written. Throws InputError if writing fails, or if a body
-    /// has its positions in device memory.
+    /// has its place in device memory.
     void save(std::ostream& out) const;
     /// Reads a world that save() has written, on any backend. Handles stay valid, and the next
     /// steps' contacts are those that the saved world would have had. Throws InputError for any
@@ -183,6 +199,9 @@ public:
     /// world before that: first those of solids, then those of sheets. Valid until the next
     /// detect().
     std::span<const Contact> contacts() const;
+    /// The same contacts in device memory, without waiting for them; valid until the next detect().
+    /// Throws InputError unless the backend runs on the device.
+    DeviceContacts device_contacts() const;
     /// The last step's stages, counts and status bits.
     const StepStats& stats() const;
     /// Which stages this world's steps run and which rules do not apply to some body.
@@ -209,7 +228,7 @@ public:
     /// depth is never less than the shortest translation that parts them; docs/contacts.md says how
     /// near it comes to that. Nothing of the last step is used or changed; the pair is moved and
     /// looked at some ten to a hundred times, on one thread of the host. Throws InputError for a
-    /// body and itself, for a sheet, and for positions in device memory.
+    /// body and itself, for a sheet, and for places in device memory.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
     /// What two solids have in common, with both where the last set_pose or set_positions left
@@ -218,7 +237,7 @@ public:
     /// common. Which triangles cross is decided without rounding; positions are rounded to 1e-11 of
     /// the pair's extent first. Nothing of the last step is used or changed; it takes one thread of
     /// the host. Throws InputError for a body and itself, for a body without an inside, and for
-    /// positions in device memory.
+    /// places in device memory.
     std::optional<Overlap> overlap(BodyId a, BodyId b, double same_direction = 0.9);
 
     /// The first body along each line of sight from `origin`, with bodies where the last detect()

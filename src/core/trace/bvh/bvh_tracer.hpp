@@ -194,11 +194,15 @@ public:
     /// True if the next update builds trees.
     bool is_stale() const { return stale_; }
 
+    void add_up(E& executor) {
+        if (!total_.empty())
+            executor.reduce(1, bvh::ForestWorkSoFar{view_of(std::as_const(total_))}, added_up_);
+    }
     /// If a tree has decayed since the last call, or trees are built in every step, the next update
     /// builds all of them.
     TracerCounts counts(const E& executor) {
         if (total_.empty()) return counts_;
-        const bvh::ForestWork total = executor.first(total_);
+        const bvh::ForestWork total = executor.read(added_up_);
         stale_ = stale_ || rebuilds_ || total.decayed != counts_.rebuilds;
         counts_.rebuilds = total.decayed;
         counts_.refits = total.refits;
@@ -238,6 +242,7 @@ private:
     Buffer<bvh::Candidates> candidates_;
     Buffer<bvh::TreeWork> work_;
     Buffer<bvh::ForestWork> total_;
+    typename E::template Sum<bvh::ForestWork> added_up_{};
 };
 
 }  // namespace pierce

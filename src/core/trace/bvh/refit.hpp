@@ -9,10 +9,12 @@
 
 namespace pierce::bvh {
 
-/// True if a tree's boxes no longer fit and the tree is wanted.
+/// True if a tree's boxes no longer fit and the tree is wanted. What the caller writes in device
+/// memory changes without a word.
 PIERCE_HD inline bool needs_refit(const Tree& tree, const BodyView& body,
                                   View<const std::uint32_t> wanted) {
-    return tree.moves && wanted[tree.body] && body.active && tree.fitted != body.positions_version;
+    return tree.moves && wanted[tree.body] && body.active &&
+           (tree.fitted != body.positions_version || body.device_positions != nullptr);
 }
 
 /// Per leaf: writes its box, and climbs as long as it is the second to reach each node.

@@ -18,6 +18,17 @@ struct ForestWork {
     std::uint64_t tests = 0;
     std::uint32_t refits = 0;
     std::uint32_t decayed = 0;  ///< trees for which a rebuild pays
+
+    PIERCE_HD friend ForestWork operator+(const ForestWork& a, const ForestWork& b) {
+        return {a.tests + b.tests, a.refits + b.refits, a.decayed + b.decayed};
+    }
+};
+
+/// The forest's work as a sum of one term, which the host can read.
+struct ForestWorkSoFar {
+    View<const ForestWork> total;
+
+    PIERCE_HD ForestWork operator()(std::uint32_t i) const { return total[i]; }
 };
 
 /// Per tree, before it is refitted again: notes whether its refit has decayed. A visit to a node

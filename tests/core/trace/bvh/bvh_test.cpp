@@ -571,7 +571,7 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
         SCOPED_TRACE(static_cast<int>(how));
         BvhTracer<SerialExecutor> tracer({how});
         BruteForceTracer reference;
-        const SerialExecutor executor;
+        SerialExecutor executor;
         std::ranges::sort(order);
         TracerCounts counts;
         for (int step = 0; step < 20; ++step) {
@@ -579,6 +579,7 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
             const std::vector<Ray> rays = random_rays(random, bodies.views(), 1000);
             EXPECT_EQ(hits_of(tracer, bodies.views(), rays),
                       hits_of(reference, bodies.views(), rays));
+            tracer.add_up(executor);
             counts = tracer.counts(executor);
             if (step != 5) continue;
             EXPECT_EQ(counts.rebuilds, 0u) << "nothing has decayed yet";

@@ -1,0 +1,89 @@
+#include "core/world/world_state.hpp"
+#include "pierce/device_contacts.hpp"
+#include "pierce/error.hpp"
+
+/// Places and contacts in device memory.
+namespace pierce {
+namespace {
+
+constexpr std::size_t pose_numbers = 7;
+
+void require_device(const Backend& backend, const char* what) {
+    if (!backend.runs_on_device())
+        throw InputError(std::string(what) +
+                         " in device memory need a backend that runs there, not '" +
+                         backend.description() + "'");
+}
+
+/// Gives bodies the poses pose_at(k), where k is the first of their seven numbers. Throws before
+/// any change if one of them cannot have a pose.
+template <class State, class PoseAt>
+void set_device_pose(State& state, std::span<const BodyId> bodies, const PoseAt& pose_at) {
+    state.check_have_poses(bodies);
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+        BodyEntry& entry = state.bodies.get(bodies[k], "body");
+        entry.device_pose = pose_at(pose_numbers * k);
+        entry.usable = true;
+        state.note_change(bodies[k]);
+    }
+}
+
+}  // namespace
+
+void World::set_device_positions(BodyId body, const Vec3f* positions) {
+    if (plan().sheets)
+        throw InputError(
+            "a world with a sheet needs positions at both ends of a step: use set_device_motion()");
+    set_device_motion(body, nullptr, positions);
+}
+
+void World::set_device_positions(std::span<const BodyId> bodies, const Vec3f* positions) {
+    for (const BodyId body : bodies)
+        if (motion_of(body) != Motion::deforming)
+            throw InputError("body " + std::to_string(body.index) +
+                             " is rigid: it has a pose, not positions");
+    for (const BodyId body : bodies) {
+        set_device_positions(body, positions);
+        positions += mesh(mesh_of(body)).positions().size();
+    }
+}
+
+void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (entry.motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) +
+                         " is rigid: it has a pose, not positions");
+    require_device(*state_->backend, "positions");
+    entry.device_positions = positions;
+    entry.device_start = start;
+    entry.positions_version = state_->next_key++;
+    entry.usable = true;
+    state_->note_change(body);
+}
+
+void World::set_device_poses(std::span<const BodyId> bodies, const float* poses) {
+    require_device(*state_->backend, "poses");
+    set_device_pose(*state_, bodies, [&](std::size_t at) {
+        return DevicePose{.floats = poses + at, .doubles = nullptr};
+    });
+}
+
+void World::set_device_poses(std::span<const BodyId> bodies, const double* poses) {
+    require_device(*state_->backend, "poses");
+    set_device_pose(*state_, bodies, [&](std::size_t at) {
+        return DevicePose{.floats = nullptr, .doubles = poses + at};
+    });
+}
+
+void World::set_stream(void* stream) {
+    require_device(*state_->backend, "places");
+    state_->backend->set_stream(stream);
+}
+
+DeviceContacts World::device_contacts() const {
+    require_device(*state_->backend, "contacts");
+    state_->check_stepped("device_contacts");
+    return state_->backend->device_contacts(static_cast<std::uint32_t>(state_->worlds.size()));
+}
+
+}  // namespace pierce
