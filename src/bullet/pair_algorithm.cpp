@@ -3,8 +3,12 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "pierce/bullet/bullet_convert.hpp"
@@ -16,11 +20,50 @@ namespace pierce::bullet {
 static_assert(sizeof(PairAlgorithm) <= sizeof(btConvexConvexAlgorithm),
               "Bullet's pool has no room for it");
 
+namespace {
+
+using Points = std::vector<std::pair<std::uint64_t, btManifoldPoint>>;  ///< by Contact::feature()
+using PointMap = std::map<std::uint64_t, btManifoldPoint>;
+
+}  // namespace
+
 struct PairAlgorithm::Manifolds {
     std::vector<btPersistentManifold*> manifolds;
     std::vector<std::uint64_t> features;  ///< of their points, one manifold after the other
     std::uint32_t written = 0;
+
+    PointMap take_points();
+    void put_points(btDispatcher& dispatcher, const ContactSide& a, const ContactSide& b,
+                    const Points& points);
 };
+
+/// Leaves the manifolds empty.
+PointMap PairAlgorithm::Manifolds::take_points() {
+    PointMap points;
+    for (std::size_t m = 0, f = 0; m < manifolds.size(); ++m) {
+        for (int i = 0; i < manifolds[m]->getNumContacts(); ++i)
+            points.emplace(features[f++], manifolds[m]->getContactPoint(i));
+        manifolds[m]->setNumContacts(0);
+    }
+    features.clear();
+    return points;
+}
+
+/// Fills as many empty manifolds as the points need.
+void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const ContactSide& a,
+                                          const ContactSide& b, const Points& points) {
+    const std::size_t needed = (points.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
+    while (manifolds.size() > needed) {
+        dispatcher.releaseManifold(manifolds.back());
+        manifolds.pop_back();
+    }
+    while (manifolds.size() < needed)
+        manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(points[i].second);
+        features.push_back(points[i].first);
+    }
+}
 
 namespace {
 
@@ -66,6 +109,74 @@ void call_back(btManifoldPoint& point, const btCollisionObject& a, const btColli
                              point.m_index1);
 }
 
+/// How far the two places of a point may be apart for it to hold in the next step: Bullet's rule.
+btScalar breaking_threshold(const btCollisionObject& a, const btCollisionObject& b) {
+    const auto of = [](const btCollisionObject& object) {
+        return object.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold);
+    };
+    return std::min(of(a), of(b));
+}
+
+/// True if some contact's way out is that of the whole body, and long.
+bool leads_far(std::span<const Contact> contacts, btScalar threshold) {
+    return std::ranges::any_of(contacts, [threshold](const Contact& c) {
+        return c.found == Found::separation && c.penetration_depth() > threshold;
+    });
+}
+
+/// Puts a point of the last step where the two bodies have taken it; false if it does not hold any
+/// more, by the rule of btPersistentManifold::refreshContactPoints().
+bool follow(btManifoldPoint& point, const btCollisionObject& a, const btCollisionObject& b,
+            btScalar threshold) {
+    point.m_positionWorldOnA = a.getWorldTransform() * point.m_localPointA;
+    point.m_positionWorldOnB = b.getWorldTransform() * point.m_localPointB;
+    const btVector3 apart = point.m_positionWorldOnA - point.m_positionWorldOnB;
+    point.m_distance1 = apart.dot(point.m_normalWorldOnB);
+    ++point.m_lifeTime;
+    const btVector3 aside = apart - point.m_distance1 * point.m_normalWorldOnB;
+    return point.m_distance1 <= threshold && aside.length() <= threshold;
+}
+
+/// Moves those points over that still hold.
+Points take_holding(PointMap& last, const btCollisionObject& a, const btCollisionObject& b,
+                    btScalar threshold) {
+    Points points;
+    for (auto it = last.begin(); it != last.end();) {
+        const bool holds = follow(it->second, a, b, threshold);
+        if (holds) points.emplace_back(*it);
+        it = holds ? last.erase(it) : std::next(it);
+    }
+    return points;
+}
+
+void take_impulses(btManifoldPoint& point, const btManifoldPoint& last) {
+    point.m_appliedImpulse = last.m_appliedImpulse;
+    point.m_appliedImpulseLateral1 = last.m_appliedImpulseLateral1;
+    point.m_appliedImpulseLateral2 = last.m_appliedImpulseLateral2;
+    point.m_lifeTime = last.m_lifeTime + 1;
+    point.m_userPersistentData = last.m_userPersistentData;
+}
+
+/// The points of at most `most` of the contacts; those of the last step that go on in them are
+/// taken from `last`.
+Points make_points(const ContactSide& a, const ContactSide& b, std::span<const Contact> contacts,
+                   std::uint32_t most, PointMap& last) {
+    Points points;
+    for (const ReducedContact& reduced : reduce(contacts, most)) {
+        const Contact& contact = contacts[reduced.contact];
+        btManifoldPoint point = make_point(face_frame(contact), *a.object, *b.object);
+        point.m_index0 = bullet_index(a, contact, contact.source == Side::b);
+        point.m_index1 = bullet_index(b, contact, contact.source == Side::a);
+        if (const auto before = last.find(contact.feature()); before != last.end()) {
+            take_impulses(point, before->second);
+            last.erase(before);
+        }
+        call_back(point, *a.object, *b.object);
+        points.emplace_back(contact.feature(), point);
+    }
+    return points;
+}
+
 btCollisionAlgorithmConstructionInfo construction(btDispatcher& dispatcher) {
     return {&dispatcher, 0};
 }
@@ -90,44 +201,19 @@ void PairAlgorithm::set_written(std::uint32_t count) {
 
 void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
                                     std::span<const Contact> contacts, std::uint32_t most) {
-    std::vector<btPersistentManifold*>& manifolds = manifolds_->manifolds;
-    const std::vector<ReducedContact> reduced = reduce(contacts, most);
-    std::map<std::uint64_t, btManifoldPoint> last_points;
-    for (std::size_t m = 0, f = 0; m < manifolds.size(); ++m) {
-        for (int i = 0; i < manifolds[m]->getNumContacts(); ++i)
-            last_points.emplace(manifolds_->features[f++], manifolds[m]->getContactPoint(i));
-        manifolds[m]->setNumContacts(0);
-    }
-    const std::size_t needed = (reduced.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
-    while (manifolds.size() > needed) {
-        m_dispatcher->releaseManifold(manifolds.back());
-        manifolds.pop_back();
-    }
-    while (manifolds.size() < needed)
-        manifolds.push_back(m_dispatcher->getNewManifold(a.object, b.object));
-
-    manifolds_->features.clear();
-    for (std::size_t i = 0; i < reduced.size(); ++i) {
-        const Contact& contact = contacts[reduced[i].contact];
-        btManifoldPoint point = make_point(face_frame(contact), *a.object, *b.object);
-        point.m_index0 = bullet_index(a, contact, contact.source == Side::b);
-        point.m_index1 = bullet_index(b, contact, contact.source == Side::a);
-        if (const auto last = last_points.find(contact.feature()); last != last_points.end()) {
-            point.m_appliedImpulse = last->second.m_appliedImpulse;
-            point.m_appliedImpulseLateral1 = last->second.m_appliedImpulseLateral1;
-            point.m_appliedImpulseLateral2 = last->second.m_appliedImpulseLateral2;
-            point.m_lifeTime = last->second.m_lifeTime + 1;
-            point.m_userPersistentData = last->second.m_userPersistentData;
-            last_points.erase(last);
-        }
-        call_back(point, *a.object, *b.object);
-        manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(point);
-        manifolds_->features.push_back(contact.feature());
-    }
-    for (const auto& [feature, point] : last_points)
+    const btScalar threshold = breaking_threshold(*a.object, *b.object);
+    PointMap last = manifolds_->take_points();
+    Points points;
+    // The way out of a whole body says nothing about linked bodies that overlap by little: it would
+    // push one through the other.
+    if (leads_far(contacts, threshold))
+        points = take_holding(last, *a.object, *b.object, threshold);
+    if (points.empty()) points = make_points(a, b, contacts, most, last);
+    manifolds_->put_points(*m_dispatcher, a, b, points);
+    for (const auto& [feature, point] : last)
         if (point.m_userPersistentData != nullptr && gContactDestroyedCallback != nullptr)
             (*gContactDestroyedCallback)(point.m_userPersistentData);
-    set_written(static_cast<std::uint32_t>(reduced.size()));
+    set_written(static_cast<std::uint32_t>(points.size()));
 }
 
 void PairAlgorithm::note_soft(std::uint32_t count) { set_written(count); }

@@ -29,7 +29,9 @@ public:
     ~PairAlgorithm() override;
 
     /// Fills the manifolds anew with at most `most` of the contacts, which are all of this pair.
-    /// Points of a vertex that was in contact before keep their impulses.
+    /// Points of a vertex that was in contact before keep their impulses. If contacts by separation
+    /// are deeper than Bullet's breaking threshold, points of the last step that still hold stay
+    /// instead.
     void write_manifolds(const ContactSide& a, const ContactSide& b,
                          std::span<const Contact> contacts, std::uint32_t most);
     /// Notes that so many contacts of the pair went to soft bodies, and leaves no manifold.

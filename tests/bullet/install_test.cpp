@@ -13,6 +13,7 @@
 #include <btBulletCollisionCommon.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/error.hpp"
@@ -431,6 +432,40 @@ TEST(InstallTest, PointsKeepTheirImpulsesAtRest) {
     }
     EXPECT_NEAR(push, 10 * dt, 0.02 * 10 * dt) << "they carry its weight";
     EXPECT_GT(youngest, 10);
+}
+
+/// Linked rings whose edges overlap by 0.03, while a vertex of each only touches the other:
+/// contacts by separation would push one ring through the other.
+TEST(InstallTest, LinkedRingsAreNotPushedThroughEachOther) {
+    constexpr double pi = 3.14159265358979, half_segment = pi / 30;
+    constexpr double inner = 1.5, up = 0.1;  // of the ring; from a ridge to the vertex on its slope
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(scenes::torus(2, 0.5, 30, 10));
+    const btQuaternion turned({0, 0, 1}, btScalar(half_segment)),
+        upright({1, 0, 0}, btScalar(pi / 2));
+    scene.add(*shape->shape, 1, btTransform(turned));
+    btRigidBody& other = scene.add(*shape->shape, 1, btTransform(upright * turned));
+    const double edge = inner * std::cos(half_segment), aside = inner * std::sin(half_segment) - up,
+                 slope = std::cos(half_segment) * std::tan(pi / 10);
+    bool separates = false;
+    double deepest = 0;
+    for (int k = -12; k <= 12; ++k) {
+        const double apart = 2 * edge + up * slope + k * 1e-6;
+        other.setWorldTransform(
+            btTransform(upright * turned, {btScalar(apart), btScalar(aside), btScalar(-aside)}));
+        scene.bullet.performDiscreteCollisionDetection();
+        for (const Contact& c : scene.contacts.contacts())
+            separates |= c.found == Found::separation && c.penetration_depth() > 0.5;
+        for (int m = 0; m < scene.dispatcher.getNumManifolds(); ++m) {
+            const btPersistentManifold& manifold = *scene.dispatcher.getManifoldByIndexInternal(m);
+            for (int i = 0; i < manifold.getNumContacts(); ++i)
+                deepest = std::min<double>(deepest, manifold.getContactPoint(i).getDistance());
+        }
+        EXPECT_GT(scene.points(), 0);
+    }
+    EXPECT_TRUE(separates);
+    EXPECT_GT(deepest, -0.05);
 }
 
 }  // namespace
