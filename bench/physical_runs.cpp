@@ -179,7 +179,7 @@ struct Column {
 };
 
 constexpr std::array<Column, 17> columns = {{{"scene", -6},
-                                             {"method", -16},
+                                             {"method", -20},
                                              {"energy max", 11},
                                              {"end", 9},
                                              {"gained", 8},

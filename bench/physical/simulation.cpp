@@ -3,6 +3,7 @@
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleMesh.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -22,6 +23,9 @@ namespace {
 
 /// The coefficient of a pair, which is the product of its two bodies' coefficients in Bullet.
 constexpr double pair_friction = 0.5;
+
+/// The margin of gimpact-wide [length]: that of Bullet's convex hulls.
+constexpr btScalar wide_margin = CONVEX_DISTANCE_MARGIN;
 
 /// Bullet's world with a clock on collision detection.
 class ClockedWorld : public btDiscreteDynamicsWorld {
@@ -53,6 +57,20 @@ struct FixedShape {
     std::unique_ptr<btBvhTriangleMeshShape> shape;
 };
 
+std::unique_ptr<bullet::BaselineShape> moving_shape(const scenes::SceneMesh& mesh,
+                                                    const std::string& method) {
+    const bullet::Baseline kind = method.starts_with("pieces") ? bullet::Baseline::gjk_epa
+                                                               : bullet::Baseline::gimpact;
+    auto made = std::make_unique<bullet::BaselineShape>(kind, mesh.name, mesh.data,
+                                                        mesh.convex_pieces);
+    if (method.starts_with("gimpact-wide")) {
+        auto& shape = static_cast<btGImpactMeshShape&>(made->shape());
+        shape.setMargin(wide_margin);
+        shape.updateBound();
+    }
+    return made;
+}
+
 }  // namespace
 
 struct Simulation::State {
@@ -76,14 +94,11 @@ void Simulation::State::make_shapes(const Scene& scene, const std::string& metho
     fixed_shapes.resize(scene.meshes.size());
     moving_shapes.resize(scene.meshes.size());
     planes.resize(scene.meshes.size());
-    const bullet::Baseline kind = method.starts_with("pieces") ? bullet::Baseline::gjk_epa
-                                                               : bullet::Baseline::gimpact;
     for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
         const scenes::SceneMesh& mesh = scene.meshes[m];
         if (std::ranges::any_of(scene.bodies,
                                 [m](const Body& b) { return b.mesh == m && !b.fixed; }))
-            moving_shapes[m] = std::make_unique<bullet::BaselineShape>(kind, mesh.name, mesh.data,
-                                                                       mesh.convex_pieces);
+            moving_shapes[m] = moving_shape(mesh, method);
         else if (method.ends_with("-plane"))
             planes[m] = std::make_unique<bullet::BaselineShape>(
                 bullet::BaselineShape::ground(mesh.data));
@@ -118,9 +133,9 @@ void Simulation::State::add_body(const Scene& scene, const Body& body) {
 }
 
 std::span<const std::string> method_names() {
-    static const std::array<std::string, 7> names = {
-        "pierce",        "pierce-complete", "pierce-margin", "gimpact",
-        "gimpact-plane", "pieces",          "pieces-plane"};
+    static const std::array<std::string, 9> names = {
+        "pierce",       "pierce-complete",    "pierce-margin", "gimpact",     "gimpact-plane",
+        "gimpact-wide", "gimpact-wide-plane", "pieces",        "pieces-plane"};
     return names;
 }
 
