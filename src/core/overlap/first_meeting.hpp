@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/moving_point.hpp"
+#include "pierce/box.hpp"
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+
+/// A surface whose vertices move in straight lines from time 0 to time 1.
+struct MovingSurface {
+    std::vector<MovingPoint> points;
+    std::span<const Triangle> triangles;
+
+    /// Around the whole motion.
+    Box box() const;
+};
+
+/// When two surfaces that are apart at time 0 first meet: a vertex and a face, or two edges.
+struct FirstMeeting {
+    double time = 0;
+    Vec3d place;         ///< where they meet
+    Vec3d normal;        ///< unit, from the first surface to the second
+    double gap = 0;      ///< [length] of what meets at time 0, along the normal
+    bool edges = false;  ///< two edges meet; else a vertex and a face
+    bool vertex_of_second = false;
+    std::uint32_t vertex = 0;    ///< the vertex, or the first one of the first surface's edge
+    std::uint32_t edge_end = 0;  ///< of that edge
+    std::uint32_t triangle = 0;  ///< the face, or one at the second surface's edge
+};
+
+/// The first meeting of two surfaces, nothing if they do not meet. No meeting is missed
+/// (core/geometry/continuous.hpp).
+std::optional<FirstMeeting> first_meeting(const MovingSurface& first, const MovingSurface& second);
+
+}  // namespace pierce

@@ -1,0 +1,144 @@
+// First meetings of fast bodies, against overlaps at many times of the step.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pierce/error.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/hard_cases.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+const Quaternion upright{0, 0, 0, 1};
+
+std::vector<Vec3f> placed(const MeshData& mesh, const Pose& pose) {
+    return test::placed(mesh, pose);
+}
+
+std::vector<Vec3f> between(const std::vector<Vec3f>& start, const std::vector<Vec3f>& end,
+                           double t) {
+    std::vector<Vec3f> result;
+    for (std::size_t v = 0; v < start.size(); ++v)
+        result.push_back(
+            to_float(to_double(start[v]) + t * (to_double(end[v]) - to_double(start[v]))));
+    return result;
+}
+
+TEST(ImpactsTest, ABulletThroughAPlate) {
+    const auto cases = scenes::hard_cases();
+    const auto bullet = std::ranges::find(cases, "bullet_through_plate", &scenes::HardCase::name);
+    ASSERT_NE(bullet, cases.end());
+    World world;
+    const MeshData shape = scenes::box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01});
+    const BodyId plate = world.add_fixed_body(world.add_mesh("plate", bullet->rays[0].mesh));
+    const BodyId body = world.add_rigid_body(world.add_mesh("bullet", shape));
+    world.set_motion(body, {{0, 0, 1}, upright}, {{0, 0, -1}, upright});
+    const auto impacts = world.impacts();
+    ASSERT_EQ(impacts.size(), 1u);
+    EXPECT_EQ(impacts[0].a, plate);
+    EXPECT_EQ(impacts[0].b, body);
+    const double way = 1 - 0.01 - 0.005;
+    EXPECT_NEAR(impacts[0].time, way / 2, 1e-6);
+    EXPECT_NEAR(impacts[0].gap, way, 1e-6);
+    EXPECT_NEAR(impacts[0].normal.z, 1, 1e-9) << "from the plate to the bullet";
+    EXPECT_NEAR(impacts[0].point.z, 0.005, 1e-6);
+    world.detect();
+    EXPECT_TRUE(world.contacts().empty()) << "a single place does not answer it";
+    EXPECT_TRUE(world.impacts().empty()) << "it has not moved since";
+}
+
+TEST(ImpactsTest, NeitherEarlyNorLate) {
+    test::Random random(21);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int meetings = 0, edges = 0, misses = 0;
+    for (int i = 0; i < 120; ++i) {
+        const MeshData mesh[2] = {
+            i % 3 == 0 ? scenes::torus(0.8, 0.2, 10, 6) : test::random_closed_mesh(random),
+            test::random_closed_mesh(random)};
+        World world;
+        std::vector<Vec3f> start[2], end[2];
+        BodyId body[2];
+        for (int k = 0; k < 2; ++k) {
+            const double side = k == 0 ? -2.2 : 2.2;
+            const Quaternion turn = random.rotation();
+            start[k] = placed(mesh[k], {random.in_box(0.8) + Vec3d{side, 0, 0}, turn});
+            end[k] = placed(mesh[k], {random.in_box(1.2) - Vec3d{0.6 * side, 0, 0},
+                                      i % 2 == 0 ? turn : random.rotation()});
+            body[k] = world.add_deforming_body(world.add_mesh("shape", mesh[k]));
+            world.set_motion(body[k], start[k], end[k]);
+        }
+        const auto overlaps_at = [&](double t) {
+            for (int k = 0; k < 2; ++k) world.set_positions(body[k], between(start[k], end[k], t));
+            return world.overlap(body[0], body[1]).has_value();
+        };
+        const auto impacts = world.impacts();
+        if (overlaps_at(0)) {
+            EXPECT_TRUE(impacts.empty());
+            continue;
+        }
+        constexpr int samples = 200;
+        double first = 2;
+        for (int n = 1; n <= samples && first > 1; ++n)
+            if (overlaps_at(n / double{samples})) first = n / double{samples};
+        if (impacts.empty()) {
+            EXPECT_GT(first, 1) << "missed in motion " << i;
+            ++misses;
+            continue;
+        }
+        const ImpactContact& impact = impacts[0];
+        ++meetings;
+        edges += impact.edges;
+        EXPECT_LE(impact.time, first) << "late in motion " << i;
+        EXPECT_GE(impact.gap, 0);
+        // What meets is there at that time.
+        const int source = impact.source == Side::a ? 0 : 1;
+        const auto at = [&](int k, std::uint32_t v) {
+            return to_double(start[k][v]) +
+                   impact.time * (to_double(end[k][v]) - to_double(start[k][v]));
+        };
+        const Triangle& t = mesh[1 - source].triangles[impact.triangle];
+        const Vec3d a = at(1 - source, t.vertex[0]),
+                    n = cross(at(1 - source, t.vertex[1]) - a, at(1 - source, t.vertex[2]) - a);
+        if (!impact.edges) {
+            EXPECT_NEAR(length(at(source, impact.vertex) - impact.point), 0, 1e-9);
+            EXPECT_NEAR(dot(impact.point - a, normalized(n)), 0, 1e-5);
+            EXPECT_NEAR(std::fabs(dot(impact.normal, normalized(n))), 1, 1e-9);
+        } else {
+            const Vec3d along = at(0, impact.edge_end) - at(0, impact.vertex);
+            EXPECT_NEAR(dot(impact.normal, normalized(along)), 0, 1e-9);
+        }
+    }
+    EXPECT_GT(meetings, 40);
+    EXPECT_GT(edges, 10);
+    EXPECT_GT(misses, 5);
+}
+
+TEST(ImpactsTest, OnlyPairsThatMoveMeetAndWereApart) {
+    World world;
+    const MeshId ball = world.add_mesh("ball", scenes::sphere(0.5, 1)),
+                 flat = world.add_mesh("flat", scenes::grid(2, 2, 4, 4));
+    const BodyId a = world.add_rigid_body(ball, {{0, 0, 0}, upright}),
+                 b = world.add_rigid_body(ball, {{5, 0, 0}, upright}),
+                 inside = world.add_rigid_body(ball, {{0.1, 0, 0}, upright});
+    world.add_rigid_body(flat, {{3, 0, 0}, upright});
+    EXPECT_TRUE(world.impacts().empty()) << "nothing moves";
+    world.set_pose(b, {{-5, 0, 0}, upright});
+    auto impacts = world.impacts();
+    ASSERT_EQ(impacts.size(), 2u) << "the two overlapping balls, and no surface without an inside";
+    EXPECT_EQ(impacts[0].a, a);
+    EXPECT_EQ(impacts[0].b, b);
+    EXPECT_EQ(impacts[1].a, b);
+    EXPECT_EQ(impacts[1].b, inside);
+    EXPECT_GT(impacts[0].normal.x, 0.9);
+    EXPECT_LT(impacts[1].normal.x, -0.9);
+    world.exclude(a, b);
+    EXPECT_EQ(world.impacts().size(), 1u);
+    world.set_filter(b, {.meets = 2});
+    EXPECT_TRUE(world.impacts().empty());
+}
+
+}  // namespace
+}  // namespace pierce
