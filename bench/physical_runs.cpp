@@ -60,6 +60,7 @@ double median(std::vector<double> values) {
 
 std::vector<BodyState> states_of(const Simulation& simulation, const Scene& scene) {
     std::vector<BodyState> states;
+    states.reserve(scene.bodies.size());
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) states.push_back(simulation.state_of(b));
     return states;
 }

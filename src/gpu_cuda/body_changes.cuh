@@ -76,7 +76,7 @@ struct ReadPose {
         BodyView& body = bodies[posed[i].body];
         const Pose pose = body.device_pose.read();
         body.active = posed[i].takes_part && is_usable(pose);
-        if (body.active) body.fit = body.space = frame_of(pose);
+        if (body.active) body.fit = body.space = body.start_space = frame_of(pose);
     }
 };
 

@@ -1,7 +1,6 @@
 #include "core/overlap/first_meeting.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <utility>
 
@@ -64,7 +63,8 @@ public:
             if (!overlap(box, common)) continue;
             tree.for_each_in(box, [&](std::uint32_t n) { look(t, near[n]); });
         }
-        if (best_) best_->time = earliest_;
+        if (!is_found_) return {};
+        best_.time = earliest_;
         return best_;
     }
 
@@ -97,8 +97,8 @@ private:
     /// edges or corners of faces counts more: only it has a normal of its own.
     bool is_first(const Impact& impact, bool within) {
         earliest_ = std::min(earliest_, impact.time);
-        if (!best_ || impact.time < best_->time - same_time_) return true;
-        return impact.time <= best_->time + same_time_ && within && !is_within_;
+        if (!is_found_ || impact.time < best_.time - same_time_) return true;
+        return impact.time <= best_.time + same_time_ && within && !is_within_;
     }
 
     static bool is_inner(double weight) {
@@ -121,9 +121,9 @@ private:
         const Vec3d apart = a.start + impact.u * (b.start - a.start) +
                             impact.v * (c.start - a.start) - p.start;
         note(time, at_time(p, time), face, second ? -apart : apart, true);
-        best_->vertex_of_second = second;
-        best_->vertex = v;
-        best_->triangle = u;
+        best_.vertex_of_second = second;
+        best_.vertex = v;
+        best_.triangle = u;
     }
 
     void look_at_edges(std::uint32_t t, std::uint32_t k, std::uint32_t u, std::uint32_t m) {
@@ -142,10 +142,10 @@ private:
         const Vec3d apart = c.start + impact.v * (d.start - c.start) - a.start -
                             impact.u * (b.start - a.start);
         note(time, at_time(a, time) + impact.u * along, cross(along, across), apart, within);
-        best_->edges = true;
-        best_->vertex = from;
-        best_->edge_end = to;
-        best_->triangle = u;
+        best_.edges = true;
+        best_.vertex = from;
+        best_.edge_end = to;
+        best_.triangle = u;
     }
 
     /// `apart`: from the first surface to the second at time 0, at the places that meet.
@@ -154,16 +154,18 @@ private:
         // Parallel edges and faces without area have no normal: the way they come is one.
         normal = normalized(length_squared(normal) > 0 ? normal : apart);
         if (dot(normal, apart) < 0) normal = -normal;
-        best_ = FirstMeeting{};
-        best_->time = time;
-        best_->place = place;
-        best_->normal = normal;
-        best_->gap = dot(normal, apart);
+        is_found_ = true;
+        best_ = {};
+        best_.time = time;
+        best_.place = place;
+        best_.normal = normal;
+        best_.gap = dot(normal, apart);
     }
 
     const MovingSurface &first_, &second_;
     std::vector<std::uint8_t> own_first_, own_second_;
-    std::optional<FirstMeeting> best_;
+    FirstMeeting best_;
+    bool is_found_ = false;
     bool is_within_ = false;  ///< of `best_`
     double earliest_ = 1, same_time_ = 0;
 };

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <utility>
 
 #include "core/mesh_build/box_tree.hpp"
 #include "core/overlap/face_parts.hpp"
