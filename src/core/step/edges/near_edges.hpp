@@ -35,10 +35,11 @@ struct PlacedEdge {
           b(d.to_space.to_parent(to_double(source.positions[edge.vertex[1]]))) {}
 };
 
-/// Boxes along the part of an edge that is near the box around its target, larger by `margin`: two,
-/// or more if that part is much longer than the target's edges.
-PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target,
-                                      double margin) {
+/// Boxes along the part of an edge that is near the box around its target, each with what is
+/// `reach` away from its part of the edge, by `margin` at most: two, or more if that part is much
+/// longer than the target's edges.
+PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target, double margin,
+                                      const Box& reach) {
     const BoxLevels levels(target.mesh.triangles.size);
     const QuickBox& around = target.box_nodes[levels.begin[levels.count - 1]].around;
     const Vec3d way = edge.b - edge.a;
@@ -57,10 +58,20 @@ PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& ta
     FewBoxes boxes;
     for (boxes.count = 2; boxes.count < FewBoxes::most && edges > boxes.count;) boxes.count += 2;
     const double part = (end - begin) / boxes.count;
-    for (std::uint32_t k = 0; k < boxes.count; ++k)
-        boxes.box[k] = box_around(edge.a + (begin + k * part) * way,
-                                  edge.a + (begin + (k + 1) * part) * way, margin);
+    for (std::uint32_t k = 0; k < boxes.count; ++k) {
+        Box box;
+        box.extend(edge.a + (begin + k * part) * way);
+        box.extend(edge.a + (begin + (k + 1) * part) * way);
+        boxes.box[k] = box_around(box.lower + reach.lower, box.upper + reach.upper, 0.0);
+    }
     return boxes;
+}
+
+/// The same with all that is not further away than `margin`.
+PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target,
+                                      double margin) {
+    const Vec3d all{margin, margin, margin};
+    return boxes_along(edge, target, margin, {-all, all});
 }
 
 /// [length] How far an edge's ends are from where an earlier frame of the pair has them, in the

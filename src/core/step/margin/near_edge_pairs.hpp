@@ -130,6 +130,7 @@ public:
             return to_space.to_parent(to_double(body.positions[v]));
         };
         from_ = at(edge.vertex[0]);
+        const Vec3d along = normalized(at(edge.vertex[1]) - from_);
         for (int k = 0; k < 2; ++k) {
             const Triangle& t = body.mesh.triangles[edge.triangle[k]];
             for (std::uint32_t v : t.vertex)
@@ -139,6 +140,8 @@ public:
             normal_[k] = to_space.rotation *
                          triangle_normal(body.mesh, body.positions, edge.triangle[k]);
         bends_ = dot(normal_[0], opposite_[1] - from_) < -touch;
+        for (int k = 0; k < 2; ++k)
+            slack_ = max_of(slack_, touch / length(cross(opposite_[k] - from_, along)));
     }
 
     PIERCE_HD bool bends() const { return bends_; }
@@ -150,6 +153,23 @@ public:
         return false;
     }
 
+    /// Around all ways from the edge that faces() is true for and that are not longer than
+    /// `margin`. Directions between two normals are within the triangle of both and of where the
+    /// tangents there meet.
+    PIERCE_HD Box reach(double margin) const {
+        Box box;
+        const double cosine = dot(normal_[0], normal_[1]);
+        // Where the edge is sharp or a triangle thin, that triangle is large, or not certain.
+        if (!(cosine > -0.5) || !(slack_ < 0.1)) {
+            const Vec3d all{margin, margin, margin};
+            return {-all, all};
+        }
+        box.extend(Vec3d{});
+        for (const Vec3d& normal : normal_) box.extend(margin * normal);
+        box.extend(margin / (1 + cosine) * (normal_[0] + normal_[1]));
+        return box.inflated(2 * slack_ * margin + touch_);
+    }
+
     /// True if `direction`, unit, from a point of the edge and at right angles to it, leads away
     /// from both triangles.
     PIERCE_HD bool faces(Vec3d direction) const {
@@ -159,6 +179,7 @@ public:
 
 private:
     double touch_;
+    double slack_ = 0;  ///< the sine of the angle by which faces() lets directions differ
     Vec3d from_, opposite_[2], normal_[2];
     bool bends_ = false;
 };
@@ -195,7 +216,8 @@ private:
             return;
         for_each_group(
             target.box_nodes, BoxLevels(target.mesh.triangles.size),
-            boxes_along(placed, target, margin), [&](std::uint32_t group, std::uint32_t mask) {
+            boxes_along(placed, target, margin, ridge.reach(margin)),
+            [&](std::uint32_t group, std::uint32_t mask) {
                 for (; mask != 0; mask &= mask - 1) {
                     const std::uint32_t
                         t = target.mesh
