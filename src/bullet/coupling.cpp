@@ -91,8 +91,12 @@ void Coupling::detect() {
         world_.set_positions(binding.body, binding.positions);
     }
     world_.detect();
+    index_contacts();
+}
+
+void Coupling::index_contacts() {
     by_pair_.clear();
-    const std::span<const Contact> contacts = world_.contacts();
+    const std::span<const Contact> contacts = indexed_ = world_.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
         while (end < contacts.size() && contacts[end].a == contacts[begin].a &&
                contacts[end].b == contacts[begin].b &&
@@ -111,7 +115,10 @@ void Coupling::begin_step() {
                                      binding.soft->m_scontacts.size() == 0;
 }
 
-std::span<const Contact> Coupling::contacts_of(BodyId a, BodyId b) const {
+std::span<const Contact> Coupling::contacts_of(BodyId a, BodyId b) {
+    // Whoever owns the world may have called detect().
+    const std::span<const Contact> now = world_.contacts();
+    if (now.data() != indexed_.data() || now.size() != indexed_.size()) index_contacts();
     const auto found = by_pair_.find(key(a, b));
     if (found == by_pair_.end()) return {};
     return world_.contacts().subspan(found->second.begin, found->second.end - found->second.begin);
@@ -159,13 +166,11 @@ void Coupling::write_self() {
 
 std::vector<Contact> Coupling::soft_contacts() const {
     std::vector<Contact> result;
-    for (const auto& [pair, range] : by_pair_) {
-        const std::span<const Contact> contacts = world_.contacts().subspan(
-            range.begin, range.end - range.begin);
-        const auto a = by_body_.find(contacts.front().a), b = by_body_.find(contacts.front().b);
-        if (a == by_body_.end() || b == by_body_.end()) continue;
+    for (const Contact& contact : world_.contacts()) {
+        const auto a = by_body_.find(contact.a), b = by_body_.find(contact.b);
+        if (contact.of_sheet || a == by_body_.end() || b == by_body_.end()) continue;
         if (bindings_[a->second].soft != nullptr || bindings_[b->second].soft != nullptr)
-            result.insert(result.end(), contacts.begin(), contacts.end());
+            result.push_back(contact);
     }
     return result;
 }

@@ -64,7 +64,8 @@ private:
         std::size_t begin = 0, end = 0;
     };
     static std::uint64_t key(BodyId a, BodyId b) { return std::uint64_t{a.index} << 32 | b.index; }
-    std::span<const Contact> contacts_of(BodyId a, BodyId b) const;
+    void index_contacts();
+    std::span<const Contact> contacts_of(BodyId a, BodyId b);
     ContactSide side(const Binding& binding);
     std::uint32_t write_soft(Binding& a, Binding& b, std::span<const Contact> contacts);
 
@@ -73,7 +74,8 @@ private:
     std::vector<Binding> bindings_;
     std::unordered_map<const btCollisionObject*, std::size_t> by_object_;
     std::unordered_map<BodyId, std::size_t> by_body_;
-    std::unordered_map<std::uint64_t, Range> by_pair_;  ///< places in World::contacts()
+    std::span<const Contact> indexed_;                  ///< World::contacts() as they were then
+    std::unordered_map<std::uint64_t, Range> by_pair_;  ///< places there
     std::uint32_t written_ = 0, written_self_ = 0;
 };
 

@@ -110,8 +110,9 @@ struct Installation::State final : public btActionInterface {
 void Installation::State::begin_pass() {
     pass_begins = false;
     ++pass;
-    coupling.begin_step();
+    // Before anything is looked at: a program may have deleted objects.
     if (options.automatic && followed.follow()) has_changed = true;
+    coupling.begin_step();
 }
 
 void Installation::State::detect() {
