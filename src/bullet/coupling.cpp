@@ -49,8 +49,10 @@ void Coupling::unbind(const btCollisionObject* object) {
     bindings_.pop_back();
 }
 
-void Coupling::forget_soft_contacts() {
-    for (const Binding& binding : bindings_) {
+void Coupling::forget_soft_contacts() { forget_soft_contacts_of(bindings_); }
+
+void Coupling::forget_soft_contacts_of(std::span<const Binding> some) {
+    for (const Binding& binding : some) {
         if (binding.soft == nullptr) continue;
         binding.soft->m_rcontacts.resizeNoInitialize(0);
         binding.soft->m_scontacts.resizeNoInitialize(0);

@@ -37,6 +37,7 @@ public:
     void unbind(const btCollisionObject* object);
     /// Empties the contact arrays of soft bodies, which may point to what was unbound.
     void forget_soft_contacts();
+    static void forget_soft_contacts_of(std::span<const Binding> some);
     Binding* find(const btCollisionObject* object);
 
     /// True if the object is not where contacts were last looked for.

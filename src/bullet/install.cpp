@@ -264,10 +264,14 @@ void uninstall(btDiscreteDynamicsWorld& bullet) {
     if (configuration == nullptr) return;
     Installation* installation = &configuration->installation();
     Installation::State& state = *installation->state_;
-    state.followed.follow();  // what is gone must not be looked at
+    state.followed.follow();
     state.forget_pairs_of(nullptr);
+    // What is not in the world may be deleted.
+    const btCollisionObjectArray& objects = bullet.getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); ++i)
+        if (const Binding* found = state.coupling.find(objects[i]))
+            Coupling::forget_soft_contacts_of({found, 1});
     state.followed.remove_all();
-    state.coupling.forget_soft_contacts();
     bullet.removeAction(&state);
     dispatcher->setNearCallback(state.before);
     dispatcher->setCollisionConfiguration(&configuration->before());

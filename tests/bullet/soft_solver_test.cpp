@@ -53,6 +53,7 @@ public:
     }
 
     ~SoftScene() {
+        bullet::uninstall(bullet_);
         for (const auto& soft : softs_) bullet_.removeSoftBody(soft.get());
         for (const auto& box : boxes_) bullet_.removeRigidBody(box.get());
     }
