@@ -212,7 +212,7 @@ TEST(InstallTest, FollowsWhatIsAddedRemovedTeleportedAndChanged) {
         return result;
     };
     std::size_t compared = 0, removed = 0;
-    for (int step = 0; step < 150; ++step) {
+    for (int step = 0; step < 80; ++step) {
         switch (random.integer(0, 5)) {
             case 0:
                 if (scene.rigid.size() < 6)
@@ -259,8 +259,8 @@ TEST(InstallTest, FollowsWhatIsAddedRemovedTeleportedAndChanged) {
             ASSERT_NEAR(found[i], expected[i], 1e-6) << "step " << step;
         compared += found.size();
     }
-    EXPECT_GT(compared, 2000u);
-    EXPECT_GT(removed, 20u);
+    EXPECT_GT(compared, 1000u);
+    EXPECT_GT(removed, 10u);
 }
 
 TEST(InstallTest, WhatSleepsKeepsItsContactsAndIsNotLookedAt) {

@@ -142,7 +142,7 @@ TEST(OverlapTest, ChangesWithSmallMovesAsItSays) {
     test::Random random(6);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     int overlapping = 0;
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 60; ++i) {
         const Solid a{test::random_closed_mesh(random), {random.in_box(0.4), random.rotation()}};
         const Solid b{test::random_closed_mesh(random), {random.in_box(0.4), random.rotation()}};
         const auto found = overlap_of(a, b), turned = overlap_of(b, a);
@@ -180,7 +180,7 @@ TEST(OverlapTest, ChangesWithSmallMovesAsItSays) {
             EXPECT_NEAR(turn_slope, -found->turn[k], 1e-3 + 1e-2 * std::fabs(found->turn[k]));
         }
     }
-    EXPECT_GT(overlapping, 40);
+    EXPECT_GT(overlapping, 25);
 }
 
 /// Samples of a surface inside another one.
@@ -218,7 +218,7 @@ TEST(OverlapTest, PatchesAsSampled) {
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     int overlapping = 0;
     const MeshData ring = scenes::torus(1, 0.4, 20, 10);
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 10; ++i) {
         const Solid a{ring, {random.in_box(0.5), random.rotation()}};
         const Solid b{ring, {random.in_box(0.5), random.rotation()}};
         const auto found = overlap_of(a, b);
@@ -236,7 +236,7 @@ TEST(OverlapTest, PatchesAsSampled) {
         const double sampled = 0.5 * (in_b.depth_volume + in_a.depth_volume);
         EXPECT_NEAR(depth_volume, sampled, 0.06 * sampled + 0.002);
     }
-    EXPECT_GT(overlapping, 6);
+    EXPECT_GT(overlapping, 4);
 }
 
 TEST(OverlapTest, ABallInAPlateIsACapWithOnePatch) {
