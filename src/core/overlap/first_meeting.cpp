@@ -46,13 +46,12 @@ public:
     }
 
     std::optional<FirstMeeting> run() {
-        const Box common = second_.box();
         std::vector<std::uint32_t> near;
         std::vector<Box> boxes;
-        const Box around = first_.box();
+        const Box around_first = first_.box(), around_second = second_.box();
         for (std::uint32_t t = 0; t < second_.triangles.size(); ++t) {
             const Box box = box_of(second_, t);
-            if (!overlap(box, around)) continue;
+            if (!overlap(box, around_first)) continue;
             near.push_back(t);
             boxes.push_back(box);
         }
@@ -60,7 +59,7 @@ public:
         const BoxTree tree(boxes);
         for (std::uint32_t t = 0; t < first_.triangles.size(); ++t) {
             const Box box = box_of(first_, t);
-            if (!overlap(box, common)) continue;
+            if (!overlap(box, around_second)) continue;
             tree.for_each_in(box, [&](std::uint32_t n) { look(t, near[n]); });
         }
         if (!is_found_) return {};

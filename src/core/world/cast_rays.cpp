@@ -2,6 +2,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/edge_normal.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
@@ -53,14 +54,11 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
         const double t = length(at - origin);
         std::optional<RayHit>& best = nearest[line[r]];
         if (best && best->t <= t) continue;
-        const Triangle& tri = body.mesh.triangles[hits[r].triangle];
-        const Vec3d a = to_double(body.positions[tri.vertex[0]]);
-        const Vec3d n = cross(to_double(body.positions[tri.vertex[1]]) - a,
-                              to_double(body.positions[tri.vertex[2]]) - a);
         best = RayHit{.body = state_->ids[rays[r].target],
                       .triangle = hits[r].triangle,
                       .t = t,
-                      .normal = body.space.rotation * normalized(n)};
+                      .normal = body.space.rotation *
+                                triangle_normal(body.mesh, body.positions, hits[r].triangle)};
     }
     return nearest;
 }

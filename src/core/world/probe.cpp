@@ -2,6 +2,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/edge_normal.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
@@ -78,14 +79,11 @@ std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> poi
         const double distance = inward ? -m.t : m.t;
         std::optional<ProbeContact>& best = found[probe];
         if (best && best->distance <= distance) continue;
-        const Triangle& t = body.mesh.triangles[hits[r].triangle];
-        const Vec3d a = to_double(body.positions[t.vertex[0]]);
-        const Vec3d n = cross(to_double(body.positions[t.vertex[1]]) - a,
-                              to_double(body.positions[t.vertex[2]]) - a);
         best = ProbeContact{.body = state_->ids[rays[r].target],
                             .triangle = hits[r].triangle,
                             .distance = distance,
-                            .normal = body.space.rotation * normalized(n)};
+                            .normal = body.space.rotation *
+                                      triangle_normal(body.mesh, body.positions, hits[r].triangle)};
     }
     return found;
 }

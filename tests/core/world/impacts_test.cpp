@@ -14,10 +14,6 @@ namespace {
 
 const Quaternion upright{0, 0, 0, 1};
 
-std::vector<Vec3f> placed(const MeshData& mesh, const Pose& pose) {
-    return test::placed(mesh, pose);
-}
-
 std::vector<Vec3f> between(const std::vector<Vec3f>& start, const std::vector<Vec3f>& end,
                            double t) {
     std::vector<Vec3f> result;
@@ -64,9 +60,9 @@ TEST(ImpactsTest, NeitherEarlyNorLate) {
         for (int k = 0; k < 2; ++k) {
             const double side = k == 0 ? -2.2 : 2.2;
             const Quaternion turn = random.rotation();
-            start[k] = placed(mesh[k], {random.in_box(0.8) + Vec3d{side, 0, 0}, turn});
-            end[k] = placed(mesh[k], {random.in_box(1.2) - Vec3d{0.6 * side, 0, 0},
-                                      i % 2 == 0 ? turn : random.rotation()});
+            start[k] = test::placed(mesh[k], {random.in_box(0.8) + Vec3d{side, 0, 0}, turn});
+            end[k] = test::placed(mesh[k], {random.in_box(1.2) - Vec3d{0.6 * side, 0, 0},
+                                            i % 2 == 0 ? turn : random.rotation()});
             body[k] = world.add_deforming_body(world.add_mesh("shape", mesh[k]));
             world.set_motion(body[k], start[k], end[k]);
         }

@@ -240,12 +240,10 @@ inline constexpr double largest_coordinate = 0x1p60;
 /// A quaternion whose squared length is not between these two has lost digits or has none [1].
 inline constexpr double smallest_rotation = 0x1p-1000, largest_rotation = 0x1p1000;
 
-/// The default length of an open body's rays [mean edge length]. Such a body has no inside that
-/// could end its rays.
+/// The default length of an open body's rays, which no inside ends [mean edge length].
 inline constexpr double open_body_range = 2.0;
 
-/// What double arithmetic on poses may lose in a step, with a factor of 32 to spare [largest
-/// coordinate].
+/// What double arithmetic on poses may lose in a step, 32 times over [largest coordinate].
 inline constexpr double double_rounding = 0x1p-47;
 
 /// What double arithmetic on moving corners may lose [largest coordinate relative to one of them].
@@ -295,8 +293,7 @@ inline constexpr double point_pad = 0x1p-42;
 /// The lengths between which float32 products of four lengths are used [length]. Below
 /// quick_smallest their rounding comes near the smallest float32. Above quick_largest their squares
 /// may exceed the largest float32.
-inline constexpr float quick_smallest = 0x1p-24f;
-inline constexpr float quick_largest = 0x1p19f;
+inline constexpr float quick_smallest = 0x1p-24f, quick_largest = 0x1p19f;
 
 /// Moving features that come closer than this meet [largest coordinate of the corners relative to
 /// one of them]: half a float32 ulp. With less than 2^-26, the direction between closest points
@@ -317,9 +314,12 @@ inline constexpr int meeting_advances = 1 << 14;
 /// edge length]. These are three rings of triangles, which bend but do not meet.
 inline constexpr double self_distance = 3.0;
 
-/// Up to so many features of one key are sorted by insertion: for fewer than this a heap takes as
-/// long.
+/// Up to so many features of one key are sorted by insertion; a heap takes as long for fewer.
 inline constexpr std::uint32_t few_ties = 16;
+
+/// What is near an edge is looked for all around it below this cosine between its triangles'
+/// normals, and from this touch tolerance over a triangle's height on [1].
+inline constexpr double wedge_cosine = -0.5, wedge_slack = 0.1;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

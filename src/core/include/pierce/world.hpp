@@ -210,7 +210,8 @@ public:
     /// detect().
     std::span<const Contact> contacts() const;
     /// The same contacts in device memory, without waiting for them; valid until the next detect().
-    /// Throws InputError unless the backend runs on the device.
+    /// Throws InputError unless the backend runs on the device, or if bodies were added, removed,
+    /// moved or changed since.
     DeviceContacts device_contacts() const;
     /// The last step's stages, counts and status bits.
     const StepStats& stats() const;
@@ -261,8 +262,8 @@ public:
     /// against the normal to where it leaves the solid. Others are near if the point meets them
     /// along the normal, `radius` away at most. Of several solids the one counts that is pressed in
     /// furthest, or nearest. `others`: the bodies that count; empty: all, the sensor's own ones as
-    /// well. Sheets do not count. Uses the trees of the last detect(), on its backend. Normals need
-    /// not be unit; a zero normal meets nothing. Throws InputError for lists of different lengths,
+    /// well. Sheets do not count. Bodies are where the last detect() saw them. Normals need not be
+    /// unit; a zero normal meets nothing. Throws InputError for lists of different lengths,
     /// for numbers that are not finite, for a negative radius, or if bodies were added, removed,
     /// moved or changed since the last detect().
     std::vector<std::optional<ProbeContact>> probe(std::span<const Vec3d> points,

@@ -13,6 +13,7 @@
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/trace/ray.hpp"
+#include "pierce/constants.hpp"
 
 /// margin, second part: edges of one body that are nearer to edges of the other than the margin.
 namespace pierce::stages {
@@ -160,7 +161,7 @@ public:
         Box box;
         const double cosine = dot(normal_[0], normal_[1]);
         // Where the edge is sharp or a triangle thin, that triangle is large, or not certain.
-        if (!(cosine > -0.5) || !(slack_ < 0.1)) {
+        if (!(cosine > constants::wedge_cosine) || !(slack_ < constants::wedge_slack)) {
             const Vec3d all{margin, margin, margin};
             return {-all, all};
         }
