@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <iterator>
 #include <map>
@@ -96,6 +97,48 @@ TEST_P(FiltersTest, OnlyUnwantedPairsAreLeftOut) {
             crowd.place(filtered, bodies);
         }
         EXPECT_EQ(filtered.plan().excluded_pairs, 2u);
+    }
+}
+
+TEST_P(FiltersTest, ThePairFilterLeavesOutWhatExcludeDoes) {
+    if (GetParam().make()->runs_on_device()) {
+        World world(GetParam().make());
+        EXPECT_THROW(world.set_pair_filter([](BodyId, BodyId) { return true; }), InputError);
+        return;
+    }
+    for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+        test::Random random(seed);
+        SCOPED_TRACE("seed " + std::to_string(random.seed()));
+        Crowd crowd(random, 12);
+        World asked(GetParam().make()), excluded(GetParam().make());
+        const std::vector<BodyId> bodies = crowd.add_to(asked), same = crowd.add_to(excluded);
+        const auto is_wanted = [](std::uint32_t a, std::uint32_t b) { return (a + b) % 3 != 0; };
+        std::atomic<int> calls = 0, wrong = 0;
+        asked.set_pair_filter([&](BodyId a, BodyId b) {
+            ++calls;
+            wrong += !(a < b);
+            return is_wanted(a.index, b.index);
+        });
+        for (std::size_t a = 0; a < same.size(); ++a)
+            for (std::size_t b = a + 1; b < same.size(); ++b)
+                if (!is_wanted(same[a].index, same[b].index)) excluded.exclude(same[a], same[b]);
+        for (int step = 0; step < 4; ++step) {
+            calls = 0;
+            asked.detect();
+            EXPECT_GT(calls, static_cast<int>(asked.stats().pairs));
+            EXPECT_EQ(asked.stats().pairs, excluded.detect().pairs);
+            EXPECT_GT(asked.contacts().size(), 20u);
+            EXPECT_EQ(contact_hash(asked.contacts()), contact_hash(excluded.contacts()));
+            crowd.move(random);
+            crowd.place(asked, bodies);
+            crowd.place(excluded, same);
+        }
+        EXPECT_EQ(wrong, 0);
+        asked.detect();
+        EXPECT_EQ(asked.explain(bodies[1], bodies[2], 0).reason, Reason::filtered);
+        asked.set_pair_filter({});
+        asked.detect();
+        EXPECT_NE(asked.explain(bodies[1], bodies[2], 0).reason, Reason::filtered);
     }
 }
 

@@ -9,6 +9,7 @@
 #include "core/mesh/patch.hpp"
 #include "pierce/body.hpp"
 #include "pierce/contact.hpp"
+#include "pierce/filter.hpp"
 #include "pierce/min_max.hpp"
 #include "pierce/plan.hpp"
 
@@ -49,16 +50,17 @@ using LevelBegins = std::array<std::uint32_t, BoxLevels::most + 1>;
 struct Scene {
     View<BodyView> bodies;
     View<const BodyId> ids;
-    View<const std::uint32_t> changed;       ///< bodies whose input may differ from that of the
-                                             ///< last step; the rest is as it was
-    View<const Pair> excluded;               ///< pairs that the caller does not want, sorted
-    View<const std::uint32_t> world_begins;  ///< where, in the order of worlds, the bodies of each
-                                             ///< begin, then those that are in all worlds, and
-                                             ///< where those end; empty if there are no worlds
-    View<const BlockItem> block_items;       ///< of deforming bodies
-    View<const BlockRange> ranges;           ///< per deforming body, its blocks
-    View<const View<PatchBlock>> blocks;     ///< per body, where a deforming body's spheres go
-    View<const View<Offsets>> patches;       ///< per body, where its vertices' offsets go
+    View<const std::uint32_t> changed;        ///< bodies whose input may differ from that of the
+                                              ///< last step; the rest is as it was
+    View<const Pair> excluded;                ///< pairs that the caller does not want, sorted
+    const PairFilter* pair_filter = nullptr;  ///< asked for other pairs; null: none
+    View<const std::uint32_t> world_begins;   ///< where, in the order of worlds, the bodies of each
+                                              ///< begin, then those that are in all worlds, and
+                                              ///< where those end; empty if there are no worlds
+    View<const BlockItem> block_items;        ///< of deforming bodies
+    View<const BlockRange> ranges;            ///< per deforming body, its blocks
+    View<const View<PatchBlock>> blocks;      ///< per body, where a deforming body's spheres go
+    View<const View<Offsets>> patches;        ///< per body, where its vertices' offsets go
     View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept;
                                           ///< empty: nowhere
     View<const NodeItem> node_items;      ///< of deforming bodies with complete coverage, level

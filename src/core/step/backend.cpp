@@ -1,8 +1,12 @@
 #include "pierce/backend.hpp"
 
+#include <memory>
+#include <vector>
+
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "pierce/contact.hpp"
 #include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
 
@@ -11,6 +15,11 @@ namespace pierce {
 void Backend::set_stream(void*) { throw InputError("this backend has no streams"); }
 DeviceContacts Backend::device_contacts(std::uint32_t) {
     throw InputError("this backend has no contacts in device memory");
+}
+std::shared_ptr<const Contact> Backend::keep_contacts() {
+    const View<const Contact> all = contacts();
+    const auto copy = std::make_shared<std::vector<Contact>>(all.begin(), all.end());
+    return {copy, copy->data()};
 }
 void Backend::fetch_bodies(View<BodyView>) const {}
 void Backend::fetch_seen(View<const BodyId>, View<const View<SeenPatch>>) const {}

@@ -56,6 +56,13 @@ public:
           margin_(tools_),
           sheets_(tools_) {}
 
+    ~Pipeline() {
+        now_.leave_contacts();
+        last_.leave_contacts();
+    }
+    Pipeline(const Pipeline&) = delete;
+    Pipeline& operator=(const Pipeline&) = delete;
+
     /// Runs one step, up to its contacts. `stats` gets the stages' times here, and everything else
     /// from report() once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
@@ -93,6 +100,18 @@ public:
         stage(StageId::remember, [&] { remember(scene); });
         stage(StageId::statistics, [&] { count(plan); });
         executor_.join();
+    }
+
+    /// A step without sheets in which nothing has changed, after one in which nothing had either:
+    /// it would find the same contacts, one step older.
+    void step_at_rest() {
+        if (now_.kept.use_count() > 1) {
+            Buffer<Contact> same = now_.contacts;
+            now_.leave_contacts();
+            now_.contacts = std::move(same);
+        }
+        executor_.for_each(count_of(now_.contacts),
+                           stages::GrowOlder{view_of(now_.contacts), view_of(now_.ages)});
     }
 
     /// What the last step did and found.
@@ -151,7 +170,11 @@ public:
     void recall(const Scene& scene) {
         std::swap(now_, last_);
         // Contacts stay in `now_`, unless the next step may take some over.
-        if (!scene.plan->settings.keeps_contacts()) std::swap(now_.contacts, last_.contacts);
+        if (!scene.plan->settings.keeps_contacts()) {
+            std::swap(now_.contacts, last_.contacts);
+            std::swap(now_.kept, last_.kept);
+        }
+        now_.leave_contacts();
         edges_.recall();
         sheets_.recall();
     }
@@ -168,12 +191,14 @@ public:
     }
     /// Makes `m` the last step's memory.
     void remember(const StepMemory& m) {
+        now_.leave_contacts();
         now_.restore(executor_, m);
         edges_.forget();
         sheets_.restore(m);
     }
 
     const Buffer<Contact>& contacts() const { return now_.contacts; }
+    std::shared_ptr<const Contact> keep_contacts() { return now_.keep_contacts(); }
     /// The contacts of sheets.
     const Buffer<Contact>& sheet_contacts() const { return sheets_.contacts(); }
     const Buffer<Pair>& pairs() const { return pairs_.pairs; }
@@ -292,12 +317,15 @@ private:
                                     .as_keys = {scene.world_begins.size > 0},
                                     .last_keys = view_of(last_.pair_keys),
                                     .last = view_of(last_.identities)};
-        const stages::PairFilter filter{scene.bodies, scene.excluded};
+        const stages::WantedPairs wanted{.bodies = scene.bodies,
+                                         .ids = scene.ids,
+                                         .excluded = scene.excluded,
+                                         .filter = scene.pair_filter};
         if (bodies <= E::traits.bodies_at_once && !link.as_keys.by_world)
             return executor_.emit(ListId::pairs, Count{bodies * bodies},
-                                  stages::FindPairs{link, filter}, now_.pair_keys, pairs_.pairs,
+                                  stages::FindPairs{link, wanted}, now_.pair_keys, pairs_.pairs,
                                   now_.identities, pairs_.links);
-        sweep(scene, filter, link.as_keys);
+        sweep(scene, wanted, link.as_keys);
         const Count total = count_of(now_.pair_keys);
         pairs_.pairs.resize(total);
         now_.identities.resize(total);
@@ -309,7 +337,7 @@ private:
                                                      .links = view_of(pairs_.links)});
     }
 
-    void sweep(const Scene& scene, const stages::PairFilter& filter, stages::PairKeys as_keys) {
+    void sweep(const Scene& scene, const stages::WantedPairs& wanted, stages::PairKeys as_keys) {
         const View<const BodyView> bodies = scene.bodies;
         const auto worlds = static_cast<int>(std::bit_width(scene.world_begins.size));
         sort_.keys.resize(bodies.size);
@@ -330,7 +358,7 @@ private:
                                           .walks = walks},
                        pairs_.box_keys);
         executor_.emit(ListId::swept_pairs, count_of(pairs_.box_keys),
-                       stages::TestPair{filter, as_keys, view_of(pairs_.box_keys)}, sort_.keys);
+                       stages::TestPair{wanted, as_keys, view_of(pairs_.box_keys)}, sort_.keys);
         sort_.values.resize(count_of(sort_.keys));
         tools_.sort(as_keys.by_world ? 64 : 32 + std::bit_width(bodies.size), sort_.keys,
                     sort_.values, now_.pair_keys, sort_.order);

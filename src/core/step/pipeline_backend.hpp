@@ -33,10 +33,19 @@ public:
         contacts_.assign(others.begin(), others.end());
         contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());
     }
+    bool step_at_rest() override {
+        if (runs_on_device()) return false;
+        executor_->run([&] { pipeline_.step_at_rest(); });
+        return true;
+    }
     View<const Contact> contacts() const override {
         if (!contacts_.empty()) return view_of(contacts_);
         return pipeline_.contacts().empty() ? view_of(pipeline_.sheet_contacts())
                                             : view_of(pipeline_.contacts());
+    }
+    std::shared_ptr<const Contact> keep_contacts() override {
+        return pipeline_.sheet_contacts().empty() ? pipeline_.keep_contacts()
+                                                  : Backend::keep_contacts();
     }
     View<const Pair> pairs() const override { return view_of(pipeline_.pairs()); }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/execute/executor.hpp"
@@ -34,6 +36,22 @@ struct StepRecords {
     Buffer<std::uint64_t> contact_keys;
     Buffer<std::uint32_t> ages;
     Buffer<Contact> contacts;
+    std::shared_ptr<Buffer<Contact>> kept;  ///< where contacts go that a caller keeps for longer
+
+    /// The contacts, which stay as they are as long as the pointer is there.
+    std::shared_ptr<const Contact> keep_contacts() {
+        if (kept == nullptr) kept = std::make_shared<Buffer<Contact>>();
+        return {kept, contacts.data()};
+    }
+    /// To be called before contacts are written anew: those that somebody keeps move out, without a
+    /// copy.
+    void leave_contacts() {
+        if (kept != nullptr && kept.use_count() > 1) {
+            *kept = std::move(contacts);
+            contacts = {};
+        }
+        kept.reset();
+    }
 
     /// What vertices, patches and blocks remember.
     RecordsView of_vertices() const {

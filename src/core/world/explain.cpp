@@ -194,8 +194,12 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     state_->backend->fetch_bodies(view_of(state_->views));
     const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
     const View<const BodyView> views = view_of(std::as_const(state_->views));
-    const stages::PairFilter filter{views, view_of(std::as_const(state_->excluded_pairs))};
-    if (!filter.allows({std::min(body.index, other.index), std::max(body.index, other.index)})) {
+    const stages::WantedPairs wanted{.bodies = views,
+                                     .ids = view_of(std::as_const(state_->ids)),
+                                     .excluded = view_of(std::as_const(state_->excluded_pairs)),
+                                     .filter = state_->asked_filter()};
+    const Pair pair{std::min(body.index, other.index), std::max(body.index, other.index)};
+    if (!wanted.allows(pair) || !wanted.wants(pair)) {
         Explanation filtered;
         filtered.reason = Reason::filtered;
         return filtered;

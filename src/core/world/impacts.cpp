@@ -76,7 +76,7 @@ std::vector<ImpactContact> World::impacts() const {
             const BodyId id_a{bodies[k], slots[bodies[k]].generation},
                 id_b{bodies[other], slots[bodies[other]].generation};
             if (!(a.moved || b.moved) || !a.filter.allows(b.filter) ||
-                s.excluded.contains({id_a, id_b}))
+                s.excluded.contains({id_a, id_b}) || (s.pair_filter && !s.pair_filter(id_a, id_b)))
                 continue;
             const std::optional<FirstMeeting> meeting = first_meeting(surfaces[k], surfaces[other]);
             if (!meeting || overlap_at_start(surfaces[k], surfaces[other])) continue;

@@ -18,7 +18,10 @@ struct MemoryRest {
     std::uint32_t rests = 0;    ///< in a row, each twice as long as the one before
 
     bool now() const { return resting > 0; }
-    /// To be called after every step, with what it did. `deforms`: some body deforms.
+    /// To be called before a step in which nearly all bodies are where they were: contacts of most
+    /// pairs are taken over then.
+    void end() { tried = poor = resting = 0; }
+    /// To be called after every other step, with what it did. `deforms`: some body deforms.
     void note(const StepStats& stats, bool deforms);
 };
 

@@ -1,6 +1,8 @@
 #include "pierce/world.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <utility>
 
@@ -139,13 +141,32 @@ void World::State::check_have_poses(std::span<const BodyId> some) const {
                              " deforms: it has positions, not a pose");
 }
 
-void World::set_pose(BodyId body, const Pose& pose) {
-    state_->check_have_poses({&body, 1});
-    BodyEntry& entry = state_->begin_motion(body);
+BodyEntry& World::State::place(BodyId body, const Pose& pose) {
+    check_have_poses({&body, 1});
+    BodyEntry& entry = begin_motion(body);
     entry.leave_device();
     entry.pose = pose;
     if (!entry.usable) entry.start_pose = pose;
     entry.usable = is_usable(pose);
+    return entry;
+}
+
+namespace {
+
+/// True if two poses are the same, bit for bit.
+bool are_identical(const Pose& a, const Pose& b) {
+    using Bits = std::array<std::uint64_t, sizeof(Pose) / sizeof(double)>;
+    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
+
+}  // namespace
+
+void World::set_pose(BodyId body, const Pose& pose) {
+    const BodyEntry& entry = state_->bodies.get(body, "body");
+    const bool is_there = entry.motion != Motion::deforming && !entry.moved && entry.usable &&
+                          !entry.is_on_device() && are_identical(entry.pose, pose);
+    // Solvers set the poses of bodies at rest, too.
+    if (!is_there) state_->place(body, pose);
 }
 
 namespace {
@@ -231,8 +252,7 @@ void World::set_motion(BodyId body, std::span<const Vec3f> start,
 }
 
 void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
-    set_pose(body, pose);
-    BodyEntry& entry = state_->bodies.get(body, "body");
+    BodyEntry& entry = state_->place(body, pose);
     entry.start_pose = start;
     entry.usable = entry.usable && is_usable(start);
 }
@@ -271,15 +291,30 @@ void World::forget_sides() { state_->forgets_sides = true; }
 const StepStats& World::detect() {
     const auto begin = std::chrono::steady_clock::now();
     State& s = *state_;
+    const auto took = [&] {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+            .count();
+    };
+    if (s.is_at_rest() && s.backend->step_at_rest()) {
+        s.stats.stages.clear();
+        s.stats.at_rest = true;
+        s.stats.milliseconds = took();
+        return s.stats;
+    }
     s.stats = {};
+    s.still = s.planned && s.changed.empty();
     s.refresh_views();
     const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
-    const bool certifies = s.plan.settings.temporal == Temporal::certified,
-               rests = certifies && s.settings.may_rest && s.rest.now();
+    const bool certifies = s.plan.settings.temporal == Temporal::certified;
+    const bool few_change = constants::memory_still * s.changed.size() <=
+                            s.plan.rigid_bodies + s.plan.deforming_bodies;
+    if (certifies && few_change) s.rest.end();
+    const bool rests = certifies && s.settings.may_rest && s.rest.now();
     const Scene scene{.bodies = view_of(s.views),
                       .ids = view_of(std::as_const(s.ids)),
                       .changed = view_of(std::as_const(s.refreshed)),
                       .excluded = view_of(std::as_const(s.excluded_pairs)),
+                      .pair_filter = s.asked_filter(),
                       .world_begins = view_of(std::as_const(s.world_begins)),
                       .block_items = view_of(std::as_const(s.block_items)),
                       .ranges = view_of(std::as_const(s.ranges)),
@@ -292,19 +327,21 @@ const StepStats& World::detect() {
                       .plan = rests ? &s.resting_plan : &s.plan,
                       .forgets_sides = {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);
-    if (certifies) s.rest.note(s.stats, s.plan.measures_deformation);
+    if (certifies && !few_change) s.rest.note(s.stats, s.plan.measures_deformation);
     s.stats.rested = rests;
     s.end_motion();
     s.stepped = true;
-    s.stats.milliseconds = std::chrono::duration<double, std::milli>(
-                               std::chrono::steady_clock::now() - begin)
-                               .count();
+    s.stats.milliseconds = took();
     return s.stats;
 }
 
 std::span<const Contact> World::contacts() const {
     const View<const Contact> contacts = state_->backend->contacts();
     return {contacts.data, contacts.size};
+}
+
+KeptContacts World::keep_contacts() {
+    return {state_->backend->keep_contacts(), contacts().size()};
 }
 
 const StepStats& World::stats() const { return state_->stats; }

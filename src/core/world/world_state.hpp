@@ -83,9 +83,11 @@ struct World::State {
     SlotMap<BodyTag, BodyEntry> bodies;
     std::uint64_t next_key = 1;
     std::set<BodyIdPair> excluded;    ///< pairs that are not wanted
+    PairFilter pair_filter;           ///< of the caller; empty: none
     std::set<std::int32_t> left_out;  ///< worlds that take no part in steps
     bool forgets_sides = false;       ///< the next step forgets the sides of sheets
     bool stepped = false;             ///< bodies are where the last step saw them
+    bool still = false;               ///< nothing had changed in the last step
 
     // What a step reads. It is made anew when bodies are added, removed or change kind.
     bool planned = false;
@@ -119,6 +121,13 @@ struct World::State {
         change();
         return bodies.add(std::move(body));
     }
+    /// What steps ask for pairs.
+    const PairFilter* asked_filter() const { return pair_filter ? &pair_filter : nullptr; }
+    /// True if a step would find the contacts of the last one.
+    bool is_at_rest() const {
+        return planned && still && changed.empty() && !forgets_sides && !plan.sheets &&
+               !pair_filter && plan.settings.temporal != Temporal::paper;
+    }
     /// To be called before bodies are added, removed or changed.
     void change() { planned = stepped = false; }
     /// Throws InputError unless bodies are where the last step saw them.
@@ -144,6 +153,8 @@ struct World::State {
     /// To be called before a body gets a new place: its present place becomes the place where the
     /// step begins. The positions of a deforming body are undefined afterwards.
     BodyEntry& begin_motion(BodyId body);
+    /// Gives a fixed or rigid body a new pose.
+    BodyEntry& place(BodyId body, const Pose& pose);
     /// To be called whenever a body has got another place, or takes part or not.
     void note_change(BodyId body);
     /// To be called after a step: the next step begins where this one has ended, whatever poses or

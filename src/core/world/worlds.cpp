@@ -61,6 +61,13 @@ void World::include(BodyId a, BodyId b) {
     state_->change();
 }
 
+void World::set_pair_filter(PairFilter filter) {
+    if (filter && state_->backend->runs_on_device())
+        throw InputError("pairs are found on the device, which cannot call a pair filter");
+    state_->pair_filter = std::move(filter);
+    state_->change();
+}
+
 std::vector<std::int32_t> World::worlds() const {
     std::set<std::int32_t> found;
     for (const auto& slot : state_->bodies.slots())

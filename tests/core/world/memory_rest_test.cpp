@@ -52,6 +52,16 @@ TEST(MemoryRestTest, MemoryThatPaysStays) {
     EXPECT_EQ(length(rest), constants::memory_first_rest) << "a first rest again";
 }
 
+TEST(MemoryRestTest, EndsWhereFewBodiesChange) {
+    MemoryRest rest;
+    steps_to_rest(rest, step(90, 10));
+    EXPECT_TRUE(rest.now());
+    rest.end();
+    EXPECT_FALSE(rest.now());
+    EXPECT_EQ(steps_to_rest(rest, step(90, 10)),
+              constants::memory_trial + constants::memory_patience);
+}
+
 TEST(MemoryRestTest, BodiesThatDeformMustSpareMore) {
     MemoryRest rigid, deforming;
     for (int i = 0; i < 10; ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "pierce/ids.hpp"
@@ -44,8 +45,14 @@ public:
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }
     virtual void step(const Scene& scene, StepStats& stats) = 0;
+    /// What a step does if nothing has changed since the last step, nor in that one: all contacts
+    /// become one step older. False if the backend has to run the step.
+    virtual bool step_at_rest() { return false; }
     /// Results of the last step; valid until the next one.
     virtual View<const Contact> contacts() const = 0;
+    /// The same contacts, which stay as they are as long as the pointer is there.
+    /// Copies them unless overridden.
+    virtual std::shared_ptr<const Contact> keep_contacts();
     virtual View<const Pair> pairs() const = 0;
     /// The proof by which a vertex needed no ray in the last step. `side`: which body of the pair
     /// the vertex belongs to.

@@ -355,9 +355,9 @@ inline constexpr double memory_share = 0.65, memory_share_deforming = 0.9;
 
 /// Steps before memory is judged, steps in a row that do not pay before it rests, steps of the
 /// first rest, and how often the next rest is twice as long: 64 steps at most, so that memory is
-/// tried in 5 of 69 steps.
+/// tried in 5 of 69 steps. It does not rest while at most one body in `memory_still` changes.
 inline constexpr std::uint32_t memory_trial = 3, memory_patience = 2, memory_first_rest = 32,
-                               memory_doublings = 1;
+                               memory_doublings = 1, memory_still = 10;
 
 /// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us
 /// against 25 ns.

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "pierce/host_device.hpp"
+#include "pierce/ids.hpp"
 
 namespace pierce {
 
@@ -29,5 +31,8 @@ struct Filter {
 
     friend bool operator==(const Filter&, const Filter&) = default;
 };
+
+/// Tells whether two bodies meet, the one in the lower slot first.
+using PairFilter = std::function<bool(BodyId a, BodyId b)>;
 
 }  // namespace pierce

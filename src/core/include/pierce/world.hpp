@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -50,6 +51,14 @@ struct WorldOffsets {
     std::vector<std::int32_t> worlds;
     std::vector<std::uint32_t> solids;  ///< worlds.size() + 1, like the next one
     std::vector<std::uint32_t> sheets;
+};
+
+/// Contacts of a step that outlast it, and the world.
+struct KeptContacts {
+    std::shared_ptr<const Contact> first;
+    std::size_t count = 0;
+
+    std::span<const Contact> all() const { return {first.get(), count}; }
 };
 
 /// Bodies and their contacts. Not thread-safe; one step uses as many threads as its backend has.
@@ -104,6 +113,11 @@ public:
     /// again or one of them is removed. Throws InputError for a body and itself.
     void exclude(BodyId a, BodyId b);
     void include(BodyId a, BodyId b);
+    /// Asks the caller whether two bodies meet, where filters allow it and their boxes overlap,
+    /// once a step for every such pair; an empty function asks nothing. It is called by all threads
+    /// of the backend at the same time, must not throw and must not call the world. It is neither
+    /// saved nor asked by parting(). Throws InputError if the backend runs on a device.
+    void set_pair_filter(PairFilter filter);
 
     /// The worlds that bodies are in, sorted, without all_worlds.
     std::vector<std::int32_t> worlds() const;
@@ -203,12 +217,17 @@ public:
     /// memory.
     std::vector<ImpactContact> impacts() const;
 
-    /// Runs one step: finds all contacts of the bodies where they are now.
+    /// Runs one step: finds all contacts of the bodies where they are now. If nothing has changed
+    /// in this step and the last one, contacts get older and nothing else is done, unless steps
+    /// run on a device, or there are sheets or a pair filter, or with Temporal::paper.
     const StepStats& detect();
     /// The last step's contacts, sorted by (a, b, source, vertex), where bodies have worlds by
     /// world before that: first those of solids, then those of sheets. Valid until the next
     /// detect().
     std::span<const Contact> contacts() const;
+    /// The same contacts, valid for as long as they are kept: later steps write elsewhere. Nothing
+    /// is copied unless there are contacts of sheets, or steps run on a device.
+    KeptContacts keep_contacts();
     /// The same contacts in device memory, without waiting for them; valid until the next detect().
     /// Throws InputError unless the backend runs on the device, or if bodies were added, removed,
     /// moved or changed since.

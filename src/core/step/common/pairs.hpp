@@ -151,11 +151,14 @@ PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
                                   max_of(a.touch, b.touch) + a.outreach() + b.outreach());
 }
 
-/// Which pairs the caller does not want.
-struct PairFilter {
+/// Which pairs the caller wants.
+struct WantedPairs {
     View<const BodyView> bodies;
-    View<const Pair> excluded;  ///< sorted
+    View<const BodyId> ids;
+    View<const Pair> excluded;           ///< sorted
+    const PairFilter* filter = nullptr;  ///< none on a device
 
+    /// True unless a rule leaves the pair out.
     PIERCE_HD bool allows(Pair pair) const {
         if (pair.is_self()) return true;
         if (!bodies[pair.a].filter.allows(bodies[pair.b].filter)) return false;
@@ -166,18 +169,26 @@ struct PairFilter {
         }
         return low == excluded.size || !(excluded[low] == pair);
     }
+    /// True unless the caller leaves the pair out when asked.
+    PIERCE_HD bool wants([[maybe_unused]] Pair pair) const {
+#ifndef __CUDA_ARCH__
+        if (filter != nullptr && !pair.is_self()) return (*filter)(ids[pair.a], ids[pair.b]);
+#endif
+        return true;
+    }
 };
 
 /// Per pair of overlapping world boxes: keeps the pair if it is wanted and the oriented boxes
 /// overlap, too.
 struct TestPair {
-    PairFilter filter;
+    WantedPairs wanted;
     PairKeys as_keys;
     View<const std::uint64_t> keys;
 
     PIERCE_HD bool find(std::uint32_t i) const {
         const Pair pair = as_keys.pair(keys[i]);
-        return filter.allows(pair) && fits_overlap(filter.bodies[pair.a], filter.bodies[pair.b]);
+        return wanted.allows(pair) && fits_overlap(wanted.bodies[pair.a], wanted.bodies[pair.b]) &&
+               wanted.wants(pair);
     }
     PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
     PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place,
@@ -243,7 +254,7 @@ struct LinkSorted {
 /// step's pairs it was. Not for bodies of several worlds.
 struct FindPairs {
     LinkPair link;
-    PairFilter filter;
+    WantedPairs wanted;
 
     static constexpr bool in_order = true;
 
@@ -254,8 +265,8 @@ struct FindPairs {
         const SweepItem first(bodies[a], a), second(bodies[b], b);
         if (a == b) return first.meets_itself;
         if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
-        return first.may_meet(second) && filter.allows({a, b}) &&
-               fits_overlap(bodies[a], bodies[b]);
+        return first.may_meet(second) && wanted.allows({a, b}) &&
+               fits_overlap(bodies[a], bodies[b]) && wanted.wants({a, b});
     }
     PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }
     PIERCE_HD void write(std::uint32_t i, bool is_pair, std::uint32_t place, std::uint64_t* keys,

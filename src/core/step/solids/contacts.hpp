@@ -41,6 +41,16 @@ PIERCE_HD inline std::uint32_t first_not_less(View<const std::uint64_t> keys, st
     return low;
 }
 
+/// Per contact: it is one step older.
+struct GrowOlder {
+    View<Contact> contacts;
+    View<std::uint32_t> ages;
+
+    static constexpr bool is_cheap = true;
+
+    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = ++contacts[i].age; }
+};
+
 /// Per candidate: if it is kept, its key and its index. Then per pair, if pairs are given: if
 /// nothing in it has moved, its contacts of the last step.
 struct KeyContacts {

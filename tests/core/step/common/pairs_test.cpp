@@ -63,7 +63,7 @@ std::vector<std::uint64_t> by_sweep(View<const BodyView> bodies, std::uint32_t w
                                      .walks = walks},
                   boxes);
     executor.emit(ListId::swept_pairs, count_of(boxes),
-                  stages::TestPair{{bodies, excluded}, as_keys, view_of(boxes)}, pairs);
+                  stages::TestPair{{bodies, {}, excluded}, as_keys, view_of(boxes)}, pairs);
     std::sort(pairs.begin(), pairs.end());
     return {pairs.begin(), pairs.end()};
 }
@@ -85,7 +85,7 @@ Found all_at_once(View<const BodyView> bodies, View<const BodyId> ids, const Fou
                                 .last_keys = view_of(last.keys),
                                 .last = view_of(last.identities)};
     executor.emit(ListId::pairs, bodies.size * bodies.size,
-                  stages::FindPairs{link, {bodies, excluded}}, found.keys, found.pairs,
+                  stages::FindPairs{link, {bodies, {}, excluded}}, found.keys, found.pairs,
                   found.identities, found.links);
     return found;
 }
