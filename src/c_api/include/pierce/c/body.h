@@ -14,7 +14,8 @@ typedef enum pierce_motion {
 } pierce_motion;
 
 /** Adds a body that does not move. `pose`: seven numbers, the position x, y, z and the quaternion
- *  x, y, z, w of any length but zero; null: where its mesh is. */
+ *  x, y, z, w of any length but zero; null: where its mesh is. Errors: a pose that is not finite,
+ *  too far away or without a rotation. */
 PIERCE_API pierce_status pierce_add_fixed_body(pierce_world* world, pierce_mesh_id mesh,
                                                const double* pose, pierce_body_id* body);
 /** Adds a body that moves by its pose, which is as for pierce_add_fixed_body(). */
