@@ -7,7 +7,6 @@
 #include "c_api/border.hpp"
 #include "c_api/settings.hpp"
 #include "c_api/world_state.hpp"
-#include "pierce/backend.hpp"
 #include "pierce/c/world.h"
 
 namespace pierce::c {
@@ -56,11 +55,11 @@ using namespace pierce::c;
 
 pierce_status pierce_save(const pierce_world* world, pierce_write write, void* user) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         if (write == nullptr) throw pierce::InputError("write is null");
         WrittenBytes bytes(write, user);
         std::ostream out(&bytes);
-        world->world.save(out);
+        inner.save(out);
     });
 }
 

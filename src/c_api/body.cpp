@@ -43,18 +43,18 @@ using namespace pierce::c;
 pierce_status pierce_add_fixed_body(pierce_world* world, pierce_mesh_id mesh, const double* pose,
                                     pierce_body_id* body) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(body, "body");
-        *body = number(world->world.add_fixed_body(mesh_handle(mesh), pose_or_none(pose)));
+        *body = number(inner.add_fixed_body(mesh_handle(mesh), pose_or_none(pose)));
     });
 }
 
 pierce_status pierce_add_rigid_body(pierce_world* world, pierce_mesh_id mesh, const double* pose,
                                     pierce_body_id* body) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(body, "body");
-        *body = number(world->world.add_rigid_body(mesh_handle(mesh), pose_or_none(pose)));
+        *body = number(inner.add_rigid_body(mesh_handle(mesh), pose_or_none(pose)));
     });
 }
 
@@ -62,50 +62,49 @@ pierce_status pierce_add_deforming_body(pierce_world* world, pierce_mesh_id mesh
                                         const float* positions, size_t vertex_count,
                                         pierce_body_id* body) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(body, "body");
-        *body = number(world->world.add_deforming_body(
-            mesh_handle(mesh), vectors(positions, vertex_count, "positions")));
+        *body = number(inner.add_deforming_body(mesh_handle(mesh),
+                                                vectors(positions, vertex_count, "positions")));
     });
 }
 
 pierce_status pierce_remove_body(pierce_world* world, pierce_body_id body) {
-    return guarded([&] { required(world, "world").world.remove_body(body_handle(body)); });
+    return guarded([&] { world_of(world).remove_body(body_handle(body)); });
 }
 
 pierce_status pierce_set_mesh(pierce_world* world, pierce_body_id body, pierce_mesh_id mesh,
                               const float* positions, size_t vertex_count) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         const auto points = vectors(positions, vertex_count, "positions");
         if (points.empty())
-            world->world.set_mesh(body_handle(body), mesh_handle(mesh));
+            inner.set_mesh(body_handle(body), mesh_handle(mesh));
         else
-            world->world.set_mesh(body_handle(body), mesh_handle(mesh), points);
+            inner.set_mesh(body_handle(body), mesh_handle(mesh), points);
     });
 }
 
 pierce_status pierce_mesh_of(const pierce_world* world, pierce_body_id body, pierce_mesh_id* mesh) {
     return guarded([&] {
-        required(world, "world");
-        required(mesh, "mesh") = number(world->world.mesh_of(body_handle(body)));
+        auto& inner = world_of(world);
+        required(mesh, "mesh") = number(inner.mesh_of(body_handle(body)));
     });
 }
 
 pierce_status pierce_motion_of(const pierce_world* world, pierce_body_id body, uint32_t* motion) {
     return guarded([&] {
-        required(world, "world");
-        required(motion,
-                 "motion") = static_cast<std::uint32_t>(world->world.motion_of(body_handle(body)));
+        auto& inner = world_of(world);
+        required(motion, "motion") = static_cast<std::uint32_t>(inner.motion_of(body_handle(body)));
     });
 }
 
 pierce_status pierce_vertex_position(const pierce_world* world, pierce_body_id body,
                                      uint32_t vertex, double* position) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(position, "position");
-        const pierce::Vec3d at = world->world.vertex_position(body_handle(body), vertex);
+        const pierce::Vec3d at = inner.vertex_position(body_handle(body), vertex);
         for (int k = 0; k < 3; ++k) position[k] = at[k];
     });
 }
@@ -119,10 +118,10 @@ pierce_status pierce_default_collision(pierce_collision* collision, size_t struc
 pierce_status pierce_set_collision(pierce_world* world, pierce_body_id body,
                                    const pierce_collision* collision) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         const pierce_collision c = read_struct(collision, collision_of(pierce::Collision{}),
                                                "collision");
-        world->world.set_collision(
+        inner.set_collision(
             body_handle(body),
             {.self = enumerated(c.self, pierce::SelfCollision::published, "collision.self"),
              .sheet = c.sheet != 0,
@@ -134,9 +133,9 @@ pierce_status pierce_set_collision(pierce_world* world, pierce_body_id body,
 pierce_status pierce_collision_of(const pierce_world* world, pierce_body_id body,
                                   pierce_collision* collision) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(collision, "collision");
-        write_struct(collision_of(world->world.collision_of(body_handle(body))), collision);
+        write_struct(collision_of(inner.collision_of(body_handle(body))), collision);
     });
 }
 
@@ -148,9 +147,9 @@ pierce_status pierce_default_filter(pierce_filter* filter, size_t struct_size) {
 pierce_status pierce_set_filter(pierce_world* world, pierce_body_id body,
                                 const pierce_filter* filter) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         const pierce_filter f = read_struct(filter, filter_of(pierce::Filter{}), "filter");
-        world->world.set_filter(
+        inner.set_filter(
             body_handle(body),
             {.groups = f.groups, .meets = f.meets, .chain = f.chain, .world = f.world});
     });
@@ -159,16 +158,16 @@ pierce_status pierce_set_filter(pierce_world* world, pierce_body_id body,
 pierce_status pierce_filter_of(const pierce_world* world, pierce_body_id body,
                                pierce_filter* filter) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(filter, "filter");
-        write_struct(filter_of(world->world.filter_of(body_handle(body))), filter);
+        write_struct(filter_of(inner.filter_of(body_handle(body))), filter);
     });
 }
 
 pierce_status pierce_exclude(pierce_world* world, pierce_body_id a, pierce_body_id b) {
-    return guarded([&] { required(world, "world").world.exclude(body_handle(a), body_handle(b)); });
+    return guarded([&] { world_of(world).exclude(body_handle(a), body_handle(b)); });
 }
 
 pierce_status pierce_include(pierce_world* world, pierce_body_id a, pierce_body_id b) {
-    return guarded([&] { required(world, "world").world.include(body_handle(a), body_handle(b)); });
+    return guarded([&] { world_of(world).include(body_handle(a), body_handle(b)); });
 }

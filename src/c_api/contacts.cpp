@@ -59,9 +59,9 @@ using namespace pierce::c;
 
 pierce_status pierce_contacts(const pierce_world* world, pierce_contact_list* list) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(list, "list");
-        const auto contacts = world->world.contacts();
+        const auto contacts = inner.contacts();
         *list = {record(contacts.data()), contacts.size(), sizeof(pierce::Contact)};
     });
 }

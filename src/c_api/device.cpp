@@ -33,9 +33,9 @@ template <class T>
 pierce_status set_poses(pierce_world* world, const pierce_body_id* bodies, std::size_t body_count,
                         const T* poses) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         const auto handles = body_handles(bodies, body_count, "bodies");
-        world->world.set_device_poses(handles, &required(poses, "poses"));
+        inner.set_device_poses(handles, &required(poses, "poses"));
     });
 }
 
@@ -47,18 +47,18 @@ using namespace pierce::c;
 pierce_status pierce_set_device_positions(pierce_world* world, const pierce_body_id* bodies,
                                           size_t body_count, const float* positions) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         const auto handles = body_handles(bodies, body_count, "bodies");
-        world->world.set_device_positions(handles, device_vectors(positions, "positions"));
+        inner.set_device_positions(handles, device_vectors(positions, "positions"));
     });
 }
 
 pierce_status pierce_set_device_motion(pierce_world* world, pierce_body_id body, const float* start,
                                        const float* positions) {
     return guarded([&] {
-        required(world, "world");
-        world->world.set_device_motion(body_handle(body), device_vectors(start, "start"),
-                                       device_vectors(positions, "positions"));
+        auto& inner = world_of(world);
+        inner.set_device_motion(body_handle(body), device_vectors(start, "start"),
+                                device_vectors(positions, "positions"));
     });
 }
 
@@ -73,16 +73,16 @@ pierce_status pierce_set_device_poses_float(pierce_world* world, const pierce_bo
 }
 
 pierce_status pierce_set_stream(pierce_world* world, void* stream) {
-    return guarded([&] { required(world, "world").world.set_stream(stream); });
+    return guarded([&] { world_of(world).set_stream(stream); });
 }
 
 pierce_status pierce_device_contacts(const pierce_world* world, pierce_device_contact_list* solids,
                                      pierce_device_contact_list* sheets) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(solids, "solids");
         check_struct(sheets, "sheets");
-        const pierce::DeviceContacts contacts = world->world.device_contacts();
+        const pierce::DeviceContacts contacts = inner.device_contacts();
         write_struct(list_of(contacts.solids), solids);
         write_struct(list_of(contacts.sheets), sheets);
     });

@@ -41,11 +41,10 @@ using namespace pierce::c;
 pierce_status pierce_explain(pierce_world* world, pierce_body_id body, pierce_body_id other,
                              uint32_t vertex, pierce_explanation* explanation) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(explanation, "explanation");
-        auto answer = world->world.explain(body_handle(body), body_handle(other), vertex);
-        auto text = answer.text();
-        world->explanation = {std::move(answer), std::move(text)};
+        const auto answer = inner.explain(body_handle(body), body_handle(other), vertex);
+        world->explanation = {answer, answer.text()};
         const pierce::Explanation& why = world->explanation.answer;
         write_struct(
             pierce_explanation{.struct_size = sizeof(pierce_explanation),

@@ -87,11 +87,11 @@ pierce_status pierce_add_mesh(pierce_world* world, const char* name, const float
                               size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
                               const pierce_mesh_options* options, pierce_mesh_id* mesh) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(mesh, "mesh");
-        *mesh = number(world->world.add_mesh(
-            text(name), mesh_data(positions, vertex_count, triangles, triangle_count),
-            options_of(options)));
+        *mesh = number(inner.add_mesh(text(name),
+                                      mesh_data(positions, vertex_count, triangles, triangle_count),
+                                      options_of(options)));
     });
 }
 
@@ -100,11 +100,11 @@ pierce_status pierce_add_changed_mesh(pierce_world* world, const char* name, con
                                       size_t triangle_count, pierce_mesh_id before,
                                       const pierce_mesh_options* options, pierce_mesh_id* mesh) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(mesh, "mesh");
-        *mesh = number(world->world.add_mesh(
-            text(name), mesh_data(positions, vertex_count, triangles, triangle_count),
-            mesh_handle(before), options_of(options)));
+        *mesh = number(inner.add_mesh(text(name),
+                                      mesh_data(positions, vertex_count, triangles, triangle_count),
+                                      mesh_handle(before), options_of(options)));
     });
 }
 
@@ -125,30 +125,30 @@ void pierce_destroy_shared_mesh(pierce_shared_mesh* shared) { delete shared; }
 pierce_status pierce_add_shared_mesh(pierce_world* world, const pierce_shared_mesh* shared,
                                      pierce_mesh_id* mesh) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(mesh, "mesh");
-        *mesh = number(world->world.add_mesh(required(shared, "shared").mesh));
+        *mesh = number(inner.add_mesh(required(shared, "shared").mesh));
     });
 }
 
 pierce_status pierce_remove_mesh(pierce_world* world, pierce_mesh_id mesh) {
-    return guarded([&] { required(world, "world").world.remove_mesh(mesh_handle(mesh)); });
+    return guarded([&] { world_of(world).remove_mesh(mesh_handle(mesh)); });
 }
 
 pierce_status pierce_mesh(const pierce_world* world, pierce_mesh_id mesh, pierce_mesh_info* info) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(info, "info");
-        write_struct(info_of(world->world.mesh(mesh_handle(mesh))), info);
+        write_struct(info_of(inner.mesh(mesh_handle(mesh))), info);
     });
 }
 
 pierce_status pierce_given_triangle(const pierce_world* world, pierce_mesh_id mesh,
                                     uint32_t triangle, uint32_t* given) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(given, "given");
-        const pierce::Mesh& of = world->world.mesh(mesh_handle(mesh));
+        const pierce::Mesh& of = inner.mesh(mesh_handle(mesh));
         // Mesh::given_triangle() does not look.
         if (triangle >= of.triangles().size())
             throw pierce::InputError("triangle " + std::to_string(triangle) +

@@ -1,6 +1,5 @@
 #include "pierce/mesh_check.hpp"
 
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -56,18 +56,18 @@ using namespace pierce::c;
 pierce_status pierce_parting(pierce_world* world, pierce_body_id a, pierce_body_id b,
                              pierce_translation* translation) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(translation, "translation");
-        write_translation(world->world.parting(body_handle(a), body_handle(b)), translation);
+        write_translation(inner.parting(body_handle(a), body_handle(b)), translation);
     });
 }
 
 pierce_status pierce_overlap(pierce_world* world, pierce_body_id a, pierce_body_id b,
                              double same_direction, pierce_common_volume* common) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(common, "common");
-        const auto overlap = world->world.overlap(body_handle(a), body_handle(b), same_direction);
+        const auto overlap = inner.overlap(body_handle(a), body_handle(b), same_direction);
         std::vector<pierce_contact_patch> patches;
         if (overlap)
             for (const pierce::ContactPatch& patch : overlap->patches)
@@ -82,11 +82,11 @@ pierce_status pierce_overlap(pierce_world* world, pierce_body_id a, pierce_body_
 
 pierce_status pierce_impacts(pierce_world* world, const pierce_impact** impacts, size_t* count) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(impacts, "impacts");
         required(count, "count");
         std::vector<pierce_impact> found;
-        for (const pierce::ImpactContact& impact : world->world.impacts())
+        for (const pierce::ImpactContact& impact : inner.impacts())
             found.push_back(impact_of(impact));
         world->impacts = std::move(found);
         *impacts = world->impacts.data();

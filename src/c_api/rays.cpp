@@ -8,11 +8,11 @@ using namespace pierce::c;
 pierce_status pierce_cast_rays(pierce_world* world, const double* origin, const double* directions,
                                size_t count, pierce_ray_hit* hits) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(origin, "origin");
         const auto lines = vectors(directions, count, "directions");
         if (count > 0) required(hits, "hits");
-        for (const auto& hit : world->world.cast_rays({origin[0], origin[1], origin[2]}, lines)) {
+        for (const auto& hit : inner.cast_rays({origin[0], origin[1], origin[2]}, lines)) {
             *hits = {};
             if (hit) {
                 hits->body = number(hit->body);
@@ -29,12 +29,12 @@ pierce_status pierce_probe(pierce_world* world, const double* points, const doub
                            size_t count, double radius, const pierce_body_id* others,
                            size_t other_count, pierce_probe_contact* contacts) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         const auto places = vectors(points, count, "points");
         const auto directions = vectors(normals, count, "normals");
         const auto bodies = body_handles(others, other_count, "others");
         if (count > 0) required(contacts, "contacts");
-        for (const auto& contact : world->world.probe(places, directions, radius, bodies)) {
+        for (const auto& contact : inner.probe(places, directions, radius, bodies)) {
             *contacts = {};
             if (contact) {
                 contacts->body = number(contact->body);

@@ -2,10 +2,10 @@
 
 #include <memory>
 
+#include "pierce/backend.hpp"
 #include "pierce/c/settings.h"
 
 namespace pierce {
-class Backend;
 struct Settings;
 }  // namespace pierce
 

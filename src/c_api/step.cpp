@@ -61,15 +61,16 @@ pierce_step_stats stats_of(const StepStats& s) {
 using namespace pierce::c;
 
 pierce_status pierce_detect(pierce_world* world) {
-    return guarded([&] { required(world, "world").world.detect(); });
+    return guarded([&] { world_of(world).detect(); });
 }
 
 pierce_status pierce_stats(pierce_world* world, pierce_step_stats* stats) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(stats, "stats");
-        const pierce::StepStats& last = world->world.stats();
+        const pierce::StepStats& last = inner.stats();
         std::vector<pierce_stage_time> times;
+        times.reserve(last.stages.size());
         for (const pierce::StageTime& time : last.stages)
             times.push_back({pierce::name_of(time.stage), time.milliseconds});
         world->stage_times = std::move(times);
@@ -82,10 +83,10 @@ pierce_status pierce_stats(pierce_world* world, pierce_step_stats* stats) {
 
 pierce_status pierce_plan(pierce_world* world, pierce_plan_info* plan) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         check_struct(plan, "plan");
         decltype(world->plan) copy{};
-        copy.plan = world->world.plan();
+        copy.plan = inner.plan();
         copy.settings = settings_of(copy.plan.settings);
         for (const pierce::StageId stage : copy.plan.stages)
             copy.stages.push_back(pierce::name_of(stage));
@@ -112,11 +113,11 @@ pierce_status pierce_plan(pierce_world* world, pierce_plan_info* plan) {
 
 pierce_status pierce_body_boxes(pierce_world* world, const pierce_body_box** boxes, size_t* count) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(boxes, "boxes");
         required(count, "count");
         std::vector<pierce_body_box> found;
-        for (const auto& [body, box] : world->world.body_boxes()) {
+        for (const auto& [body, box] : inner.body_boxes()) {
             pierce_body_box& b = found.emplace_back();
             b.body = number(body);
             copy_to(b.lower, box.lower);

@@ -1,13 +1,11 @@
 #include "pierce/c/world.h"
 
-#include <memory>
 #include <string>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
 #include "c_api/settings.hpp"
 #include "c_api/world_state.hpp"
-#include "pierce/backend.hpp"
 
 using namespace pierce::c;
 
@@ -23,9 +21,9 @@ void pierce_destroy_world(pierce_world* world) { delete world; }
 
 pierce_status pierce_backend(pierce_world* world, const char** description) {
     return guarded([&] {
-        required(world, "world");
+        auto& inner = world_of(world);
         required(description, "description");
-        world->backend = world->world.backend();
+        world->backend = inner.backend();
         *description = world->backend.c_str();
     });
 }

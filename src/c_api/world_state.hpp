@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "c_api/arguments.hpp"
 #include "pierce/c/body.h"
 #include "pierce/c/queries.h"
 #include "pierce/c/step.h"
@@ -36,3 +37,11 @@ struct pierce_world {
         std::string text;
     } explanation;
 };
+
+namespace pierce::c {
+
+/// The world behind a caller's pointer. Throws InputError if that is null.
+inline World& world_of(pierce_world* world) { return required(world, "world").world; }
+inline const World& world_of(const pierce_world* world) { return required(world, "world").world; }
+
+}  // namespace pierce::c

@@ -61,7 +61,8 @@ typedef struct pierce_contact_list {
 /** The contact at a place of a list, which is not checked. */
 static inline const pierce_contact* pierce_contact_at(const pierce_contact_list* list,
                                                       size_t place) {
-    return (const pierce_contact*)(const void*)((const char*)list->contacts + place * list->stride);
+    const void* record = (const char*)list->contacts + place * list->stride;
+    return (const pierce_contact*)record;
 }
 
 /** The last step's contacts, sorted by (a, b, source, vertex); those of sheets follow. They are not
