@@ -57,6 +57,8 @@ class GivenContacts {
 public:
     /// Throws InputError for a list or records that are null, and for a stride below a record.
     GivenContacts(const pierce_contact_list* list, const char* name);
+    GivenContacts(const GivenContacts&) = delete;
+    GivenContacts& operator=(const GivenContacts&) = delete;
 
     std::span<const Contact> span() const { return contacts_; }
 

@@ -51,7 +51,8 @@ typedef struct pierce_contact {
     double padding_c;
 } pierce_contact;
 
-/** A list of contacts. The next record is `stride` bytes further. */
+/** A list of contacts. The next record is `stride` bytes further; those of the library are aligned
+ *  to 16 bytes. */
 typedef struct pierce_contact_list {
     const pierce_contact* contacts;
     size_t count;
