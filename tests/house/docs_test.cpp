@@ -121,7 +121,9 @@ TEST(DocsTest, CodeIsNoWiderThanAHundredColumns) {
     for (const char* folder : {"src", "tests", "bench", "docs/examples"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
             const fs::path kind = entry.path().extension();
-            if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu") continue;
+            if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu" &&
+                kind != ".h" && kind != ".c")
+                continue;
             std::ifstream in(entry.path());
             for (std::string line; std::getline(in, line);)
                 EXPECT_LE(std::count_if(line.begin(), line.end(),

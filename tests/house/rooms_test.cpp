@@ -59,7 +59,8 @@ std::map<std::string, std::set<std::string>> includes() {
     std::map<std::string, std::set<std::string>> all;
     for (const auto& entry : fs::recursive_directory_iterator(src)) {
         const std::string kind = entry.path().extension();
-        if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu") continue;
+        if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu" && kind != ".h")
+            continue;
         std::string name = fs::relative(entry.path(), src);
         if (const auto at = name.find("/include/"); at != std::string::npos)
             name = name.substr(at + 9);
@@ -196,7 +197,7 @@ TEST(RoomsTest, StructsAreFilledByName) {
 // A test lies in the room of what it tests.
 TEST(RoomsTest, TestsMirrorTheRooms) {
     std::size_t tests = 0;
-    for (const char* module : {"core", "cpu_embree", "bullet", "scenes", "app"})
+    for (const char* module : {"core", "cpu_embree", "bullet", "c_api", "scenes", "app"})
         for (const auto& entry : fs::recursive_directory_iterator(root / "tests" / module)) {
             if (entry.path().extension() != ".cpp") continue;
             ++tests;

@@ -72,7 +72,7 @@ std::vector<fs::path> texts() {
     for (const auto& entry : fs::directory_iterator(root / "docs"))
         if (entry.path().extension() == ".md" && entry.path().filename() != "glossary.md")
             found.push_back(entry.path());
-    for (const char* module : {"src/core", "src/cpu_embree", "src/gpu_cuda"})
+    for (const char* module : {"src/core", "src/cpu_embree", "src/gpu_cuda", "src/c_api"})
         for (const auto& entry : fs::recursive_directory_iterator(root / module))
             if (entry.is_regular_file()) found.push_back(entry.path());
     return found;
