@@ -1,0 +1,281 @@
+#include "contacts.hpp"
+
+#include <nanobind/ndarray.h>
+
+#include <cstddef>
+#include <span>
+
+#include "casters.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/contact_changes.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/contact_reduction.hpp"
+#include "pierce/parting.hpp"
+#include "records.hpp"
+
+namespace pierce::python {
+namespace {
+
+std::span<const Contact> all(const Contacts& c) { return c.kept.all(); }
+
+/// A member of every record, as a view: shape (n,), or (n, columns) if columns is not 0.
+template <class Number>
+nb::object column(nb::handle_t<Contacts> self, std::size_t offset, std::size_t columns) {
+    static_assert(sizeof(Contact) % sizeof(Number) == 0);
+    const std::span<const Contact> contacts = all(nb::cast<const Contacts&>(self));
+    const auto* bytes = reinterpret_cast<const std::byte*>(contacts.data());
+    const auto* first = contacts.empty() ? nullptr
+                                         : reinterpret_cast<const Number*>(bytes + offset);
+    const std::size_t shape[2] = {contacts.size(), columns};
+    const std::int64_t strides[2] = {sizeof(Contact) / sizeof(Number), 1};
+    return nb::cast(
+        nb::ndarray<nb::numpy, const Number>(first, columns > 0 ? 2 : 1, shape, self, strides));
+}
+
+/// One field of the records, for the type of the records in NumPy and for a property.
+struct Field {
+    const char* name;
+    const char* type;  ///< as NumPy writes it
+    std::size_t offset;
+    std::size_t columns;  ///< 0: a number
+    const char* doc;
+};
+
+constexpr Field fields[] = {
+    {"a", "<u8", offsetof(Contact, a), 0, "handle of the body in the lower slot, uint64 (n,)"},
+    {"b", "<u8", offsetof(Contact, b), 0, "handle of the other body, uint64 (n,)"},
+    {"source", "u1", offsetof(Contact, source), 0,
+     "which of the two the vertex or edge belongs to, as Side, uint8 (n,)"},
+    {"grazing", "?", offsetof(Contact, grazing), 0,
+     "the ray meets the triangle so flatly that the depth is uncertain, bool (n,)"},
+    {"found", "u1", offsetof(Contact, found), 0, "how it was found, as Found, uint8 (n,)"},
+    {"reprojected", "?", offsetof(Contact, reprojected), 0,
+     "it ends at the closest point, not at the end of its ray, bool (n,)"},
+    {"of_sheet", "?", offsetof(Contact, of_sheet), 0, "one of the two is a sheet, bool (n,)"},
+    {"unknown_side", "?", offsetof(Contact, unknown_side), 0,
+     "of a sheet: the normal does not tell the way out, bool (n,)"},
+    {"vertex", "<u4", offsetof(Contact, vertex), 0,
+     "vertex of the source, or the first one of its edge, uint32 (n,)"},
+    {"edge_end", "<u4", offsetof(Contact, edge_end), 0,
+     "second vertex of the edge; no_vertex if a vertex is in contact, uint32 (n,)"},
+    {"edge", "<u4", offsetof(Contact, edge), 0, "edge of the source's mesh, uint32 (n,)"},
+    {"chord", "<u4", offsetof(Contact, chord), 0,
+     "which of the edge's parts inside the target, uint32 (n,)"},
+    {"other_edge", "<u4", offsetof(Contact, other_edge), 0,
+     "edge of the target's mesh, if two edges are near, uint32 (n,)"},
+    {"triangle", "<u4", offsetof(Contact, triangle), 0, "triangle of the target, uint32 (n,)"},
+    {"age", "<u4", offsetof(Contact, age), 0,
+     "steps in a row that this has been in contact, uint32 (n,)"},
+    {"along", "<f8", offsetof(Contact, along), 0, "where on the edge, 0 to 1, float64 (n,)"},
+    {"time", "<f8", offsetof(Contact, time), 0,
+     "of a sheet: when in the step they first meet, 0 to 1, float64 (n,)"},
+    {"distance", "<f8", offsetof(Contact, distance), 0,
+     "[length] signed: negative where bodies overlap, float64 (n,)"},
+    {"barycentric", "<f8", offsetof(Contact, barycentric), 3,
+     "of the target point in the triangle, float64 (n, 3)"},
+    {"point_a", "<f8", offsetof(Contact, point_a), 3, "on body a, world space, float64 (n, 3)"},
+    {"point_b", "<f8", offsetof(Contact, point_b), 3, "on body b, world space, float64 (n, 3)"},
+    {"normal", "<f8", offsetof(Contact, normal), 3, "unit, from a to b, float64 (n, 3)"},
+    {"face_normal", "<f8", offsetof(Contact, face_normal), 3,
+     "unit, outward, of the target triangle, float64 (n, 3)"},
+};
+
+nb::object view_of_field(nb::handle_t<Contacts> self, const Field& field) {
+    switch (field.type[field.type[0] == '<' ? 1 : 0]) {
+        case 'f':
+            return column<double>(self, field.offset, field.columns);
+        case '?':
+            return column<bool>(self, field.offset, field.columns);
+        default:
+            break;
+    }
+    const std::string type = field.type;
+    if (type == "<u8") return column<std::uint64_t>(self, field.offset, field.columns);
+    if (type == "<u4") return column<std::uint32_t>(self, field.offset, field.columns);
+    return column<std::uint8_t>(self, field.offset, field.columns);
+}
+
+/// What a type checker knows of an array; its type is the last but one word of its description.
+std::string array_signature(const std::string& name, const std::string& doc) {
+    const std::size_t end = doc.rfind(" ("), begin = doc.rfind(' ', end - 1) + 1;
+    std::string type = doc.substr(begin, end - begin);
+    if (type == "bool") type = "bool_";
+    return "def " + name + "(self) -> numpy.typing.NDArray[numpy." + type + "]";
+}
+
+std::vector<std::string> array_signatures() {
+    std::vector<std::string> all;
+    for (const Field& field : fields) all.push_back(array_signature(field.name, field.doc));
+    return all;
+}
+
+/// The NumPy type of a record.
+nb::object record_type() {
+    nb::list names, formats, offsets;
+    for (const Field& field : fields) {
+        names.append(field.name);
+        if (field.columns > 0)
+            formats.append(nb::make_tuple(field.type, nb::make_tuple(field.columns)));
+        else
+            formats.append(field.type);
+        offsets.append(field.offset);
+    }
+    nb::dict about;
+    about["names"] = names;
+    about["formats"] = formats;
+    about["offsets"] = offsets;
+    about["itemsize"] = sizeof(Contact);
+    return nb::module_::import_("numpy").attr("dtype")(about);
+}
+
+/// An array that Python owns, of numbers made now.
+template <class Number>
+nb::object array_from(std::vector<Number> numbers) {
+    auto* kept = new std::vector<Number>(std::move(numbers));
+    const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<decltype(kept)>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, Number>(kept->data(), {kept->size()}, owner));
+}
+
+/// An array in device memory.
+template <class Number>
+nb::object on_device(nb::handle_t<DeviceList> self, const Number* first, std::size_t columns) {
+    const DeviceList& of = nb::cast<const DeviceList&>(self);
+    if (first == nullptr && of.list.room > 0) return nb::none();
+    const std::size_t shape[2] = {of.list.room, columns};
+    return nb::cast(nb::ndarray<nb::array_api, const Number>(first, columns > 0 ? 2 : 1, shape,
+                                                             self, nullptr, nb::dtype<Number>(),
+                                                             nb::device::cuda::value, 0));
+}
+
+}  // namespace
+
+void bind_contacts(nb::module_& module) {
+    auto contacts = nb::class_<Contacts>(
+        module, "Contacts",
+        "The contacts of a step. Arrays are views of the records, without a copy, and stay valid "
+        "through later steps. The order is that of (a, b, source, vertex).");
+    // Python reads these texts for as long as the module is there.
+    static const std::vector<std::string> signatures = array_signatures();
+    for (std::size_t k = 0; k < std::size(fields); ++k)
+        contacts.def_prop_ro(
+            fields[k].name,
+            [k](nb::handle_t<Contacts> self) { return view_of_field(self, fields[k]); },
+            nb::sig(signatures[k].c_str()), fields[k].doc);
+    const nb::object type = record_type();
+    module.attr("contact_dtype") = type;
+    contacts.attr("fields") = type.attr("names");
+    contacts.def("__len__", [](const Contacts& c) { return c.kept.count; })
+        .def("__repr__",
+             [](const Contacts& c) {
+                 double deepest = 0;
+                 for (const Contact& contact : all(c))
+                     deepest = std::max(deepest, contact.penetration_depth());
+                 return "<" + std::to_string(c.kept.count) + " contacts, the deepest " +
+                        std::to_string(deepest) + ">";
+             })
+        .def_prop_ro(
+            "records",
+            [](nb::handle_t<Contacts> self) {
+                const std::span<const Contact> list = all(nb::cast<const Contacts&>(self));
+                const std::size_t shape[1] = {list.size() * sizeof(Contact)};
+                const nb::object bytes = nb::cast(
+                    nb::ndarray<nb::numpy, const std::uint8_t>(list.data(), 1, shape, self));
+                return bytes.attr("view")(
+                    nb::module_::import_("pierce._core").attr("contact_dtype"));
+            },
+            nb::sig("def records(self) -> numpy.typing.NDArray[numpy.void]"),
+            "All contacts as a structured array (n,) of contact_dtype, without a copy.")
+        .def_prop_ro(
+            "depth",
+            [](const Contacts& c) {
+                std::vector<double> depths;
+                for (const Contact& contact : all(c)) depths.push_back(contact.penetration_depth());
+                return array_from(std::move(depths));
+            },
+            nb::sig("def depth(self) -> numpy.typing.NDArray[numpy.float64]"),
+            "[length] max(-distance, 0), float64 (n,), made anew.")
+        .def_prop_ro(
+            "feature",
+            [](const Contacts& c) {
+                std::vector<std::uint64_t> features;
+                for (const Contact& contact : all(c)) features.push_back(contact.feature());
+                return array_from(std::move(features));
+            },
+            nb::sig("def feature(self) -> numpy.typing.NDArray[numpy.uint64]"),
+            "A number that names a contact within its pair from step to step, uint64 (n,), made "
+            "anew.")
+        .def_prop_ro(
+            "hash", [](const Contacts& c) { return contact_hash(all(c)); },
+            "64-bit hash of the list: equal lists have equal hashes, on every backend.")
+        .def(
+            "reduce",
+            [](const Contacts& c, std::uint32_t most_per_pair) {
+                std::vector<std::uint32_t> places;
+                std::vector<double> weights;
+                for (const ReducedContact& r : reduce(all(c), most_per_pair)) {
+                    places.push_back(r.contact);
+                    weights.push_back(r.weight);
+                }
+                return nb::make_tuple(array_from(std::move(places)),
+                                      array_from(std::move(weights)));
+            },
+            nb::arg("most_per_pair"),
+            nb::sig(
+                "def reduce(self, most_per_pair: int) -> tuple[numpy.typing.NDArray[numpy.uint32], "
+                "numpy.typing.NDArray[numpy.float64]]"),
+            "Picks at most `most_per_pair` contacts of each pair, six at least, with weights, so "
+            "that force and torque stay. Returns places, uint32 (k,), and weights, float64 (k,).")
+        .def(
+            "changes",
+            [](const Contacts& later, const Contacts& earlier) {
+                const ContactChanges found = contact_changes(all(earlier), all(later));
+                return nb::make_tuple(array_from(found.began), array_from(found.stayed),
+                                      array_from(found.ended));
+            },
+            nb::arg("earlier"),
+            nb::sig(
+                "def changes(self, earlier: Contacts) -> tuple[numpy.typing.NDArray[numpy.uint32], "
+                "numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.uint32]]"),
+            "What began and stayed, as places in this list, and what ended, as places in the "
+            "earlier one; uint32 arrays.")
+        .def(
+            "least_translation", [](const Contacts& c) { return least_translation(all(c)); },
+            "The shortest translation of body b that takes all these contacts apart; they must be "
+            "of one pair. None if there is none.");
+
+    auto device = nb::class_<DeviceList>(
+        module, "DeviceContactList",
+        "Contacts in device memory as arrays with room for `room` of them; the first `count[0]` "
+        "are there. They are read through DLPack, and valid until the next detect().");
+    device
+        .def_prop_ro(
+            "room", [](const DeviceList& d) { return d.list.room; },
+            "There are never more contacts.")
+        .def_prop_ro(
+            "count",
+            [](nb::handle_t<DeviceList> self) {
+                const std::size_t one[1] = {1};
+                return nb::cast(nb::ndarray<nb::array_api, const std::uint32_t>(
+                    nb::cast<const DeviceList&>(self).list.count, 1, one, self, nullptr,
+                    nb::dtype<std::uint32_t>(), nb::device::cuda::value, 0));
+            },
+            "How many there are, uint32 (1,).");
+    const auto column_of = [&](const char* name, auto member, std::size_t columns,
+                               const char* doc) {
+        device.def_prop_ro(
+            name,
+            [member, columns](nb::handle_t<DeviceList> self) {
+                return on_device(self, nb::cast<const DeviceList&>(self).list.*member, columns);
+            },
+            doc);
+    };
+    column_of("body_a", &DeviceContactList::body_a, 0, "index of body a, uint32 (room,)");
+    column_of("body_b", &DeviceContactList::body_b, 0, "index of body b, uint32 (room,)");
+    column_of("feature", &DeviceContactList::feature, 0, "Contacts.feature, uint64 (room,)");
+    column_of("distance", &DeviceContactList::distance, 0, "[length] signed, float32 (room,)");
+    column_of("point_a", &DeviceContactList::point_a, 3, "on body a, float32 (room, 3)");
+    column_of("point_b", &DeviceContactList::point_b, 3, "on body b, float32 (room, 3)");
+    column_of("normal", &DeviceContactList::normal, 3, "unit, from a to b, float32 (room, 3)");
+}
+
+}  // namespace pierce::python

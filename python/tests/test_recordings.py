@@ -1,0 +1,83 @@
+"""Recordings: written, read, replayed with the hashes of the C++ command, and validated."""
+
+import json
+import os
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import box, torus
+
+import pierce
+
+
+@pytest.fixture(scope="module")
+def pile():
+    return pierce.simulate("tori", count=6, seconds=0.7, threads=1)
+
+
+def test_round_trip(pile, tmp_path):
+    pile.write(str(tmp_path / "pile"))
+    again = pierce.Recording.read(str(tmp_path / "pile"))
+    assert again.frame_count == pile.frame_count and again.body_names == pile.body_names
+    for body in range(len(pile.body_names)):
+        np.testing.assert_array_equal(again.motion(body), pile.motion(body))
+    with pytest.raises(pierce.InputError):
+        pierce.Recording.read(str(tmp_path))
+
+
+def test_replay_has_the_hashes_of_the_command(pile, tmp_path):
+    command = os.environ.get("PIERCE_COMMAND")
+    if not command:
+        pytest.skip("PIERCE_COMMAND names no pierce command")
+    pile.write(str(tmp_path / "pile"))
+    out = tmp_path / "out.json"
+    subprocess.run([command, "replay", str(tmp_path / "pile"), "--threads", "1", "--json", str(out)],
+                   check=True, capture_output=True)  # fmt: skip
+    frames = json.loads(out.read_text())["frames"]
+    replay = pierce.Replay(pile, "embree", 1)
+    hashes = [f"{replay.step(f).hash:016x}" for f in range(len(replay))]
+    assert [frame["hash"] for frame in frames] == hashes and len(set(hashes)) > 5
+
+
+def test_replays_agree(pile):
+    one = pierce.Replay(pile, "embree", 2, coverage="complete")
+    other = pierce.Replay(pile, "bvh", coverage="complete")
+    for frame in range(0, len(one), 5):
+        assert one.step(frame).hash == other.step(frame).hash
+    with pytest.raises(IndexError, match="frame 1000"):
+        one.step(1000)
+
+
+def test_validate(pile):
+    found = pierce.validate(pile, ["embree", "bvh"], every=7)
+    assert found.frames > 3 and found.differing_frames == 0
+    assert [r.wrong_contacts for r in found.results] == [0, 0]
+
+
+def test_a_recording_from_arrays(tmp_path):
+    vertices, _ = torus()
+    fall = np.zeros((10, 7), np.float32)
+    fall[:, 2], fall[:, 6] = np.linspace(1.5, 0.6, 10), 1
+    sway = vertices + np.linspace(0, 0.1, 10, dtype=np.float32)[:, None, None]
+    ground = np.float32([[0, 0, -0.5, 0, 0, 0, 1]])
+    made = pierce.Recording(
+        1 / 60,
+        [("box", box()), ("torus", torus())],
+        [("ground", 0, "fixed", ground), ("box", 0, "rigid", fall), ("soft", 1, "deforming", sway)],
+    )
+    replay = pierce.Replay(made, "embree", 1)
+    counts = [len(replay.step(frame)) for frame in range(10)]
+    assert counts[0] < counts[-1]
+    made.write(str(tmp_path / "made"))
+    assert pierce.Recording.read(str(tmp_path / "made")).frame_count == 10
+    with pytest.raises(ValueError, match=r"expected a motion of shape \(frames, 7\)"):
+        pierce.Recording(0.1, [("box", box())], [("a", 0, "rigid", fall[0])])
+    with pytest.raises(IndexError, match="no mesh 3"):
+        pierce.Recording(0.1, [("box", box())], [("a", 3, "rigid", fall)])
+
+
+def test_scenes():
+    assert "tori" in pierce.scenes()
+    with pytest.raises(pierce.InputError):
+        pierce.simulate("nothing")

@@ -1,0 +1,309 @@
+"""Worlds, bodies and their contacts: the same as in C++, by names and by values."""
+
+import gc
+import re
+import sys
+import threading
+import weakref
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import box, torus
+
+import pierce
+
+SOURCE = Path(__file__).parents[2]
+
+# Members of World in C++ that Python has under another name, or not at all, and why.
+ELSEWHERE = {
+    "keep_contacts": "contacts",  # every list of contacts in Python outlasts its step
+    "set_device_positions": "set_positions",  # arrays say where they are
+    "set_device_motion": "set_motion",
+    "set_device_poses": "set_poses",
+}
+
+
+def test_every_member_of_world_is_here():
+    header = (SOURCE / "src/core/include/pierce/world.hpp").read_text()
+    body = header[header.index("class World {") : header.index("private:")]
+    body = re.sub(r"///.*", "", body)
+    names = set(re.findall(r"\b([a-z_]+)\((?=[^;]*;)", body)) - {"detect_"}
+    assert {"detect", "add_mesh", "set_pair_filter", "probe"} <= names
+    missing = {n for n in names if not hasattr(pierce.World, ELSEWHERE.get(n, n))}
+    assert missing == set()
+
+
+@pytest.mark.parametrize(
+    "header, struct, python",
+    [
+        ("settings", "Settings", pierce.Settings),
+        ("body", "Collision", pierce.Collision),
+        ("filter", "Filter", pierce.Filter),
+        ("step_stats", "StepStats", pierce.StepStats),
+        ("explain", "Explanation", pierce.Explanation),
+        ("parting", "Parting", pierce.Parting),
+        ("overlap", "Overlap", pierce.Overlap),
+        ("overlap", "ContactPatch", pierce.ContactPatch),
+        ("impact_contact", "ImpactContact", pierce.ImpactContact),
+        ("mesh", "MeshTraits", pierce.MeshTraits),
+        ("inside", "MeshInside", pierce.MeshInside),
+        ("contact", "Contact", pierce.Contacts),
+        ("world", "RayHit", pierce.RayHit),
+        ("world", "ProbeContact", pierce.ProbeContact),
+        ("world", "WorldOffsets", pierce.WorldOffsets),
+    ],
+)
+def test_every_field_is_here(header, struct, python):
+    text = (SOURCE / f"src/core/include/pierce/{header}.hpp").read_text()
+    start = re.search(rf"struct (alignas\(16\) )?{struct} {{", text).start()
+    body = re.sub(r"//.*", "", text[start : text.index("\n};", start)])
+    body = body.split("PIERCE_HD")[0]
+    fields = re.findall(r"^    (?!return|friend)[\w:<>, ]+? (\w+(?:\[\d\])?(?: = [^;,]+)?"
+                        r"(?:, \w+(?: = [^;,]+)?)*)(?:{})?;", body, re.M)  # fmt: skip
+    names = {re.match(r"\w+", f).group() for line in fields for f in line.split(", ")}
+    names = {n for n in names if not n.startswith("padding")}
+    assert len(names) >= 2
+    assert {n for n in names if not hasattr(python, n)} == set()
+
+
+def test_every_class_and_function_has_a_description():
+    for name in dir(pierce):
+        thing = getattr(pierce, name)
+        if not name.startswith("_") and (callable(thing) or isinstance(thing, type)):
+            assert thing.__doc__, name
+
+
+def test_contacts_are_views_of_one_list(two_tori):
+    world, rigid, soft, _ = two_tori
+    contacts = world.detect()
+    assert len(contacts) == world.stats.contacts > 50
+    records = contacts.records
+    assert records.dtype == pierce.contact_dtype and len(records) == len(contacts)
+    for field in pierce.Contacts.fields:
+        column = getattr(contacts, field)
+        assert np.shares_memory(column, records), field
+        assert not column.flags.writeable
+        np.testing.assert_array_equal(column, records[field])
+    assert set(contacts.a) == {int(rigid)} and set(contacts.b) == {int(soft)}
+    assert pierce.BodyId(int(contacts.b[0])) == soft
+    along = ((contacts.point_b - contacts.point_a) * contacts.normal).sum(1)
+    np.testing.assert_allclose(along, contacts.distance, atol=1e-12)
+    np.testing.assert_array_equal(contacts.depth, np.maximum(-contacts.distance, 0))
+    assert np.from_dlpack(contacts.distance).__array_interface__["data"] == (
+        contacts.distance.__array_interface__["data"]
+    )
+    assert "contacts" in repr(contacts)
+
+
+def test_contacts_outlast_steps_and_worlds(two_tori):
+    world, rigid, soft, positions = two_tori
+    lists = []
+    for step in range(8):
+        world.set_pose(rigid, [0.02 * step, 0, 0, 0, 0, 0, 1])
+        contacts = world.detect()
+        lists.append((contacts.normal, contacts.normal.copy(), contacts, contacts.hash))
+        if step == 5:
+            world.detect()
+            world.detect()
+    del world, contacts, two_tori
+    gc.collect()
+    for view, copy, contacts, hash_then in lists:
+        np.testing.assert_array_equal(view, copy)
+        assert contacts.hash == hash_then
+
+
+def test_same_contacts_on_every_backend(two_tori):
+    world, *_ = two_tori
+    expected = world.detect()
+    saved = world.save()
+    for backend in ("embree", "bvh", "reference"):
+        other = pierce.World.restore(saved, backend)
+        assert other.detect().hash == expected.hash, backend
+
+
+def test_settings_by_name():
+    world = pierce.World("reference", coverage="vertices", reproject=False, margin=0.1)
+    assert world.plan.settings.coverage == pierce.Coverage.vertices
+    settings = pierce.Settings(temporal="paper", full_every=3)
+    assert pierce.World("reference", settings=settings).plan.settings.full_every in (3, 8)
+    assert settings == pierce.Settings(temporal=pierce.Temporal.paper, full_every=3)
+    with pytest.raises(ValueError, match="coverage: expected one of vertices, complete, overlaps"):
+        pierce.World(coverage="some")
+    with pytest.raises(TypeError, match="Settings has no field 'covrage'; it has"):
+        pierce.World(covrage="complete")
+    with pytest.raises(pierce.InputError, match="there are: automatic, embree"):
+        pierce.World("cpu")
+
+
+def test_texts_for_people(two_tori):
+    world, rigid, soft, _ = two_tori
+    world.detect()
+    assert "1 rigid, 1 deforming" in repr(world)
+    assert repr(rigid) == "BodyId(0)"
+    assert "coverage=" in repr(pierce.Settings())
+    assert pierce.Settings()._repr_html_().startswith("<table>")
+    assert "Plan(" in repr(world.plan) and "pairs=1" in repr(world.stats)
+    inside = int(world.contacts.vertex[0])
+    source = rigid if world.contacts.source[0] == 0 else soft
+    other = soft if source == rigid else rigid
+    explanation = world.explain(source, other, inside)
+    assert explanation.reason == pierce.Reason.contact and explanation.contact is not None
+    assert len(explanation.text) > 10
+
+
+def test_questions(two_tori):
+    world, rigid, soft, _ = two_tori
+    contacts = world.detect()
+    parting = world.parting(rigid, soft)
+    assert parting.depth >= contacts.depth.max() - 1e-5
+    overlap = world.overlap(rigid, soft)
+    assert overlap.volume > 0 and overlap.patches[0].area > 0
+    places, weights = contacts.reduce(8)
+    assert len(places) <= 8 and (weights > 0).all()
+    began, stayed, ended = world.detect().changes(contacts)
+    assert len(began) == len(ended) == 0 and len(stayed) == len(contacts)
+    hits = world.cast_rays((0, 0, 5), [[0, 1, 0], [1, 0, -5], [0, 0, 1]])
+    assert hits[0] is None and hits[1].body in (rigid, soft) and hits[2] is None
+    touched = world.probe([[1, 0, 0.3]], [[0, 0, 1]], 0.5)
+    assert touched[0].distance < 0
+    assert world.impacts() == []
+    assert len(world.body_boxes()) == 2
+
+
+def test_many_worlds():
+    world = pierce.World("embree", 1)
+    mesh = world.add_mesh(box())
+    for z in (0.0, 0.95):
+        body = world.add_rigid_body(mesh, [0, 0, z, 0, 0, 0, 1])
+        world.set_filter(body, pierce.Filter(world=0))
+    world.replicate(0, 9)
+    world.set_world_active(4, False)
+    world.detect()
+    offsets = world.world_offsets()
+    counts = np.diff(offsets.solids)
+    assert offsets.worlds == list(range(10))
+    assert (counts == [counts[0] if w != 4 else 0 for w in range(10)]).all() and counts[0] > 0
+
+
+def test_pair_filter(two_tori):
+    world, rigid, soft, _ = two_tori
+    asked = []
+    world.set_pair_filter(lambda a, b: asked.append((a, b)))  # None is no
+    assert len(world.detect()) == 0 and asked == [(rigid, soft)]
+
+    def fail(a, b):
+        raise KeyError("mine")
+
+    world.set_pair_filter(fail)
+    with pytest.raises(KeyError, match="mine"):
+        world.detect()
+    world.set_pair_filter(lambda a, b: world.stats is None)
+    with pytest.raises(RuntimeError, match="own pair filter"):
+        world.detect()
+    world.set_pair_filter(None)
+    assert len(world.detect()) > 0
+
+
+def test_a_filter_that_holds_its_world_is_collected():
+    class Holder:
+        pass
+
+    holder = Holder()
+    holder.world = pierce.World("reference")
+    holder.world.set_pair_filter(lambda a, b: holder is not None)
+    gone = weakref.ref(holder)
+    del holder
+    gc.collect()
+    assert gone() is None
+
+
+def test_two_worlds_in_two_threads():
+    vertices, triangles = torus(around=40, across=20)
+    results = {}
+
+    def run(name):
+        world = pierce.World("embree", 1)
+        mesh = world.add_mesh((vertices, triangles))
+        world.add_fixed_body(mesh)
+        body = world.add_rigid_body(mesh)
+        hashes = []
+        for step in range(60):
+            world.set_pose(body, [0.9, 0.01 * step, 0.1, 0, 0, 0, 1])
+            hashes.append(world.detect().hash)
+        results[name] = hashes
+
+    threads = [threading.Thread(target=run, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert results[0] == results[1] and len(set(results[0])) > 30
+
+
+def test_one_world_in_two_threads_is_refused():
+    world = pierce.World("reference", coverage="complete")
+    mesh = world.add_mesh(torus())
+    world.add_fixed_body(mesh)
+    body = world.add_rigid_body(mesh, [0.9, 0, 0.1, 0, 0, 0, 1])
+    refused, over = [], threading.Event()
+
+    def disturb():
+        while not over.is_set():
+            try:
+                world.set_pose(body, [0.9, 0, 0.1, 0, 0, 0, 1])
+            except RuntimeError as error:
+                refused.append(str(error))
+
+    thread = threading.Thread(target=disturb)
+    thread.start()
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    for _ in range(20):
+        try:
+            world.detect()
+        except RuntimeError as error:
+            refused.append(str(error))
+    over.set()
+    thread.join()
+    sys.setswitchinterval(interval)
+    assert refused and all("another thread" in text for text in refused)
+
+
+def test_meshes_of_others():
+    vertices, triangles = torus()
+
+    class Faces:  # as trimesh has them
+        pass
+
+    faces = Faces()
+    faces.vertices, faces.faces = vertices.astype(np.float64), triangles.astype(np.int64)
+
+    class Cells:  # as meshio has them
+        pass
+
+    cells = Cells()
+    cells.points, cells.cells_dict = vertices, {"triangle": triangles}
+    made = pierce.Mesh.make((vertices, triangles), "torus", inside="closed")
+    for mesh in (faces, cells, made, (vertices.tolist(), triangles.tolist())):
+        world = pierce.World("reference")
+        kept = world.mesh(world.add_mesh(mesh))
+        np.testing.assert_array_equal(kept.vertices, vertices)
+        np.testing.assert_array_equal(kept.triangles, triangles)
+    assert made.traits.closed and made.inside.exists
+    assert pierce.check_mesh(made).sound
+    (_, fixed), places, done = pierce.fix_mesh((vertices, triangles[1:]))
+    assert len(fixed) == len(triangles) and done.holes == 1
+
+
+def test_a_mesh_that_worlds_share_stays():
+    made = pierce.Mesh.make(torus())
+    world = pierce.World("reference")
+    mesh = world.add_mesh(made)
+    del made
+    gc.collect()
+    assert len(world.mesh(mesh).vertices) == 300
+    vertices = world.mesh(mesh).vertices
+    del world
+    gc.collect()
+    assert np.isfinite(vertices).all()
