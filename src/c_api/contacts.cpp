@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
@@ -82,8 +83,10 @@ pierce_status pierce_keep_contacts(pierce_world* world, pierce_kept_contacts** k
         auto& inner = world_of(world);
         required(kept, "kept");
         required(list, "list");
-        *kept = new pierce_kept_contacts{inner.keep_contacts()};
-        *list = list_of((*kept)->contacts.all());
+        pierce::KeptContacts contacts = inner.keep_contacts();
+        const pierce_contact_list all = list_of(contacts.all());
+        *kept = new pierce_kept_contacts{std::move(contacts)};
+        *list = all;
     });
 }
 
