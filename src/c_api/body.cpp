@@ -1,5 +1,7 @@
 #include "pierce/c/body.h"
 
+#include <utility>
+
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
 #include "c_api/versioned.hpp"
@@ -170,4 +172,15 @@ pierce_status pierce_exclude(pierce_world* world, pierce_body_id a, pierce_body_
 
 pierce_status pierce_include(pierce_world* world, pierce_body_id a, pierce_body_id b) {
     return guarded([&] { world_of(world).include(body_handle(a), body_handle(b)); });
+}
+
+pierce_status pierce_set_pair_filter(pierce_world* world, pierce_pair_filter filter, void* user) {
+    return guarded([&] {
+        pierce::PairFilter asked;
+        if (filter != nullptr)
+            asked = [filter, user](pierce::BodyId a, pierce::BodyId b) {
+                return filter(number(a), number(b), user) != 0;
+            };
+        world_of(world).set_pair_filter(std::move(asked));
+    });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
@@ -12,7 +13,18 @@
 #include "pierce/contact_hash.hpp"
 #include "pierce/contact_reduction.hpp"
 
+struct pierce_kept_contacts {
+    pierce::KeptContacts contacts;
+};
+
 namespace pierce::c {
+namespace {
+
+pierce_contact_list list_of(std::span<const Contact> contacts) {
+    return {record(contacts.data()), contacts.size(), sizeof(Contact)};
+}
+
+}  // namespace
 
 static_assert(PIERCE_FOUND_SEPARATION == static_cast<int>(Found::separation) &&
               PIERCE_FOUND_TANGLED == static_cast<int>(Found::tangled) &&
@@ -61,10 +73,24 @@ pierce_status pierce_contacts(const pierce_world* world, pierce_contact_list* li
     return guarded([&] {
         auto& inner = world_of(world);
         required(list, "list");
-        const auto contacts = inner.contacts();
-        *list = {record(contacts.data()), contacts.size(), sizeof(pierce::Contact)};
+        *list = list_of(inner.contacts());
     });
 }
+
+pierce_status pierce_keep_contacts(pierce_world* world, pierce_kept_contacts** kept,
+                                   pierce_contact_list* list) {
+    return guarded([&] {
+        auto& inner = world_of(world);
+        required(kept, "kept");
+        required(list, "list");
+        pierce::KeptContacts contacts = inner.keep_contacts();
+        const pierce_contact_list all = list_of(contacts.all());
+        *kept = new pierce_kept_contacts{std::move(contacts)};
+        *list = all;
+    });
+}
+
+void pierce_release_contacts(pierce_kept_contacts* kept) { delete kept; }
 
 pierce_status pierce_contact_feature(const pierce_contact* contact, uint64_t* feature) {
     return guarded([&] {

@@ -52,7 +52,8 @@ pierce_step_stats stats_of(const StepStats& s) {
             .tangled = s.tangled,
             .own_rays = s.own_rays,
             .refits = s.refits,
-            .rebuilds = s.rebuilds};
+            .rebuilds = s.rebuilds,
+            .at_rest = s.at_rest};
 }
 
 }  // namespace

@@ -9,6 +9,11 @@ static int write_nothing(const void* bytes, size_t size, void* user) {
     return 1;
 }
 
+static int meet_all(pierce_body_id a, pierce_body_id b, void* user) {
+    (void)a, (void)b, (void)user;
+    return 1;
+}
+
 /* A struct of a later version: what is new there is zero, or not. */
 typedef struct later_settings {
     pierce_settings now;
@@ -111,6 +116,10 @@ static void missing_backend(void) {
     backend.kind = PIERCE_BACKEND_CUDA;
     CHECK(cuda == PIERCE_OK || strstr(pierce_last_error(), "CUDA") != NULL);
     CHECK(pierce_create_world(NULL, &backend, &world) == cuda);
+    if (cuda == PIERCE_OK) {
+        REFUSES(pierce_set_pair_filter(world, meet_all, NULL), "pair filter");
+        WORKS(pierce_set_pair_filter(world, NULL, NULL));
+    }
     pierce_destroy_world(world);
 }
 
@@ -271,6 +280,8 @@ static void bodies(scene* s, pierce_body_id stale) {
     REFUSES(pierce_exclude(w, s->above, stale), "was removed");
     REFUSES(pierce_include(NULL, s->above, s->below), "world is null");
     REFUSES(pierce_include(w, stale, s->above), "was removed");
+    REFUSES(pierce_set_pair_filter(NULL, meet_all, NULL), "world is null");
+    REFUSES(pierce_set_pair_filter(NULL, NULL, NULL), "world is null");
 }
 
 static void worlds_within(scene* s) {
@@ -383,6 +394,7 @@ static void steps(scene* s) {
     pierce_contact_list list = {0}, narrow, missing = {NULL, 3, sizeof(pierce_contact)};
     pierce_translation way = {.struct_size = sizeof way};
     pierce_reduced_contact reduced[1];
+    pierce_kept_contacts* kept = NULL;
     size_t count = 0;
     uint64_t number = 0;
     REFUSES(pierce_detect(NULL), "world is null");
@@ -399,6 +411,11 @@ static void steps(scene* s) {
     REFUSES(pierce_body_boxes(w, &boxes, NULL), "count is null");
     REFUSES(pierce_contacts(NULL, &list), "world is null");
     REFUSES(pierce_contacts(w, NULL), "list is null");
+    REFUSES(pierce_keep_contacts(NULL, &kept, &list), "world is null");
+    REFUSES(pierce_keep_contacts(w, NULL, &list), "kept is null");
+    REFUSES(pierce_keep_contacts(w, &kept, NULL), "list is null");
+    CHECK(kept == NULL && list.contacts == NULL);
+    pierce_release_contacts(NULL);
     WORKS(pierce_contacts(w, &list));
     narrow = list;
     narrow.stride = 200;
@@ -428,6 +445,7 @@ static void questions(scene* s, pierce_body_id stale) {
     pierce_common_volume common = {.struct_size = sizeof common};
     const pierce_impact* impacts = NULL;
     const double d[3] = {0, 0, 1}, bad[3] = {0, (double)NAN, 1};
+    const double elsewhere[7] = {0, 0, 2, 0, 0, 0, 1};
     pierce_ray_hit hit;
     pierce_probe_contact touched;
     size_t count = 0;
@@ -468,7 +486,7 @@ static void questions(scene* s, pierce_body_id stale) {
     REFUSES(pierce_probe(w, d, d, 1, 1, &stale, 1, &touched), "was removed");
     REFUSES(pierce_probe(w, d, d, 1, 1, NULL, 0, NULL), "contacts is null");
     /* Bodies have moved since. */
-    WORKS(pierce_set_pose(w, s->above, pose_above));
+    WORKS(pierce_set_pose(w, s->above, elsewhere));
     why.struct_size = sizeof why;
     REFUSES(pierce_explain(w, s->above, s->below, 0, &why), "");
     REFUSES(pierce_cast_rays(w, d, d, 1, &hit), "");

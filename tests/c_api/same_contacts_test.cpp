@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <pierce/pierce.h>
 
+#include <atomic>
 #include <cstring>
 
 #include "pierce/contact_changes.hpp"
@@ -80,6 +81,7 @@ protected:
         EXPECT_EQ(own.pairs, stats.pairs);
         EXPECT_EQ(own.penetration_max, stats.penetration_max);
         EXPECT_EQ(own.stage_count, stats.stages.size());
+        EXPECT_EQ(own.at_rest != 0, stats.at_rest);
         found_ += contacts.size();
     }
 
@@ -107,6 +109,53 @@ TEST_F(SameContactsTest, OfARandomSceneBitForBit) {
         move(random_.integer(0, body_count - 1));
     }
     EXPECT_GT(found_, 1000u);
+}
+
+TEST_F(SameContactsTest, OfBodiesAtRestAndOfStepsBefore) {
+    SCOPED_TRACE("seed " + std::to_string(random_.seed()));
+    for (int i = 0; i < body_count; ++i) add_body(i);
+    std::vector<pierce_kept_contacts*> kept;
+    std::vector<pierce_contact_list> lists;
+    std::vector<KeptContacts> own;
+    int rested = 0;
+    for (int i = 0; i < 2 * step_count; ++i) {
+        step();
+        rested += cpp_.stats().at_rest;
+        WORKS(pierce_keep_contacts(c_, &kept.emplace_back(), &lists.emplace_back()));
+        own.push_back(cpp_.keep_contacts());
+        if (i == step_count) move(1);
+    }
+    EXPECT_EQ(rested, 2 * step_count - 4);  // all but the first two, and two after the motion
+    pierce_destroy_world(c_);
+    c_ = nullptr;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        ASSERT_EQ(lists[i].count, own[i].count);
+        EXPECT_EQ(std::memcmp(lists[i].contacts, own[i].first.get(), own[i].all().size_bytes()), 0);
+        pierce_release_contacts(kept[i]);
+    }
+}
+
+TEST_F(SameContactsTest, OfPairsThatTheCallerAllows) {
+    SCOPED_TRACE("seed " + std::to_string(random_.seed()));
+    for (int i = 0; i < body_count; ++i) add_body(i);
+    step();
+    const std::size_t of_all = found_;
+    std::atomic<int> calls = 0;
+    const auto allow = [](pierce_body_id a, pierce_body_id b, void* user) {
+        ++*static_cast<std::atomic<int>*>(user);
+        return static_cast<int>((a + b) % 3);
+    };
+    WORKS(pierce_set_pair_filter(c_, allow, &calls));
+    cpp_.set_pair_filter([](BodyId a, BodyId b) { return (number(a) + number(b)) % 3 != 0; });
+    step();
+    EXPECT_GT(found_, of_all + 100);
+    EXPECT_LT(found_, 2 * of_all);
+    EXPECT_GT(calls, 20);
+    WORKS(pierce_set_pair_filter(c_, nullptr, nullptr));
+    cpp_.set_pair_filter({});
+    const std::size_t before = found_;
+    step();
+    EXPECT_EQ(found_, before + of_all);
 }
 
 TEST_F(SameContactsTest, QuestionsHaveTheSameAnswers) {

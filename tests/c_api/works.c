@@ -52,6 +52,41 @@ static void steps(void) {
     pierce_destroy_world(s.world);
 }
 
+/* A step in which nothing has changed; contacts of steps before, which nobody writes any more. */
+static void rest(void) {
+    scene s;
+    pierce_contact_list list = {0}, early = {0}, late = {0};
+    pierce_kept_contacts *first = NULL, *second = NULL;
+    pierce_step_stats stats = {.struct_size = sizeof stats};
+    uint64_t hash = 0, of_early = 1, of_late = 2;
+    uint32_t step;
+    const double far_away[7] = {0, 0, 9, 0, 0, 0, 1};
+    make_scene(&s, NULL, NULL);
+    for (step = 0; step < 4; ++step) {
+        WORKS(pierce_detect(s.world));
+        WORKS(pierce_stats(s.world, &stats));
+        CHECK(stats.at_rest == (step >= 2) && (stats.stage_count == 0) == (step >= 2));
+        WORKS(pierce_contacts(s.world, &list));
+        CHECK(stats.contacts == list.count && list.count > 10 && list.contacts->age == step);
+        if (step == 1) WORKS(pierce_keep_contacts(s.world, &first, &early));
+    }
+    WORKS(pierce_contact_hash(&list, &hash));
+    WORKS(pierce_keep_contacts(s.world, &second, &late));
+    CHECK(late.contacts == list.contacts && late.count == list.count);
+    WORKS(pierce_set_pose(s.world, s.above, far_away));
+    WORKS(pierce_detect(s.world));
+    WORKS(pierce_stats(s.world, &stats));
+    CHECK(stats.at_rest == 0 && stats.contacts == 0);
+    pierce_destroy_world(s.world);
+    WORKS(pierce_contact_hash(&early, &of_early));
+    WORKS(pierce_contact_hash(&late, &of_late));
+    CHECK(hash == of_early && hash == of_late);
+    CHECK(early.contacts->age == 1 && late.contacts->age == 3);
+    CHECK(early.stride == sizeof(pierce_contact) && late.stride == early.stride);
+    pierce_release_contacts(first);
+    pierce_release_contacts(second);
+}
+
 /* Contacts go out as they are, and come back in where they lie, copied, or further apart. */
 static void lists(void) {
     scene s;
@@ -202,6 +237,41 @@ static void unusable_places(void) {
     WORKS(pierce_detect(s.world));
     WORKS(pierce_stats(s.world, &stats));
     CHECK(stats.excluded_bodies == 1 && (stats.status & PIERCE_BODY_EXCLUDED) != 0);
+    pierce_destroy_world(s.world);
+}
+
+/* What a pair filter was asked, and answers. There is one pair, so one thread at a time writes. */
+typedef struct question {
+    pierce_body_id a, b;
+    int calls, answer;
+} question;
+
+static int answer(pierce_body_id a, pierce_body_id b, void* user) {
+    question* asked = user;
+    asked->a = a;
+    asked->b = b;
+    ++asked->calls;
+    return asked->answer;
+}
+
+static void pair_filters(void) {
+    scene s;
+    pierce_contact_list list = {0};
+    question asked = {0, 0, 0, 0};
+    make_scene(&s, NULL, NULL);
+    WORKS(pierce_set_pair_filter(s.world, answer, &asked));
+    WORKS(pierce_detect(s.world));
+    WORKS(pierce_contacts(s.world, &list));
+    CHECK(list.count == 0 && asked.calls == 1 && asked.a == s.below && asked.b == s.above);
+    asked.answer = -1;
+    WORKS(pierce_detect(s.world));
+    WORKS(pierce_contacts(s.world, &list));
+    CHECK(list.count > 10 && asked.calls == 2);
+    asked.answer = 0;
+    WORKS(pierce_set_pair_filter(s.world, NULL, &asked));
+    WORKS(pierce_detect(s.world));
+    WORKS(pierce_contacts(s.world, &list));
+    CHECK(list.count > 10 && asked.calls == 2);
     pierce_destroy_world(s.world);
 }
 
@@ -385,11 +455,13 @@ int main(void) {
              PIERCE_VERSION_PATCH);
     CHECK(strcmp(version, pierce_version()) == 0);
     steps();
+    rest();
     lists();
     questions();
     places();
     unusable_places();
     filters();
+    pair_filters();
     saving();
     meshes();
     backends();

@@ -97,6 +97,17 @@ PIERCE_API pierce_status pierce_exclude(pierce_world* world, pierce_body_id a, p
 /** Takes the pair in again. */
 PIERCE_API pierce_status pierce_include(pierce_world* world, pierce_body_id a, pierce_body_id b);
 
+/** Tells whether two bodies meet: 0 if they do not. `a` is less than `b` by its lower 32 bits. It
+ *  must not throw or jump, and must not call the world. */
+typedef int (*pierce_pair_filter)(pierce_body_id a, pierce_body_id b, void* user);
+
+/** Asks `filter` whether two bodies meet, where filters allow it and their boxes overlap, once a
+ *  step for every such pair. Null: nothing is asked any more. `user` is handed to `filter`, which
+ *  all threads of the backend call at the same time. It is neither saved nor asked by
+ *  pierce_parting(). Errors: a backend that runs on a device. */
+PIERCE_API pierce_status pierce_set_pair_filter(pierce_world* world, pierce_pair_filter filter,
+                                                void* user);
+
 PIERCE_C_END
 
 #endif

@@ -70,6 +70,17 @@ static inline const pierce_contact* pierce_contact_at(const pierce_contact_list*
  *  copied: valid until the next pierce_detect(), or until the world is destroyed. */
 PIERCE_API pierce_status pierce_contacts(const pierce_world* world, pierce_contact_list* list);
 
+/** Contacts that outlast their step, and the world. */
+typedef struct pierce_kept_contacts pierce_kept_contacts;
+
+/** Keeps the last step's contacts: `list` is valid until pierce_release_contacts(), whatever
+ *  becomes of the world. Nothing is copied unless there are contacts of sheets, or steps run on a
+ *  device. */
+PIERCE_API pierce_status pierce_keep_contacts(pierce_world* world, pierce_kept_contacts** kept,
+                                              pierce_contact_list* list);
+/** Lets kept contacts go. Null: nothing happens. */
+PIERCE_API void pierce_release_contacts(pierce_kept_contacts* kept);
+
 /** A number that names a contact within its pair, in every step. */
 PIERCE_API pierce_status pierce_contact_feature(const pierce_contact* contact, uint64_t* feature);
 /** A hash of all fields but `age` and `found`: equal lists have equal hashes, on all backends. */

@@ -6,7 +6,8 @@
 
 PIERCE_C_BEGIN
 
-/** Runs one step: finds all contacts of the bodies where they are now. */
+/** Runs one step: finds all contacts of the bodies where they are now. If nothing has changed in
+ *  this step and the last one, contacts get older and nothing else is done (docs/filters.md). */
 PIERCE_API pierce_status pierce_detect(pierce_world* world);
 
 /** How long a stage took. */
@@ -60,6 +61,7 @@ typedef struct pierce_step_stats {
     uint32_t own_rays;
     uint32_t refits;
     uint32_t rebuilds;
+    uint32_t at_rest; /**< 1: nothing had changed, counts are those of the last step */
 } pierce_step_stats;
 
 /** The last step's stages, counts and status bits; `stats->struct_size` must be set. */

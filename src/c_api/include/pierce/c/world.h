@@ -11,7 +11,8 @@ PIERCE_C_BEGIN
 PIERCE_API pierce_status pierce_create_world(const pierce_settings* settings,
                                              const pierce_backend_options* backend,
                                              pierce_world** world);
-/** Destroys a world and all that its calls have given out. Null: nothing happens. */
+/** Destroys a world and all that its calls have given out, but for kept contacts. Null: nothing
+ *  happens. */
 PIERCE_API void pierce_destroy_world(pierce_world* world);
 
 /** The backend's name and how it was made, for people. Valid until the world is destroyed or this
