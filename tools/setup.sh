@@ -3,7 +3,11 @@
 packages=(g++ cmake ninja-build pkg-config
           libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev libfcl-dev
           libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo gnuplot-nox
-          libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev)
+          libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev
+          python3-dev python3-venv)
+
+# Arguments of cmake when build() configures.
+configure=()
 
 # Installs the packages that are not installed yet, with sudo if need be; says nothing if there are none.
 install_packages() {
@@ -19,11 +23,20 @@ install_packages() {
     DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -yq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build PRESET [cmake --build arguments]: configures when there is no build yet, then builds what changed.
+# python_environment FOLDER [PACKAGES...]: a Python environment with packages of PyPI.
+python_environment() {
+    local folder=$1
+    shift
+    [[ -x $folder/bin/python ]] || python3 -m venv "$folder"
+    "$folder/bin/python" -m pip install -q --disable-pip-version-check "$@"
+}
+
+# build PRESET [cmake --build arguments]: configures when there is no build yet, then builds what changed. What is in the
+# array `configure` goes to cmake.
 build() {
     local preset=$1
     shift
-    [[ -f build/$preset/build.ninja ]] || cmake --preset "$preset" >"/tmp/pierce-configure-$preset.$$" 2>&1 ||
+    [[ -f build/$preset/build.ninja ]] || cmake --preset "$preset" "${configure[@]}" >"/tmp/pierce-configure-$preset.$$" 2>&1 ||
         { cat "/tmp/pierce-configure-$preset.$$"; return 1; }
     rm -f "/tmp/pierce-configure-$preset.$$"
     cmake --build --preset "$preset" "$@" >"build/$preset/build.log" 2>&1 || { cat "build/$preset/build.log"; return 1; }

@@ -2,8 +2,13 @@
 
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "casters.hpp"
 #include "pierce/contact.hpp"
@@ -17,6 +22,12 @@ namespace pierce::python {
 namespace {
 
 std::span<const Contact> all(const Contacts& c) { return c.kept.all(); }
+
+/// Contacts from one place to another; they keep the whole list.
+Contacts part_of(const Contacts& c, std::size_t begin, std::size_t end) {
+    return {
+        {std::shared_ptr<const Contact>(c.kept.first, c.kept.first.get() + begin), end - begin}};
+}
 
 /// A member of every record, as a view: shape (n,), or (n, columns) if columns is not 0.
 template <class Number>
@@ -165,6 +176,44 @@ void bind_contacts(nb::module_& module) {
     module.attr("contact_dtype") = type;
     contacts.attr("fields") = type.attr("names");
     contacts.def("__len__", [](const Contacts& c) { return c.kept.count; })
+        .def(
+            "__getitem__",
+            [](const Contacts& c, nb::handle which) {
+                Py_ssize_t begin = 0, end = 0, step = 1;
+                const auto count = static_cast<Py_ssize_t>(c.kept.count);
+                if (nb::isinstance<nb::slice>(which)) {
+                    if (PySlice_Unpack(which.ptr(), &begin, &end, &step) < 0)
+                        throw nb::python_error();
+                    PySlice_AdjustIndices(count, &begin, &end, step);
+                    if (step != 1) throw nb::value_error("contacts: expected a step of 1");
+                } else {
+                    begin = nb::cast<Py_ssize_t>(which);
+                    if (begin < 0) begin += count;
+                    if (begin < 0 || begin >= count)
+                        throw nb::index_error(
+                            ("there are " + std::to_string(count) + " contacts").c_str());
+                    end = begin + 1;
+                }
+                return part_of(c, static_cast<std::size_t>(begin),
+                               static_cast<std::size_t>(std::max(begin, end)));
+            },
+            nb::arg("which"), nb::sig("def __getitem__(self, which: int | slice) -> Contacts"),
+            "One contact, or some that follow each other, without a copy.")
+        .def(
+            "of_pair",
+            [](const Contacts& c, BodyId one, BodyId other) {
+                const BodyId a = std::min(one, other), b = std::max(one, other);
+                const std::span<const Contact> list = all(c);
+                const auto is_of = [&](const Contact& contact) {
+                    return contact.a == a && contact.b == b;
+                };
+                const auto begin = std::ranges::find_if(list, is_of);
+                const auto end = std::find_if_not(begin, list.end(), is_of);
+                return part_of(c, static_cast<std::size_t>(begin - list.begin()),
+                               static_cast<std::size_t>(end - list.begin()));
+            },
+            nb::arg("a"), nb::arg("b"),
+            "The contacts of two bodies, in either order, without a copy.")
         .def("__repr__",
              [](const Contacts& c) {
                  double deepest = 0;

@@ -43,7 +43,9 @@ std::string html_of(nb::handle record) {
 
 void set_fields(nb::handle record, const nb::kwargs& values) {
     const nb::object fields = fields_of(record);
-    for (auto [name, value] : values) {
+    for (auto [given, value] : values) {
+        const auto text_given = nb::cast<std::string>(given);
+        const nb::str name(text_given == "self_" ? "self" : text_given.c_str());
         if (!nb::cast<bool>(fields.attr("__contains__")(name)))
             throw nb::type_error((name_of(record) + " has no field '" +
                                   nb::cast<std::string>(name) + "'; it has " + text(fields))

@@ -36,7 +36,8 @@ E choice(nb::handle given, const char* what) {
 std::string text_of(nb::handle record);
 /// The same as a table for notebooks.
 std::string html_of(nb::handle record);
-/// Sets fields by name. Throws a TypeError for a name that is no field.
+/// Sets fields by name; a field called `self` is `self_`, as Python itself uses that name. Throws a
+/// TypeError for a name that is no field.
 void set_fields(nb::handle record, const nb::kwargs& values);
 
 /// Binds a C++ struct as a class with fields. `with_init`: Python makes values, from fields by

@@ -144,6 +144,6 @@ def test_arrays_of_other_packages(two_tori):
         elif name == "warp":
             array = package.array(positions, dtype=package.vec3, device="cpu")
         else:
-            array = package.numpy.asarray(positions)
+            array = package.device_put(positions, package.devices("cpu")[0])
         world.set_positions(soft, array)
         assert world.detect().hash == expected, name

@@ -136,6 +136,44 @@ def test_settings_by_name():
         pierce.World("cpu")
 
 
+def test_a_field_called_self():
+    collision = pierce.Collision(self_="on", margin=0.5)
+    assert collision.self == pierce.SelfCollision.on and collision.margin == 0.5
+    collision.self = "off"
+    assert collision == pierce.Collision(margin=0.5)
+
+
+def test_handles_compare_with_anything():
+    assert pierce.BodyId(1) != None and not pierce.BodyId(1) == "a"  # noqa: E711
+    assert pierce.BodyId(1) == pierce.BodyId(1) != pierce.BodyId(2) > pierce.BodyId(1)
+
+
+def test_parts_of_a_list(two_tori):
+    world, rigid, soft, _ = two_tori
+    other = world.add_rigid_body(world.mesh_of(rigid), [0, 0.9, 0.1, 0, 0, 0, 1])
+    contacts = world.detect()
+    pairs = {(a, b) for a, b in zip(contacts.a, contacts.b)}
+    assert len(pairs) == 3
+    parts = [contacts.of_pair(pierce.BodyId(int(a)), pierce.BodyId(int(b))) for a, b in pairs]
+    assert sum(len(part) for part in parts) == len(contacts)
+    for part, (a, b) in zip(parts, pairs):
+        assert (part.a == a).all() and (part.b == b).all()
+        assert np.shares_memory(part.normal, contacts.normal)
+        np.testing.assert_array_equal(
+            part.distance, contacts.distance[(contacts.a == a) & (contacts.b == b)]
+        )
+    assert len(contacts.of_pair(soft, rigid)) == len(contacts.of_pair(rigid, soft)) > 0
+    alone = contacts[3:10]
+    assert len(alone) == 7
+    np.testing.assert_array_equal(alone.point_a, contacts.point_a[3:10])
+    np.testing.assert_array_equal(contacts[-1].normal, contacts.normal[-1:])
+    with pytest.raises(IndexError):
+        contacts[len(contacts)]
+    with pytest.raises(ValueError, match="step of 1"):
+        contacts[::2]
+    world.remove_body(other)
+
+
 def test_texts_for_people(two_tori):
     world, rigid, soft, _ = two_tori
     world.detect()

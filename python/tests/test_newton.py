@@ -1,0 +1,299 @@
+"""pierce.newton against Newton's own pipeline, conventions and filters. All on the CPU."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from conftest import box, torus
+
+newton = pytest.importorskip("newton", reason="Newton is not installed")
+import warp as wp  # noqa: E402
+
+import pierce.newton as adapter  # noqa: E402
+
+pytestmark = pytest.mark.filterwarnings("ignore::newton.NewtonWarning")
+
+Look = newton.ModelBuilder.ShapeConfig
+
+
+def mesh_of(shape):
+    vertices, triangles = shape
+    return newton.Mesh(vertices, triangles.flatten().astype(np.int32))
+
+
+BOX, RING = mesh_of(box(0.25)), mesh_of(torus(0.3, 0.1))
+
+
+def place(position=(0, 0, 0), axis=(0, 0, 1), angle=0.0):
+    return wp.transform(wp.vec3(*position), wp.quat_from_axis_angle(wp.vec3(*axis), angle))
+
+
+def add(builder, position, look, shape="mesh", angle=0.0, mesh=BOX, xform=None, scale=(1, 1, 1)):
+    body = builder.add_body(xform=place(position, (0.6, 0, 0.8), angle))
+    if shape == "mesh":
+        return builder.add_shape_mesh(body, mesh=mesh, cfg=look, xform=xform, scale=scale)
+    if shape == "hull":
+        return builder.add_shape_convex_hull(body, mesh=mesh, cfg=look, scale=scale)
+    if shape == "sphere":
+        return builder.add_shape_sphere(body, radius=0.25, cfg=look)
+    return builder.add_shape_box(body, hx=0.25, hy=0.25, hz=0.25, cfg=look)
+
+
+def made(builder):
+    return builder.finalize(device="cpu")
+
+
+def rows_of(contacts):
+    """Arrays of a contact list by their names, without 'rigid_contact_'."""
+    count = int(contacts.rigid_contact_count.numpy()[0])
+    names = ("shape0", "shape1", "point0", "point1", "offset0", "offset1", "normal", "margin0",
+             "margin1")
+    return {name: getattr(contacts, f"rigid_contact_{name}").numpy()[:count] for name in names}
+
+
+def pairs_in(contacts):
+    rows = rows_of(contacts)
+    return {tuple(sorted(pair)) for pair in zip(rows["shape0"].tolist(), rows["shape1"].tolist())}
+
+
+def turned(pose, points, inverse=False):
+    """Points, (n, 3), turned and moved by a pose of seven numbers, or back."""
+    matrix = np.array(wp.quat_to_matrix(wp.quat(*map(float, pose[3:])))).reshape(3, 3)
+    return (points - pose[:3]) @ matrix if inverse else points @ matrix.T + pose[:3]
+
+
+def simulated(model, pipeline, seconds, rate=480, iterations=4, watch=None):
+    solver = newton.solvers.SolverXPBD(model, iterations=iterations)
+    contacts, control = pipeline.contacts(), model.control()
+    state, following = model.state(), model.state()
+    for _ in range(int(seconds * rate)):
+        state.clear_forces()
+        pipeline.collide(state, contacts)
+        if watch:
+            watch(state)
+        solver.step(state, following, control, contacts, 1 / rate)
+        state, following = following, state
+    return state
+
+
+def two_rings(height=1.0):
+    """Overlapping rings over the ground, turned on their bodies; the second one is scaled."""
+    builder = newton.ModelBuilder()
+    add(builder, (0, 0, height), Look(margin=0.01, gap=0.02), mesh=RING, angle=0.3,
+        xform=place((0.1, 0, 0.2), (1, 0, 0), 0.5))
+    add(builder, (0.3, 0.1, height + 0.15), Look(margin=0.004, gap=0.01), mesh=RING, angle=-0.4,
+        scale=(1.2, 0.9, 1.0))
+    builder.add_ground_plane()
+    return made(builder)
+
+
+def collided(model, **options):
+    pipeline = adapter.CollisionPipeline(model, "embree", threads=1, **options)
+    state, contacts = model.state(), pipeline.contacts()
+    pipeline.collide(state, contacts)
+    return pipeline, state, contacts
+
+
+def test_conventions():
+    model = two_rings()
+    pipeline, state, contacts = collided(model)
+    found, rows = pipeline.world.contacts, rows_of(contacts)
+    kept = found.distance <= 0.01 + 0.02 + 0.004 + 0.01
+    assert 10 < kept.sum() < len(found) and kept.sum() == len(rows["normal"])
+    poses = state.body_q.numpy()
+    for side, mine, sign in ((0, found.point_a, 1), (1, found.point_b, -1)):
+        assert (rows[f"shape{side}"] == side).all()
+        margin = model.shape_margin.numpy()[side]
+        np.testing.assert_allclose(
+            turned(poses[side], rows[f"point{side}"]), mine[kept], atol=2e-6)
+        np.testing.assert_allclose(rows[f"margin{side}"], margin)
+        np.testing.assert_allclose(
+            turned(poses[side], rows[f"offset{side}"]) - poses[side][:3],
+            sign * margin * found.normal[kept], atol=2e-6)
+    np.testing.assert_allclose(rows["normal"], found.normal[kept], atol=1e-6)
+
+    distance = wp.zeros(contacts.rigid_contact_max, dtype=float, device="cpu")
+    newton.eval_rigid_contact_kinematics(model, state, contacts, out_distance=distance)
+    np.testing.assert_allclose(
+        distance.numpy()[: len(rows["normal"])], found.distance[kept] - 0.014, atol=3e-6)
+
+
+def test_points_are_on_the_surfaces_of_the_placed_meshes():
+    model = two_rings()
+    pipeline, state, contacts = collided(model)
+    rows, poses = rows_of(contacts), state.body_q.numpy()
+    for side in (0, 1):
+        local = turned(model.shape_transform.numpy()[side], rows[f"point{side}"], inverse=True)
+        corners = (RING.vertices * model.shape_scale.numpy()[side])[RING.indices.reshape(-1, 3)]
+        world = turned(poses[side], rows[f"point{side}"])
+        assert np.abs(world[:, 2] - 1).max() < 0.7
+        for point in local:
+            normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            heights = np.abs(((point - corners[:, 0]) * normals).sum(1))
+            near = np.linalg.norm(corners.mean(1) - point, axis=1) < 0.15
+            assert heights[near].min() < 1e-5
+
+
+def test_generation_goes_up():
+    pipeline, state, contacts = collided(two_rings())
+    before = int(contacts.contact_generation.numpy()[0])
+    pipeline.collide(state, contacts)
+    assert int(contacts.contact_generation.numpy()[0]) > before
+
+
+class LikeADevice:
+    """A world on the host that takes poses and gives contacts as one on a device does."""
+
+    def __init__(self, world):
+        self.world, self.detect = world, world.detect
+
+    def set_poses(self, bodies, poses):
+        assert isinstance(poses, wp.array)
+        self.world.set_poses(bodies, poses)
+
+    def device_contacts(self):
+        found, room = self.world.contacts, len(self.world.contacts) + 5
+
+        def padded(values, kind=np.float32):
+            column = np.full((room, *values.shape[1:]), 77, kind)
+            column[: len(found)] = values
+            return column
+
+        return SimpleNamespace(
+            room=room, count=np.array([len(found)], np.uint32),
+            body_a=padded(found.a & 0xFFFFFFFF, np.uint32),
+            body_b=padded(found.b & 0xFFFFFFFF, np.uint32), distance=padded(found.distance),
+            point_a=padded(found.point_a), point_b=padded(found.point_b),
+            normal=padded(found.normal)), None
+
+
+def test_contacts_of_a_device_are_written_after_newtons():
+    model = two_rings(height=0.05)
+    pipeline, state, contacts = collided(model)
+    expected = rows_of(contacts)
+    newtons = len(rows_of(contacts)["normal"]) - sum(
+        pair == (0, 1) for pair in zip(expected["shape0"], expected["shape1"], strict=True))
+    assert 0 < newtons < len(expected["normal"])
+    pipeline.world, pipeline._stays = LikeADevice(pipeline.world), True
+    again = pipeline.contacts()
+    pipeline.collide(state, again)
+    for name, values in rows_of(again).items():
+        np.testing.assert_array_equal(values, expected[name])
+
+
+def test_nothing_is_dropped_in_silence():
+    model = two_rings()
+    with pytest.raises(RuntimeError, match=r"\d+ contacts, but rigid_contact_max is 5"):
+        collided(model, rigid_contact_max=5)
+    model.rigid_contact_max = 6
+    with pytest.raises(RuntimeError, match="rigid_contact_max is 6"):
+        collided(model)
+
+
+def test_fewer_contacts_of_a_pair():
+    _, _, all_of_them = collided(two_rings())
+    _, _, few = collided(two_rings(), most_per_pair=6)
+    assert 0 < len(rows_of(few)["normal"]) <= 6 < len(rows_of(all_of_them)["normal"])
+
+
+def test_pairs_are_those_of_the_model():
+    """Shapes of all kinds in one place: groups, worlds, filter pairs, flags, bodies, the ground."""
+    rng = np.random.default_rng(3)
+    builder = newton.ModelBuilder()
+    kinds = ("mesh", "box", "hull", "mesh", "sphere")
+    looks = [Look(gap=0.0, collision_group=group) for group in (1, 1, 2, -1, -2, 0)]
+    looks += [Look(gap=0.0, has_shape_collision=False)]
+
+    def fill(into):
+        for k, look in enumerate(looks):
+            add(into, rng.uniform(-0.02, 0.02, 3), look, kinds[k % len(kinds)],
+                rng.uniform(0.1, 1))
+
+    fill(builder)
+    builder.add_shape_mesh(body=-1, mesh=BOX, cfg=looks[0], xform=place((0.03, 0, 0)))
+    builder.add_shape_mesh(body=-1, mesh=BOX, cfg=looks[0], xform=place((0.01, 0, 0)))
+    builder.add_shape_box(body=0, hx=0.2, hy=0.2, hz=0.2, cfg=looks[0])
+    builder.add_shape_collision_filter_pair(0, 1)
+    for _ in range(2):
+        one = newton.ModelBuilder()
+        fill(one)
+        builder.add_world(one)
+    builder.add_ground_plane(cfg=looks[0])
+    model = made(builder)
+    allowed = {tuple(sorted(pair)) for pair in model.shape_contact_pairs.numpy().tolist()}
+    fixed = {shape for shape, body in enumerate(model.shape_body.numpy()) if body < 0}
+    taken = {shape for shape, kind in enumerate(model.shape_type.numpy())
+             if kind in adapter.TAKEN}
+    pipeline, _, contacts = collided(model, rigid_contact_max=20000)
+    of_pierce = {pair for pair in allowed if set(pair) <= taken and not set(pair) <= fixed}
+    slots = pipeline._shape_of.numpy()
+    found = pipeline.world.contacts
+    met = {tuple(sorted(pair)) for pair in
+           zip(slots[found.a & 0xFFFFFFFF].tolist(), slots[found.b & 0xFFFFFFFF].tolist())}
+    assert met == of_pierce and len(met) > 20
+    both_not = {pair for pair in itertools.combinations(range(model.shape_count), 2)} - allowed
+    assert not pairs_in(contacts) & both_not
+    ground = model.shape_count - 1
+    assert {pair for pair in pairs_in(contacts) if ground in pair}
+    assert met <= pairs_in(contacts)
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (1.0, -1.0, 1.0)])
+def test_scaled_and_mirrored_meshes_are_solid(scale):
+    builder = newton.ModelBuilder()
+    look = Look(gap=0.0)
+    add(builder, (0, 0, 0), look, mesh=RING, scale=scale)
+    add(builder, (0, 0.3, 0.02), look, mesh=BOX, scale=(0.2, 0.2, 0.2))
+    pipeline, _, contacts = collided(made(builder))
+    assert pairs_in(contacts) == {(0, 1)}
+    assert pipeline.world.contacts.distance.min() < -0.02
+
+
+def test_boxes_rest_where_newton_lets_them_rest():
+    builder = newton.ModelBuilder()
+    look = Look(density=1000.0, mu=0.5, margin=0.01, gap=0.01)
+    for k, shape in enumerate(("mesh", "box", "hull")):
+        body = builder.add_body(xform=place((0.02 * k, 0, 0.3 + 0.55 * k), angle=0.3 * k))
+        if shape == "mesh":
+            builder.add_shape_mesh(body, mesh=BOX, cfg=look)
+        elif shape == "box":
+            builder.add_shape_box(body, hx=0.25, hy=0.25, hz=0.25, cfg=look)
+        else:
+            builder.add_shape_convex_hull(body, mesh=BOX, cfg=look)
+    builder.add_ground_plane(cfg=Look(mu=0.5))
+    model = made(builder)
+    heights = [
+        simulated(model, pipeline, 1.0, iterations=8).body_q.numpy()[:, 2] for pipeline in (
+            adapter.CollisionPipeline(model, "embree", threads=1),
+            newton.CollisionPipeline(model, broad_phase="nxn"))]
+    np.testing.assert_allclose(heights[0], [0.26, 0.78, 1.3], atol=2e-3)
+    np.testing.assert_allclose(heights[0], heights[1], atol=2e-3)
+
+
+def test_a_linked_ring_hangs_in_the_other_one():
+    builder = newton.ModelBuilder()
+    look = Look(density=500.0, margin=0.005, gap=0.005)
+    builder.add_shape_mesh(
+        body=-1, mesh=RING, cfg=look, xform=place((0, 0, 1), (1, 0, 0), np.pi / 2))
+    body = builder.add_body(xform=place((0, 0, 0.65), (0, 1, 0), np.pi / 2))
+    builder.add_shape_mesh(body, mesh=RING, cfg=look)
+    model = made(builder)
+    pipeline = adapter.CollisionPipeline(model, "embree", threads=1)
+    deepest = []
+    state = simulated(model, pipeline, 1.0, watch=lambda _: deepest.append(
+        pipeline.world.contacts.depth.max(initial=0.0)))
+    assert max(deepest) < 1e-3
+    # The tubes of round rings would rest on each other at 1 - 0.3 + 2 * 0.1 - 0.3 - 2 * 0.005.
+    # The corners of these ones are on the round ones.
+    assert 0.59 < state.body_q.numpy()[0, 2] < 0.63
+    assert np.abs(state.body_qd.numpy()[0, 2]) < 0.05
+
+
+def test_models_without_meshes_are_left_to_newton():
+    builder = newton.ModelBuilder()
+    add(builder, (0, 0, 0.24), Look(), "sphere")
+    builder.add_ground_plane()
+    _, _, contacts = collided(made(builder))
+    assert pairs_in(contacts) == {(0, 1)}
