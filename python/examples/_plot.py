@@ -6,14 +6,20 @@ from pathlib import Path
 import matplotlib
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.colors import to_rgb  # noqa: E402
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import to_rgb
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 BLUE, ORANGE, GREEN, RED, SKY, GREY = (
-    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#999999")
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#D55E00",
+    "#56B4E9",
+    "#999999",
+)
 DEPTHS = "cividis_r"
 LIGHT = np.array([0.4, -0.5, 0.77])
 
@@ -26,8 +32,9 @@ def torus(major=1.0, minor=0.4, around=36, across=18):
     vertices = np.stack([r * np.cos(a), r * np.sin(a), minor * np.sin(b)], -1)
     here, right = u * across + v, (u + 1) % around * across + v
     up, both = u * across + (v + 1) % across, (u + 1) % around * across + (v + 1) % across
-    triangles = [np.stack(three, -1).reshape(-1, 3)
-                 for three in ((here, right, both), (here, both, up))]
+    triangles = [
+        np.stack(three, -1).reshape(-1, 3) for three in ((here, right, both), (here, both, up))
+    ]
     return vertices.reshape(-1, 3).astype(np.float32), np.concatenate(triangles).astype(np.uint32)
 
 
@@ -55,8 +62,15 @@ def draw_contacts(axes, points, depth, normals=None, length=1.0, size=14, label=
     if normals is not None:
         arrows = normals * (length * depth / depth.max())[:, None]
         axes.quiver(*points.T, *arrows.T, color=RED, linewidth=1.0, arrow_length_ratio=0.25)
-    drawn = axes.scatter(*points.T, c=depth, cmap=DEPTHS, s=size, depthshade=False,
-                         edgecolors="black", linewidths=0.3)
+    drawn = axes.scatter(
+        *points.T,
+        c=depth,
+        cmap=DEPTHS,
+        s=size,
+        depthshade=False,
+        edgecolors="black",
+        linewidths=0.3,
+    )
     axes.figure.colorbar(drawn, ax=axes, shrink=0.6, pad=0.16, label=label)
 
 
@@ -64,8 +78,14 @@ def set_box(axes, *points, zoom=1.0):
     """Equal scales around all points, and names of the axes."""
     everything = np.concatenate([np.reshape(part, (-1, 3)) for part in points])
     lower, upper = everything.min(0), everything.max(0)
-    axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]),
-             xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set(
+        xlim=(lower[0], upper[0]),
+        ylim=(lower[1], upper[1]),
+        zlim=(lower[2], upper[2]),
+        xlabel="x [m]",
+        ylabel="y [m]",
+        zlabel="z [m]",
+    )
     axes.set_box_aspect(np.maximum(upper - lower, 1e-9), zoom=zoom)
     axes.locator_params(nbins=4)
 

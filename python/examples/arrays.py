@@ -10,9 +10,8 @@ import importlib.util
 
 import matplotlib.pyplot as plt
 import numpy as np
-from _plot import BLUE, ORANGE, draw_contacts, draw_mesh, save, set_box, torus
-
 import pierce
+from _plot import BLUE, ORANGE, draw_contacts, draw_mesh, save, set_box, torus
 
 vertices, triangles = torus()
 positions = vertices + np.float32([1.1, 0, 0.35])
@@ -40,20 +39,24 @@ if world.on_device and importlib.util.find_spec("cupy"):
     arrays["CuPy"] = cupy.asarray(positions)
 
 hashes = set()
-for name, array in arrays.items():
+for array in arrays.values():
     world.set_positions(soft, array)
     contacts = world.detect()
     hashes.add(contacts.hash)
-print(f"{len(contacts)} contacts from {', '.join(arrays)}: "
-      + ("the same from all" if len(hashes) == 1 else "they differ"))
+print(
+    f"{len(contacts)} contacts from {', '.join(arrays)}: "
+    + ("the same from all" if len(hashes) == 1 else "they differ")
+)
 
 # Columns of the records: a stride of one record, no memory of their own.
 distance = contacts.distance
 shared = [np.shares_memory(distance, contacts.records), not distance.flags.owndata]
 if "PyTorch" in arrays:
     shared.append(torch.from_dlpack(distance).data_ptr() == distance.ctypes.data)
-print(f"distance: {distance.dtype} {distance.shape}, stride {distance.strides[0]} bytes; "
-      + ("no copy was made" if all(shared) else "it was copied"))
+print(
+    f"distance: {distance.dtype} {distance.shape}, stride {distance.strides[0]} bytes; "
+    + ("no copy was made" if all(shared) else "it was copied")
+)
 
 figure = plt.figure(figsize=(7.5, 5))
 axes = figure.add_subplot(projection="3d")

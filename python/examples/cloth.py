@@ -10,10 +10,8 @@ which side they belong. None is `tangled`, which is what nobody has seen the beg
 
 import matplotlib.pyplot as plt
 import numpy as np
-from _plot import (BLUE, GREEN, GREY, ORANGE, RED, draw_contacts, draw_mesh, placed, save,
-                   set_box)
-
 import pierce
+from _plot import BLUE, GREEN, GREY, ORANGE, RED, draw_contacts, draw_mesh, placed, save, set_box
 
 KINDS = {"near": BLUE, "crossing": ORANGE, "remembered": GREEN, "tangled": RED}
 FALL = 9.81
@@ -37,8 +35,9 @@ def passed_through():
             motion[:] = motion[0]
             motion[:, 2] -= 0.5 * FALL * seconds**2
         bodies.append((name, body, caught.motion_kind(body), motion))
-    return pierce.Recording(caught.dt, list(zip(names, map(caught.mesh, range(len(names))))),
-                            bodies)
+    return pierce.Recording(
+        caught.dt, list(zip(names, map(caught.mesh, range(len(names))))), bodies
+    )
 
 
 def counts(recording):
@@ -58,8 +57,10 @@ kept, contacts = counts(caught)
 through, _ = counts(passed_through())
 titles = {"caught by the sheet": kept, "falling through the sheet": through}
 for title, of_kind in titles.items():
-    print(f"{title}, most contacts in a step: "
-          + ", ".join(f"{of_kind[kind].max():.0f} {kind}" for kind in KINDS))
+    print(
+        f"{title}, most contacts in a step: "
+        + ", ".join(f"{of_kind[kind].max():.0f} {kind}" for kind in KINDS)
+    )
 
 figure = plt.figure(figsize=(12, 4.8), layout="constrained")
 grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1))
@@ -68,8 +69,12 @@ _, triangles = caught.mesh(sheet)
 cloth = caught.positions(sheet, caught.frame_count - 1)
 draw_mesh(scene, cloth, triangles, GREY, alpha=0.35)
 mine = contacts.of_sheet
-draw_contacts(scene, contacts.point_a[mine], 1e3 * (collision.thickness - contacts.distance[mine]),
-              label="thickness less gap [mm]")
+draw_contacts(
+    scene,
+    contacts.point_a[mine],
+    1e3 * (collision.thickness - contacts.distance[mine]),
+    label="thickness less gap [mm]",
+)
 solids = []
 for body, name in enumerate(names):
     if name.startswith("solid"):

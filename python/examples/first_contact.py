@@ -1,13 +1,12 @@
 """Five minutes with Pierce: two tori overlap, and every contact is an entry in NumPy arrays.
 
-    python first_contact.py [folder for the picture]
+python first_contact.py [folder for the picture]
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
-from _plot import BLUE, ORANGE, draw_contacts, draw_mesh, placed, save, set_box, torus
-
 import pierce
+from _plot import BLUE, ORANGE, draw_contacts, draw_mesh, placed, save, set_box, torus
 
 # A mesh is a pair of arrays, or what trimesh and meshio have read. Any number of bodies share it.
 vertices, triangles = torus()
@@ -21,8 +20,10 @@ standing = world.add_rigid_body(mesh, pose)
 contacts = world.detect()
 depth = contacts.depth
 deepest = int(depth.argmax())
-print(f"{len(contacts)} contacts; the deepest, {depth[deepest]:.3f} m, "
-      f"has the normal {np.round(contacts.normal[deepest], 3)}")
+print(
+    f"{len(contacts)} contacts; the deepest, {depth[deepest]:.3f} m, "
+    f"has the normal {np.round(contacts.normal[deepest], 3)}"
+)
 
 # How far does the standing torus have to move until the two are apart?
 parting = world.parting(lying, standing)
@@ -43,6 +44,6 @@ for axes, alpha, radius in ((whole, 1.0, np.inf), (near, 0.2, 0.5)):
 set_box(whole, vertices, moved)
 whole.set_title("two tori, one mesh")
 draw_contacts(near, points, depth, contacts.normal, length=0.3)
-set_box(near, middle + [[-0.45, -0.45, -0.3], [0.45, 0.45, 0.4]])
+set_box(near, np.add(middle, [[-0.45, -0.45, -0.3], [0.45, 0.45, 0.4]]))
 near.set_title("contacts: points of the blue one,\nnormals to the orange one")
 save(figure, "first_contact")

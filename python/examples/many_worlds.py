@@ -10,16 +10,29 @@ import time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from _plot import BLUE, GREY, ORANGE, SKY, draw_mesh, placed, save, set_box, torus
-
 import pierce
+from _plot import BLUE, GREY, ORANGE, SKY, draw_mesh, placed, save, set_box, torus
 
 WORLDS, RINGS = 64, 6
 vertices, triangles = torus(0.5, 0.18, 24, 12)
 plate = np.float32([[-1.6, -1.6, 0], [1.6, -1.6, 0], [1.6, 1.6, 0], [-1.6, 1.6, 0]])
 slab = np.concatenate([plate - np.float32([0, 0, 0.2]), plate])
-sides = np.uint32([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
-                   [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]])
+sides = np.uint32(
+    [
+        [0, 2, 1],
+        [0, 3, 2],
+        [4, 5, 6],
+        [4, 6, 7],
+        [0, 1, 5],
+        [0, 5, 4],
+        [1, 2, 6],
+        [1, 6, 5],
+        [2, 3, 7],
+        [2, 7, 6],
+        [3, 0, 4],
+        [3, 4, 7],
+    ]
+)
 
 world = pierce.World(threads=1)
 ground = world.add_mesh((slab, sides), "ground")
@@ -47,10 +60,14 @@ milliseconds = 1e3 * (time.perf_counter() - begin)
 
 offsets = world.world_offsets()
 count = np.diff(offsets.solids)
-depth = [contacts.depth[begin:end].max(initial=0)
-         for begin, end in zip(offsets.solids, offsets.solids[1:])]
-print(f"{WORLDS} worlds of {RINGS} rings: {len(contacts)} contacts in {milliseconds:.1f} ms, "
-      f"{count.min()} to {count.max()} a world")
+depth = [
+    contacts.depth[begin:end].max(initial=0)
+    for begin, end in zip(offsets.solids, offsets.solids[1:])
+]
+print(
+    f"{WORLDS} worlds of {RINGS} rings: {len(contacts)} contacts in {milliseconds:.1f} ms, "
+    f"{count.min()} to {count.max()} a world"
+)
 print(f"world {np.argmax(depth)} has the deepest contact, {max(depth):.3f} m")
 
 figure = plt.figure(figsize=(13, 4.2))

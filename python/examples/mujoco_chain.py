@@ -12,7 +12,6 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 from _plot import BLUE, ORANGE, RED, draw_mesh, save, set_box, torus
-
 from pierce.mujoco import MeshContacts
 
 LINKS, SECONDS = 6, 2.5
@@ -26,7 +25,8 @@ def numbers(values):
 links = "".join(
     f'<body pos="0 0 {-0.4 * link}" euler="{"90 0 0" if link % 2 else "0 90 0"}">'
     f'{"<freejoint/>" if link else ""}<geom type="mesh" mesh="ring" density="1000"/></body>'
-    for link in range(LINKS))
+    for link in range(LINKS)
+)
 model = mujoco.MjModel.from_xml_string(f"""
 <mujoco>
   <option timestep="0.002" integrator="implicitfast"/>
@@ -53,8 +53,10 @@ with MeshContacts(model) as contacts:
     begin = time.perf_counter()
     held, ways = simulate(contacts.step)
     milliseconds = 1e3 * (time.perf_counter() - begin) / len(ways)
-    print(f"true rings: the last link swings by up to {ways.max():.2f} m, {held.ncon} contacts, "
-          f"{milliseconds:.2f} ms a step")
+    print(
+        f"true rings: the last link swings by up to {ways.max():.2f} m, {held.ncon} contacts, "
+        f"{milliseconds:.2f} ms a step"
+    )
 print(f"convex hulls: the last link flies {hull_ways.max():.2f} m")
 
 

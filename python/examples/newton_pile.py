@@ -13,7 +13,6 @@ import newton
 import numpy as np
 import warp as wp
 from _plot import BLUE, GREEN, GREY, ORANGE, RED, SKY, draw_mesh, placed, save, set_box, torus
-
 from pierce.newton import CollisionPipeline
 
 STEPS_PER_SECOND = 480
@@ -67,8 +66,10 @@ def main():
         state, following = following, state
 
     print(f"kinetic energy: {max(energies):.1f} J at most, {energies[-1]:.2f} J at the end")
-    print(f"rings overlap by {1000 * max(0, -min(gaps)):.2f} mm at most; they are "
-          f"{1000 * min(gaps):.2f} mm apart at least, of {2000 * MARGIN:.0f} mm")
+    print(
+        f"rings overlap by {1000 * max(0, -min(gaps)):.2f} mm at most; they are "
+        f"{1000 * min(gaps):.2f} mm apart at least, of {2000 * MARGIN:.0f} mm"
+    )
     print(f"contacts: {max(counts)} at most")
 
     figure = plt.figure(figsize=(10, 4.5))

@@ -11,9 +11,8 @@ it is apart. A pair that has no contact is wrong by all of that.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from _plot import BLUE, GREEN, GREY, ORANGE, SKY, draw_mesh, placed, save, set_box
-
 import pierce
+from _plot import BLUE, GREEN, GREY, ORANGE, SKY, draw_mesh, placed, save, set_box
 
 COVERAGES = {"vertices": BLUE, "overlaps": ORANGE, "complete": GREEN}
 
@@ -60,12 +59,17 @@ for place, frame in enumerate(sampled):
             if parting and (int(a), int(b)) not in found[coverage][frame]:
                 missed[coverage][place] = max(missed[coverage][place], parting.depth)
 
-print(f"{overlapping} overlapping pairs in {len(sampled)} frames; largest overlap not seen: "
-      + ", ".join(f"{name} {missed[name].max():.3g} m" for name in COVERAGES))
+print(
+    f"{overlapping} overlapping pairs in {len(sampled)} frames; largest overlap not seen: "
+    + ", ".join(f"{name} {missed[name].max():.3g} m" for name in COVERAGES)
+)
 checked = pierce.validate(recording, ["embree", "reference"], every=45, threads=1)
-print("a loop over all triangles finds "
-      + ("the same" if checked.differing_frames == 0 else "other") + " contacts as Embree in "
-      f"{checked.frames} frames")
+print(
+    "a loop over all triangles finds "
+    + ("the same" if checked.differing_frames == 0 else "other")
+    + " contacts as Embree in "
+    f"{checked.frames} frames"
+)
 
 figure = plt.figure(figsize=(11, 5), layout="constrained")
 grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.1))
@@ -85,8 +89,16 @@ for place, (name, color) in enumerate(COVERAGES.items()):
     # The first step makes the trees.
     typical = np.median(np.lib.stride_tricks.sliding_window_view(milliseconds[name][1:], 9), 1)
     time.plot(seconds[5:-4], typical, color=color, label=name)
-    error.plot(seconds[sampled], 1e3 * missed[name], color=color, label=name, linewidth=1,
-               marker="osx"[place], markersize=(3, 6, 4)[place], markerfacecolor="none")
+    error.plot(
+        seconds[sampled],
+        1e3 * missed[name],
+        color=color,
+        label=name,
+        linewidth=1,
+        marker="osx"[place],
+        markersize=(3, 6, 4)[place],
+        markerfacecolor="none",
+    )
 time.set(ylabel="time of a step [ms]", title="time, one thread (median of 9 frames)")
 error.set(xlabel="simulated time [s]", ylabel="overlap [mm]", title="largest overlap not seen")
 time.legend()

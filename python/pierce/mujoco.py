@@ -27,10 +27,19 @@ except ImportError as error:
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-_MASKS = ("geom_contype", "geom_conaffinity", "body_contype", "body_conaffinity",
-          "flex_conaffinity")
-_REFUSED = {"mjENBL_OVERRIDE": "contact override", "mjENBL_SLEEP": "sleeping",
-            "mjENBL_IPC": "IPC", "mjENBL_SPECULATIVE": "speculative contacts"}
+_MASKS = (
+    "geom_contype",
+    "geom_conaffinity",
+    "body_contype",
+    "body_conaffinity",
+    "flex_conaffinity",
+)
+_REFUSED = {
+    "mjENBL_OVERRIDE": "contact override",
+    "mjENBL_SLEEP": "sleeping",
+    "mjENBL_IPC": "IPC",
+    "mjENBL_SPECULATIVE": "speculative contacts",
+}
 
 
 class MeshContacts:
@@ -62,9 +71,14 @@ class MeshContacts:
     surface velocities of taken geoms, and a <pair> of two taken geoms.
     """
 
-    def __init__(self, model: mj.MjModel, geoms: Iterable[int | str] | None = None,
-                 margin: float | None = None, most_per_pair: int | None = 24,
-                 backend: str = "auto") -> None:
+    def __init__(
+        self,
+        model: mj.MjModel,
+        geoms: Iterable[int | str] | None = None,
+        margin: float | None = None,
+        most_per_pair: int | None = 24,
+        backend: str = "auto",
+    ) -> None:
         self.model = model
         self.geoms = _mesh_geoms(model, geoms)
         self.most_per_pair = most_per_pair
@@ -72,8 +86,10 @@ class MeshContacts:
         _check_geoms(model, self.geoms)
         meets = _meeting_pairs(model, self.geoms)
         if not meets.any():
-            raise ValueError("no two of these mesh geoms may have contacts with each other; "
-                             "perhaps another MeshContacts has them already")
+            raise ValueError(
+                "no two of these mesh geoms may have contacts with each other; "
+                "perhaps another MeshContacts has them already"
+            )
 
         if margin is None:
             self._margin = model.geom_margin[self.geoms].copy()
@@ -149,8 +165,9 @@ class MeshContacts:
         fields.dist[first:] = distance[chosen]
         fields.includemargin[first:] = margin[chosen]
         fields.exclude[first:] = distance[chosen] >= margin[chosen]
-        fields.pos[first:] = (np.asarray(contacts.point_a)[chosen]
-                              + np.asarray(contacts.point_b)[chosen]) / 2
+        fields.pos[first:] = (
+            np.asarray(contacts.point_a)[chosen] + np.asarray(contacts.point_b)[chosen]
+        ) / 2
         fields.frame[first:] = _frames(np.asarray(contacts.normal)[chosen])
         pairs = self.geoms[places[chosen]]
         fields.geom[first:] = pairs
@@ -167,8 +184,9 @@ class MeshContacts:
         picked = np.zeros(len(contacts), bool)
         picked[contacts.reduce(self.most_per_pair or 0)[0]] = True
         a, b = self._places(contacts)[listed].T
-        order = np.lexsort((np.asarray(contacts.distance)[listed], ~picked[listed],
-                            ~active[listed], b, a))
+        order = np.lexsort(
+            (np.asarray(contacts.distance)[listed], ~picked[listed], ~active[listed], b, a)
+        )
         pair = (a * len(self.geoms) + b)[order]
         rank = np.arange(len(pair)) - np.searchsorted(pair, pair)
         return np.sort(listed[order[rank < self.most_per_pair]])
@@ -233,8 +251,12 @@ class MeshContacts:
     def __enter__(self) -> MeshContacts:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self.release()
 
     def _places(self, contacts: Contacts) -> Ints:
@@ -250,22 +272,31 @@ class MeshContacts:
         _check_options(model)
 
 
-_TOO_SMALL = ("the arena of MjData is too small for all contacts and their constraints; "
-              'give it more, such as <size memory="100M"/>, or fewer contacts by most_per_pair')
+_TOO_SMALL = (
+    "the arena of MjData is too small for all contacts and their constraints; "
+    'give it more, such as <size memory="100M"/>, or fewer contacts by most_per_pair'
+)
 
 
 def _overflows(data: mj.MjData) -> int:
-    return sum(data.warning[kind].number for kind in (mj.mjtWarning.mjWARN_CONTACTFULL,
-                                                      mj.mjtWarning.mjWARN_CNSTRFULL))
+    return sum(
+        data.warning[kind].number
+        for kind in (mj.mjtWarning.mjWARN_CONTACTFULL, mj.mjtWarning.mjWARN_CNSTRFULL)
+    )
 
 
 def _check_options(model: mj.MjModel) -> None:
-    allowed = (mj.mjtIntegrator.mjINT_EULER, mj.mjtIntegrator.mjINT_IMPLICIT,
-               mj.mjtIntegrator.mjINT_IMPLICITFAST)
+    allowed = (
+        mj.mjtIntegrator.mjINT_EULER,
+        mj.mjtIntegrator.mjINT_IMPLICIT,
+        mj.mjtIntegrator.mjINT_IMPLICITFAST,
+    )
     if model.opt.integrator not in allowed:
         name = mj.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")
-        raise ValueError(f"MeshContacts cannot add contacts within a step of the integrator "
-                         f"{name}: use Euler, implicit or implicitfast")
+        raise ValueError(
+            f"MeshContacts cannot add contacts within a step of the integrator "
+            f"{name}: use Euler, implicit or implicitfast"
+        )
     for bit, name in _REFUSED.items():
         if model.opt.enableflags & getattr(mj.mjtEnableBit, bit, 0):
             raise ValueError(f"MeshContacts does not support {name}: switch that flag off")
@@ -289,26 +320,31 @@ def _name(model: mj.MjModel, geom: int) -> str:
 def _check_geoms(model: mj.MjModel, geoms: Ints) -> None:
     for a, b in zip(model.pair_geom1, model.pair_geom2):
         if a in geoms and b in geoms:
-            raise ValueError(f"geoms {_name(model, a)} and {_name(model, b)} are a <pair>, which "
-                             "MuJoCo does not switch off: remove it, or leave out a geom")
+            raise ValueError(
+                f"geoms {_name(model, a)} and {_name(model, b)} are a <pair>, which "
+                "MuJoCo does not switch off: remove it, or leave out a geom"
+            )
     if hasattr(model, "geom_surfacevel") and model.geom_surfacevel[geoms].any():
         raise ValueError("MeshContacts does not support surfacevel of mesh geoms")
     data = mj.MjData(model)
     mj.mj_forward(model, data)
     if getattr(data, "efm_active", 0):
-        raise ValueError("MeshContacts does not support the implicit metric of flexes or tendons "
-                         "(MjData.efm_active)")
+        raise ValueError(
+            "MeshContacts does not support the implicit metric of flexes or tendons "
+            "(MjData.efm_active)"
+        )
 
 
 def _mesh(model: mj.MjModel, mesh: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """The compiled mesh, in the frame of its geoms: vertices (n, 3) and triangles (m, 3)."""
-    vertices = model.mesh_vert[model.mesh_vertadr[mesh]:][:model.mesh_vertnum[mesh]]
-    triangles = model.mesh_face[model.mesh_faceadr[mesh]:][:model.mesh_facenum[mesh]]
+    vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+    triangles = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
     return vertices.copy(), triangles.copy()
 
 
-def _by_masks(contype_a: Any, conaffinity_a: Any, contype_b: Any,
-              conaffinity_b: Any) -> NDArray[np.bool_]:
+def _by_masks(
+    contype_a: Any, conaffinity_a: Any, contype_b: Any, conaffinity_b: Any
+) -> NDArray[np.bool_]:
     """Which a meet which b by their masks, bool (a, b)."""
     both = (contype_a[:, None] & conaffinity_b) | (conaffinity_a[:, None] & contype_b)
     return np.asarray(both != 0)
@@ -340,18 +376,21 @@ def _switch_off(model: mj.MjModel, geoms: Ints) -> None:
     taken[geoms] = True
     contype = np.concatenate([model.geom_contype[~taken], model.flex_contype])
     conaffinity = np.concatenate([model.geom_conaffinity[~taken], model.flex_conaffinity])
-    meets = _by_masks(model.geom_contype[geoms], model.geom_conaffinity[geoms], contype,
-                      conaffinity)
+    meets = _by_masks(
+        model.geom_contype[geoms], model.geom_conaffinity[geoms], contype, conaffinity
+    )
     kinds, kind_of = np.unique(meets, axis=0, return_inverse=True)
     used = np.bitwise_or.reduce(contype, initial=0)
     free = [1 << bit for bit in range(31) if not used >> bit & 1]
     bits = np.zeros(len(kinds), contype.dtype)
     some = np.flatnonzero(kinds.any(1))
     if len(some) > len(free):
-        raise ValueError(f"the mesh geoms meet {len(some)} different sets of other geoms, and "
-                         f"only {len(free)} bits of contype are free: use fewer bits in the "
-                         "model, or take fewer geoms")
-    bits[some] = free[:len(some)]
+        raise ValueError(
+            f"the mesh geoms meet {len(some)} different sets of other geoms, and "
+            f"only {len(free)} bits of contype are free: use fewer bits in the "
+            "model, or take fewer geoms"
+        )
+    bits[some] = free[: len(some)]
     for kind, bit in zip(kinds, bits):
         conaffinity = np.where(kind, conaffinity | bit, conaffinity & ~bit)
 
@@ -374,8 +413,9 @@ def _append(model: mj.MjModel, data: mj.MjData, count: int) -> int:
     blank.efc_address = -1
     for done in range(count):
         if mj.mj_addContact(model, data, blank):
-            raise MemoryError(f"{count - done} of {count} contacts between meshes have no room: "
-                              f"{_TOO_SMALL}")
+            raise MemoryError(
+                f"{count - done} of {count} contacts between meshes have no room: {_TOO_SMALL}"
+            )
     return first
 
 
@@ -395,13 +435,15 @@ def _mixed(model: mj.MjModel, a: Ints, b: Ints) -> dict[str, NDArray[Any]]:
         values = getattr(model, name)
         above, below = priority_a > priority_b, priority_a < priority_b
         shape = (-1,) + (1,) * (mixed.ndim - 1)
-        return np.where(above.reshape(shape), values[a],
-                        np.where(below.reshape(shape), values[b], mixed))
+        return np.where(
+            above.reshape(shape), values[a], np.where(below.reshape(shape), values[b], mixed)
+        )
 
     mix_a, mix_b = model.geom_solmix[a], model.geom_solmix[b]
     tiny = float(mj.mjMINVAL)
-    share = np.divide(mix_a, mix_a + mix_b, out=np.full(len(a), 0.5),
-                      where=(mix_a >= tiny) | (mix_b >= tiny))[:, None]
+    share = np.divide(
+        mix_a, mix_a + mix_b, out=np.full(len(a), 0.5), where=(mix_a >= tiny) | (mix_b >= tiny)
+    )[:, None]
     ref_a, ref_b = model.geom_solref[a], model.geom_solref[b]
     standard = (ref_a[:, :1] > 0) & (ref_b[:, :1] > 0)
     solref = np.where(standard, share * ref_a + (1 - share) * ref_b, np.minimum(ref_a, ref_b))
@@ -414,6 +456,5 @@ def _mixed(model: mj.MjModel, a: Ints, b: Ints) -> dict[str, NDArray[Any]]:
         "solimp": choose("geom_solimp", solimp),
     }
     if hasattr(model, "geom_adhesion"):
-        mixed["adhesion"] = choose("geom_adhesion",
-                                   model.geom_adhesion[a] + model.geom_adhesion[b])
+        mixed["adhesion"] = choose("geom_adhesion", model.geom_adhesion[a] + model.geom_adhesion[b])
     return mixed

@@ -40,12 +40,11 @@ import weakref
 from collections.abc import Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 import trimesh
+from numpy.typing import ArrayLike, NDArray
 from trimesh.collision import ContactData, DistanceData
 from trimesh.triangles import closest_point
 
@@ -274,7 +273,7 @@ def scene_to_collision(
 class _Shape:
     """What Pierce has made of one mesh, which managers share."""
 
-    _known: dict[int, tuple[weakref.ref[trimesh.Trimesh], int, _Shape]] = {}
+    _known: ClassVar[dict[int, tuple[weakref.ref[trimesh.Trimesh], int, _Shape]]] = {}
 
     @classmethod
     def of(cls, mesh: trimesh.Trimesh) -> _Shape:
@@ -283,8 +282,9 @@ class _Shape:
         if known and known[0]() is mesh and known[1] == hash(mesh):
             return known[2]
         shape = cls(mesh)
-        ref = weakref.ref(mesh, lambda _, key=id(mesh): cls._known.pop(key, None))  # type: ignore
-        cls._known[id(mesh)] = ref, hash(mesh), shape
+        key = id(mesh)
+        ref = weakref.ref(mesh, lambda _: cls._known.pop(key, None))
+        cls._known[key] = ref, hash(mesh), shape
         return shape
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
@@ -332,9 +332,7 @@ class _Shape:
 class _Object:
     """A mesh in a place."""
 
-    def __init__(
-        self, name: Hashable, mesh: trimesh.Trimesh, transform: ArrayLike | None
-    ) -> None:
+    def __init__(self, name: Hashable, mesh: trimesh.Trimesh, transform: ArrayLike | None) -> None:
         self.name = name
         self.shape = _Shape.of(mesh)
         self.transform = _rigid(np.eye(4) if transform is None else transform)
@@ -524,9 +522,7 @@ class _Nearest(NamedTuple):
 def _distance_data(
     names: tuple[Hashable, Hashable], distance: float, points: Any, faces: tuple[int, int]
 ) -> DistanceData:
-    result = SimpleNamespace(
-        b1=faces[0], b2=faces[1], nearest_points=points, min_distance=distance
-    )
+    result = SimpleNamespace(b1=faces[0], b2=faces[1], nearest_points=points, min_distance=distance)
     return DistanceData(names, result)  # type: ignore[no-untyped-call]
 
 

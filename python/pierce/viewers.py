@@ -25,8 +25,10 @@ from ._core import BodyId, Contacts, MeshId, Motion, World, all_worlds
 Floats = NDArray[np.float64]
 
 # The colour map cividis, at equal distances.
-_CIVIDIS = np.array([[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119],
-                     [200, 184, 102], [254, 232, 56]], np.float64)
+_CIVIDIS = np.array(
+    [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]],
+    np.float64,
+)
 _BODY = (190, 190, 190)
 
 
@@ -40,9 +42,14 @@ class Viewer:
     deepest: [length] the depth that is yellow; None: the largest one so far.
     """
 
-    def __init__(self, world: World, names: Mapping[BodyId, str] | None = None,
-                 arrow_scale: float = 1.0, point_radius: float | None = None,
-                 deepest: float | None = None) -> None:
+    def __init__(
+        self,
+        world: World,
+        names: Mapping[BodyId, str] | None = None,
+        arrow_scale: float = 1.0,
+        point_radius: float | None = None,
+        deepest: float | None = None,
+    ) -> None:
         self.world = world
         self.names = dict(names or {})
         self.arrow_scale = arrow_scale
@@ -52,8 +59,9 @@ class Viewer:
         self._shown: dict[BodyId, MeshId] = {}
         self._corners: dict[MeshId, NDArray[np.int64]] = {}
 
-    def log(self, step: int, seconds: float | None = None,
-            contacts: Contacts | None = None) -> None:
+    def log(
+        self, step: int, seconds: float | None = None, contacts: Contacts | None = None
+    ) -> None:
         """Shows the world as it is now.
 
         seconds: [s] simulated time; None: unknown.
@@ -85,8 +93,9 @@ class Viewer:
     def _vertices(self, body: BodyId, mesh: MeshId) -> NDArray[np.float32]:
         """World positions, float32 (n, 3)."""
         count = len(np.asarray(self.world.mesh(mesh).vertices))
-        return np.array([self.world.vertex_position(body, vertex) for vertex in range(count)],
-                        np.float32)
+        return np.array(
+            [self.world.vertex_position(body, vertex) for vertex in range(count)], np.float32
+        )
 
     def _place(self, body: BodyId, mesh: MeshId) -> tuple[Floats, Floats]:
         """Rotation (3, 3) and translation (3,) that take the rest shape to where the body is."""
@@ -115,8 +124,10 @@ class Viewer:
     def _radius(self) -> float:
         """[length] of points."""
         if self.point_radius is None:
-            sizes = [np.ptp(np.asarray(self.world.mesh(mesh).vertices), axis=0).max()
-                     for mesh in self._shown.values()]
+            sizes = [
+                np.ptp(np.asarray(self.world.mesh(mesh).vertices), axis=0).max()
+                for mesh in self._shown.values()
+            ]
             self.point_radius = 0.01 * float(np.median(sizes))
         return self.point_radius
 
@@ -132,8 +143,14 @@ class Viewer:
     def _remove_body(self, name: str) -> None:
         raise NotImplementedError
 
-    def _set_contacts(self, points: Floats, arrows: Floats, colors: NDArray[np.uint8],
-                      depth: Floats, radius: float) -> None:
+    def _set_contacts(
+        self,
+        points: Floats,
+        arrows: Floats,
+        colors: NDArray[np.uint8],
+        depth: Floats,
+        radius: float,
+    ) -> None:
         raise NotImplementedError
 
     def _remove_contacts(self) -> None:
@@ -147,8 +164,9 @@ class Rerun(Viewer):
     The number of contacts and the largest depth are plots at `root`/plots.
     """
 
-    def __init__(self, world: World, recording: Any = None, root: str = "pierce",
-                 **options: Any) -> None:
+    def __init__(
+        self, world: World, recording: Any = None, root: str = "pierce", **options: Any
+    ) -> None:
         super().__init__(world, **options)
         self._rr = _need("rerun", "rerun-sdk")
         self.recording = recording or self._rr.get_data_recording()
@@ -165,8 +183,12 @@ class Rerun(Viewer):
             self.recording.set_time("sim_time", duration=seconds)
 
     def _set_mesh(self, name: str, vertices: NDArray[Any], triangles: NDArray[Any]) -> None:
-        self._log(("bodies", name), self._rr.Mesh3D(
-            vertex_positions=vertices, triangle_indices=triangles, albedo_factor=_BODY))
+        self._log(
+            ("bodies", name),
+            self._rr.Mesh3D(
+                vertex_positions=vertices, triangle_indices=triangles, albedo_factor=_BODY
+            ),
+        )
 
     def _set_place(self, name: str, rotation: Floats, translation: Floats) -> None:
         self._log(("bodies", name), self._rr.Transform3D(mat3x3=rotation, translation=translation))
@@ -174,11 +196,19 @@ class Rerun(Viewer):
     def _remove_body(self, name: str) -> None:
         self._log(("bodies", name), self._rr.Clear(recursive=True))
 
-    def _set_contacts(self, points: Floats, arrows: Floats, colors: NDArray[np.uint8],
-                      depth: Floats, radius: float) -> None:
+    def _set_contacts(
+        self,
+        points: Floats,
+        arrows: Floats,
+        colors: NDArray[np.uint8],
+        depth: Floats,
+        radius: float,
+    ) -> None:
         self._log(("contacts", "points"), self._rr.Points3D(points, radii=radius, colors=colors))
-        self._log(("contacts", "normals"), self._rr.Arrows3D(
-            origins=points, vectors=arrows, radii=radius / 3, colors=colors))
+        self._log(
+            ("contacts", "normals"),
+            self._rr.Arrows3D(origins=points, vectors=arrows, radii=radius / 3, colors=colors),
+        )
         self._plot(len(points), float(depth.max()))
 
     def _remove_contacts(self) -> None:
@@ -210,8 +240,9 @@ class Polyscope(Viewer):
             if (mesh.n_vertices(), mesh.n_faces()) == (len(vertices), len(triangles)):
                 mesh.update_vertex_positions(vertices)
                 return
-        self._ps.register_surface_mesh(name, vertices, triangles, transparency=0.3,
-                                       color=tuple(part / 255 for part in _BODY))
+        self._ps.register_surface_mesh(
+            name, vertices, triangles, transparency=0.3, color=tuple(part / 255 for part in _BODY)
+        )
 
     def _set_place(self, name: str, rotation: Floats, translation: Floats) -> None:
         place = np.eye(4)
@@ -221,14 +252,26 @@ class Polyscope(Viewer):
     def _remove_body(self, name: str) -> None:
         self._ps.remove_surface_mesh(name)
 
-    def _set_contacts(self, points: Floats, arrows: Floats, colors: NDArray[np.uint8],
-                      depth: Floats, radius: float) -> None:
+    def _set_contacts(
+        self,
+        points: Floats,
+        arrows: Floats,
+        colors: NDArray[np.uint8],
+        depth: Floats,
+        radius: float,
+    ) -> None:
         cloud = self._ps.register_point_cloud("contacts", points)
         cloud.set_radius(radius, relative=False)
         cloud.add_scalar_quantity("depth", depth)
         cloud.add_color_quantity("color", colors / 255, enabled=True)
-        cloud.add_vector_quantity("normal", arrows, enabled=True, vectortype="ambient",
-                                  radius=radius / 3, color=(0.84, 0.37, 0.0))
+        cloud.add_vector_quantity(
+            "normal",
+            arrows,
+            enabled=True,
+            vectortype="ambient",
+            radius=radius / 3,
+            color=(0.84, 0.37, 0.0),
+        )
 
     def _remove_contacts(self) -> None:
         self._ps.remove_point_cloud("contacts", error_if_absent=False)
@@ -246,7 +289,8 @@ class Viser(Viewer):
     def _set_mesh(self, name: str, vertices: NDArray[Any], triangles: NDArray[Any]) -> None:
         path = f"/bodies/{name}"
         self._handles[path] = self.server.scene.add_mesh_simple(
-            path, vertices, triangles, color=_BODY, opacity=0.6)
+            path, vertices, triangles, color=_BODY, opacity=0.6
+        )
 
     def _set_place(self, name: str, rotation: Floats, translation: Floats) -> None:
         body = self._handles[f"/bodies/{name}"]
@@ -256,15 +300,31 @@ class Viser(Viewer):
     def _remove_body(self, name: str) -> None:
         self._handles.pop(f"/bodies/{name}").remove()
 
-    def _set_contacts(self, points: Floats, arrows: Floats, colors: NDArray[np.uint8],
-                      depth: Floats, radius: float) -> None:
+    def _set_contacts(
+        self,
+        points: Floats,
+        arrows: Floats,
+        colors: NDArray[np.uint8],
+        depth: Floats,
+        radius: float,
+    ) -> None:
         scene = self.server.scene
         self._handles["/contacts/points"] = scene.add_point_cloud(
-            "/contacts/points", points, colors=colors, point_size=2 * radius,
-            precision="float32", point_shape="circle")
+            "/contacts/points",
+            points,
+            colors=colors,
+            point_size=2 * radius,
+            precision="float32",
+            point_shape="circle",
+        )
         self._handles["/contacts/normals"] = scene.add_arrows(
-            "/contacts/normals", np.stack([points, points + arrows], 1), colors=colors,
-            shaft_radius=radius / 3, head_radius=radius, head_length=2 * radius)
+            "/contacts/normals",
+            np.stack([points, points + arrows], 1),
+            colors=colors,
+            shaft_radius=radius / 3,
+            head_radius=radius,
+            head_length=2 * radius,
+        )
 
     def _remove_contacts(self) -> None:
         for path in ("/contacts/points", "/contacts/normals"):

@@ -35,6 +35,19 @@ bool is_in_c_order(const Array& array) {
     return true;
 }
 
+/// True if a 4 x 4 matrix, row by row, turns and shifts and does nothing else, to the rounding of
+/// float32, in which callers may have made it.
+bool is_rigid(const double* m) {
+    constexpr double rounding = 1e-5;
+    const Vec3d row[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+    bool rigid = m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1;
+    for (int r = 0; r < 3; ++r) {
+        rigid = rigid && std::fabs(length(row[r]) - 1) < rounding;
+        rigid = rigid && length(cross(row[r], row[(r + 1) % 3]) - row[(r + 2) % 3]) < rounding;
+    }
+    return rigid;
+}
+
 bool is_on_host(const Array& array) {
     return array.device_type() == nb::device::cpu::value ||
            array.device_type() == nb::device::cuda_host::value;
@@ -161,6 +174,10 @@ Pose pose_of(nb::handle given) {
                                "4 x 4 matrix, got shape " +
                                shape_of(array))
                                   .c_str());
+    if (!is_rigid(v))
+        throw nb::value_error(
+            "pose: expected a 4 x 4 matrix of a rotation and a position, got one that scales, "
+            "shears or mirrors");
     // The quaternion of a rotation matrix (Shepperd 1978), scaled by four times its largest part.
     const double m00 = v[0], m11 = v[5], m22 = v[10];
     Quaternion q{v[9] - v[6], v[2] - v[8], v[4] - v[1], 1 + m00 + m11 + m22};

@@ -1,9 +1,8 @@
 """What the tests share: shapes, and a world with two bodies that overlap."""
 
 import numpy as np
-import pytest
-
 import pierce
+import pytest
 
 
 def torus(major=1.0, minor=0.4, around=25, across=12):
@@ -15,7 +14,10 @@ def torus(major=1.0, minor=0.4, around=25, across=12):
     here, right = u * across + v, (u + 1) % around * across + v
     up, both = u * across + (v + 1) % across, (u + 1) % around * across + (v + 1) % across
     triangles = np.concatenate(
-        [np.stack([here, right, both], -1).reshape(-1, 3), np.stack([here, both, up], -1).reshape(-1, 3)]
+        [
+            np.stack([here, right, both], -1).reshape(-1, 3),
+            np.stack([here, both, up], -1).reshape(-1, 3),
+        ]
     )
     return vertices.reshape(-1, 3).astype(np.float32), triangles.astype(np.uint32)
 

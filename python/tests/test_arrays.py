@@ -1,9 +1,8 @@
 """Arrays of any shape, type, order and life: they are read as they are, or refused in words."""
 
 import numpy as np
-import pytest
-
 import pierce
+import pytest
 
 
 def refused(kind, text, call, *arguments):
@@ -53,6 +52,8 @@ def test_poses(two_tori):
     refused(pierce.InputError, "handle", world.set_poses, np.array([77], np.uint64), pose)
     refused(ValueError, "seven numbers", world.set_pose, rigid, [1, 2, 3])
     world.set_pose(rigid, np.eye(4))
+    for wrong in (np.diag([1, 1, 2, 1]), np.diag([1, 1, -1, 1]), np.ones((4, 4)), np.eye(4) * 2):
+        refused(ValueError, "scales, shears or mirrors", world.set_pose, rigid, wrong)
 
 
 def test_a_matrix_is_the_pose_it_says(two_tori):

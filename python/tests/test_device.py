@@ -3,10 +3,9 @@
 import gc
 
 import numpy as np
+import pierce
 import pytest
 from conftest import torus
-
-import pierce
 
 pytestmark = pytest.mark.skipif(not pierce.cuda_can_run(), reason="there is no CUDA here")
 

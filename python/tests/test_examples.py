@@ -17,8 +17,13 @@ def test_example(example, tmp_path):
     for package in ["matplotlib", *NEEDED.get(example.stem, [])]:
         if find_spec(package) is None:
             pytest.skip(f"{package} is not installed")
-    run = subprocess.run([sys.executable, example, tmp_path / "pictures"], cwd=tmp_path,
-                         capture_output=True, text=True, timeout=TIMEOUT)
+    run = subprocess.run(
+        [sys.executable, example, tmp_path / "pictures"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+    )
     assert run.returncode == 0, run.stderr
     pictures = list((tmp_path / "pictures").glob("*.png"))
     assert pictures and all(picture.stat().st_size > 10_000 for picture in pictures)

@@ -14,8 +14,10 @@ INTEGRATORS = ("Euler", "implicit", "implicitfast")
 
 def mesh_xml(name, vertices, triangles):
     numbers = " ".join(f"{x:.9g}" for x in np.ravel(vertices))
-    return (f'<mesh name="{name}" inertia="exact" vertex="{numbers}" '
-            f'face="{" ".join(map(str, np.ravel(triangles)))}"/>')
+    return (
+        f'<mesh name="{name}" inertia="exact" vertex="{numbers}" '
+        f'face="{" ".join(map(str, np.ravel(triangles)))}"/>'
+    )
 
 
 CUBE = mesh_xml("cube", *box())
@@ -25,7 +27,8 @@ SMALL = mesh_xml("small", *box(0.3))
 def model_of(bodies, option="", rest="", meshes=""):
     return mujoco.MjModel.from_xml_string(
         f"<mujoco><option {option}/><asset>{CUBE}{SMALL}{meshes}</asset>"
-        f"<worldbody>{bodies}</worldbody>{rest}</mujoco>")
+        f"<worldbody>{bodies}</worldbody>{rest}</mujoco>"
+    )
 
 
 def chain(option="", rest=""):
@@ -34,18 +37,25 @@ def chain(option="", rest=""):
         '<body pos="0 0 1"><geom name="held" type="mesh" mesh="ring" euler="90 0 0"/></body>'
         '<body pos="0 0 .65" euler="0 90 0"><freejoint/>'
         '<geom name="free" type="mesh" mesh="ring" density="500"/></body>',
-        option, rest, mesh_xml("ring", *torus(0.3, 0.1)))
+        option,
+        rest,
+        mesh_xml("ring", *torus(0.3, 0.1)),
+    )
 
 
 def overlapping_cubes(first="", second="", option="", rest="", height=0.79):
     """A small cube on a large one, 0.8 apart where they touch."""
-    return model_of(f'<geom name="a" type="mesh" mesh="cube" {first}/>'
-                    f'<body pos="0 0 {height}"><freejoint/>'
-                    f'<geom name="b" type="mesh" mesh="small" {second}/></body>', option, rest)
+    return model_of(
+        f'<geom name="a" type="mesh" mesh="cube" {first}/>'
+        f'<body pos="0 0 {height}"><freejoint/>'
+        f'<geom name="b" type="mesh" mesh="small" {second}/></body>',
+        option,
+        rest,
+    )
 
 
 def geom_pairs(data):
-    return {tuple(sorted(pair)) for pair in data.contact.geom[:data.ncon].tolist()}
+    return {tuple(sorted(pair)) for pair in data.contact.geom[: data.ncon].tolist()}
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -57,8 +67,9 @@ def test_step_is_mj_step_where_nothing_is_added(integrator, cone):
         '<body pos="3 0 1"><joint name="j" axis="0 1 0" damping=".1"/><geom type="mesh" '
         'mesh="cube"/><geom type="sphere" size=".2" pos="0 0 .6"/></body>',
         f'integrator="{integrator}" cone="{cone}"><flag energy="enable" fwdinv="enable"/></option'
-        '><option',
-        '<actuator><motor joint="j"/></actuator><sensor><jointpos joint="j"/></sensor>')
+        "><option",
+        '<actuator><motor joint="j"/></actuator><sensor><jointpos joint="j"/></sensor>',
+    )
     one, other = mujoco.MjData(model), mujoco.MjData(model)
     one.ctrl[:] = other.ctrl[:] = 0.5
     with MeshContacts(model) as contacts:
@@ -66,8 +77,16 @@ def test_step_is_mj_step_where_nothing_is_added(integrator, cone):
             contacts.step(model, one)
             mujoco.mj_step(model, other)
     assert one.ncon > 0
-    for field in ("qpos", "qvel", "qacc", "sensordata", "energy", "qfrc_constraint", "time",
-                  "solver_fwdinv"):
+    for field in (
+        "qpos",
+        "qvel",
+        "qacc",
+        "sensordata",
+        "energy",
+        "qfrc_constraint",
+        "time",
+        "solver_fwdinv",
+    ):
         np.testing.assert_array_equal(getattr(one, field), getattr(other, field), field)
 
 
@@ -90,18 +109,23 @@ def contact_force(model, data, i):
     return data.contact.frame[i].reshape(3, 3).T @ force[:3]
 
 
-GEOMS = ({}, {"priority": 1, "friction": ".1 .02 .003"},
-         {"solmix": 3, "solref": ".05 .8", "solimp": ".8 .9 .01 .4 3", "condim": 6},
-         {"solref": "-100 -3", "condim": 1, "friction": "0 0 0"}, {"solmix": 0},
-         {"margin": .01, "gap": .02, "condim": 4, "adhesion": 2})
+GEOMS = (
+    {},
+    {"priority": 1, "friction": ".1 .02 .003"},
+    {"solmix": 3, "solref": ".05 .8", "solimp": ".8 .9 .01 .4 3", "condim": 6},
+    {"solref": "-100 -3", "condim": 1, "friction": "0 0 0"},
+    {"solmix": 0},
+    {"margin": 0.01, "gap": 0.02, "condim": 4, "adhesion": 2},
+)
 
 
 @pytest.mark.parametrize("first,second", list(itertools.combinations_with_replacement(GEOMS, 2)))
 def test_parameters_are_mixed_as_by_mujoco(first, second):
     if not hasattr(mujoco.MjModel, "geom_adhesion"):
         first.pop("adhesion", 0), second.pop("adhesion", 0)
-    model = overlapping_cubes(*(" ".join(f'{k}="{v}"' for k, v in geom.items())
-                                for geom in (first, second)))
+    model = overlapping_cubes(
+        *(" ".join(f'{k}="{v}"' for k, v in geom.items()) for geom in (first, second))
+    )
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     own = data.contact
@@ -110,21 +134,35 @@ def test_parameters_are_mixed_as_by_mujoco(first, second):
         added = mujoco.MjData(model)
         contacts.forward(model, added)
     assert added.ncon > 0
-    names = ["dim", "friction", "solref", "solimp", "includemargin", "solreffriction", "geom",
-             "geom1", "geom2", "flex", "elem", "vert"]
+    names = [
+        "dim",
+        "friction",
+        "solref",
+        "solimp",
+        "includemargin",
+        "solreffriction",
+        "geom",
+        "geom1",
+        "geom2",
+        "flex",
+        "elem",
+        "vert",
+    ]
     for name in names + ["adhesion"] * ("adhesion" in first or "adhesion" in second):
         for row in getattr(added.contact, name):
             np.testing.assert_allclose(row, getattr(own, name)[0], rtol=1e-14, err_msg=name)
     np.testing.assert_allclose(added.contact.frame[:, :3], [[0, 0, 1]] * added.ncon, atol=1e-6)
     np.testing.assert_allclose(added.contact.dist.min(), own.dist.min(), atol=1e-6)
     frames = added.contact.frame.reshape(-1, 3, 3)
-    np.testing.assert_allclose(frames @ frames.transpose(0, 2, 1), [np.eye(3)] * added.ncon,
-                               atol=1e-12)
+    np.testing.assert_allclose(
+        frames @ frames.transpose(0, 2, 1), [np.eye(3)] * added.ncon, atol=1e-12
+    )
     np.testing.assert_allclose(np.linalg.det(frames), 1)
 
 
-@pytest.mark.parametrize("height,listed,active", [(0.82, True, True), (0.845, True, False),
-                                                  (0.87, False, False)])
+@pytest.mark.parametrize(
+    "height,listed,active", [(0.82, True, True), (0.845, True, False), (0.87, False, False)]
+)
 def test_margin_and_gap(height, listed, active):
     model = overlapping_cubes('margin=".02" gap=".01"', 'margin=".01" gap=".02"', height=height)
     own, data = mujoco.MjData(model), mujoco.MjData(model)
@@ -155,7 +193,7 @@ def crowd(seed, option=""):
     def geom():
         contype, conaffinity = masks[random.integers(len(masks))]
         shape = random.choice(['type="mesh" mesh="cube"', 'type="sphere" size=".5"'])
-        place = " ".join(map(str, random.uniform(-.1, .1, 3)))
+        place = " ".join(map(str, random.uniform(-0.1, 0.1, 3)))
         return f'<geom {shape} pos="{place}" contype="{contype}" conaffinity="{conaffinity}"/>'
 
     def body(depth):
@@ -163,8 +201,10 @@ def crowd(seed, option=""):
         listed.append(name)
         joint = random.choice(["", '<joint axis="0 0 1"/>', "<freejoint/>" if depth == 0 else ""])
         children = "".join(body(depth + 1) for _ in range(random.integers(3))) if depth < 2 else ""
-        return (f'<body name="{name}">{joint}<geom size=".1" contype="0" conaffinity="0"/>'
-                f'{geom()}{geom()}{children}</body>')
+        return (
+            f'<body name="{name}">{joint}<geom size=".1" contype="0" conaffinity="0"/>'
+            f"{geom()}{geom()}{children}</body>"
+        )
 
     bodies = geom() + "".join(body(0) for _ in range(3))
     excluded = [random.choice(listed, 2, replace=False) for _ in range(3)]
@@ -195,8 +235,7 @@ def test_the_same_pairs_meet(seed):
         np.testing.assert_array_equal(getattr(model, name), values, name)
 
 
-MASKS = ("geom_contype", "geom_conaffinity", "body_contype", "body_conaffinity",
-         "flex_conaffinity")
+MASKS = ("geom_contype", "geom_conaffinity", "body_contype", "body_conaffinity", "flex_conaffinity")
 
 
 def test_flexes_keep_their_contacts():
@@ -204,7 +243,8 @@ def test_flexes_keep_their_contacts():
         '<geom type="mesh" mesh="cube"/>'
         '<body pos="0 0 .79"><freejoint/><geom type="mesh" mesh="small"/></body>'
         '<flexcomp type="grid" count="4 4 1" spacing=".2 .2 .2" pos="0 0 1.1" radius=".05" '
-        'name="cloth" dim="2" mass="1"><contact contype="2" conaffinity="1"/></flexcomp>')
+        'name="cloth" dim="2" mass="1"><contact contype="2" conaffinity="1"/></flexcomp>'
+    )
     own, data = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_forward(model, own)
     of_flex = own.contact.flex.max(1) >= 0
@@ -213,15 +253,20 @@ def test_flexes_keep_their_contacts():
         contacts.forward(model, data)
     kept = data.contact.flex.max(1) >= 0
     for name in ("dist", "geom", "elem", "vert"):
-        np.testing.assert_array_equal(getattr(data.contact, name)[kept],
-                                      getattr(own.contact, name)[of_flex])
+        np.testing.assert_array_equal(
+            getattr(data.contact, name)[kept], getattr(own.contact, name)[of_flex]
+        )
     assert (~kept).any()
 
 
 def test_only_the_named_geoms_are_taken():
-    model = model_of("".join(
-        f'<body pos="0 0 {0.9 * i}"><freejoint/><geom name="g{i}" type="mesh" mesh="cube"/></body>'
-        for i in range(3)))
+    model = model_of(
+        "".join(
+            f'<body pos="0 0 {0.9 * i}"><freejoint/>'
+            f'<geom name="g{i}" type="mesh" mesh="cube"/></body>'
+            for i in range(3)
+        )
+    )
     data = mujoco.MjData(model)
     with MeshContacts(model, ["g0", 1]) as contacts:
         mujoco.mj_forward(model, data)
@@ -267,19 +312,31 @@ def test_disabled_contacts():
 
 def many_bits():
     """31 bits of contype in use by others, and a cube."""
-    return overlapping_cubes(rest="".join(
-        f'<worldbody><geom size=".1" contype="{1 << bit}"/></worldbody>' for bit in range(31)))
+    return overlapping_cubes(
+        rest="".join(
+            f'<worldbody><geom size=".1" contype="{1 << bit}"/></worldbody>' for bit in range(31)
+        )
+    )
 
 
-@pytest.mark.parametrize("model,message", [
-    (lambda: overlapping_cubes(option='integrator="RK4"'), "RK4"),
-    (lambda: overlapping_cubes(option='><flag sleep="enable"/></option><option'), "sleeping"),
-    (lambda: overlapping_cubes(option='><flag override="enable"/></option><option'), "override"),
-    (lambda: overlapping_cubes(rest='<contact><pair geom1="a" geom2="b"/></contact>'), "<pair>"),
-    (lambda: overlapping_cubes('surfacevel="1 0 0 0 0 0"'), "surfacevel"),
-    (lambda: overlapping_cubes('contype="0"', 'contype="0"'), "no two"),
-    (many_bits, "bits of contype"),
-])
+@pytest.mark.parametrize(
+    "model,message",
+    [
+        (lambda: overlapping_cubes(option='integrator="RK4"'), "RK4"),
+        (lambda: overlapping_cubes(option='><flag sleep="enable"/></option><option'), "sleeping"),
+        (
+            lambda: overlapping_cubes(option='><flag override="enable"/></option><option'),
+            "override",
+        ),
+        (
+            lambda: overlapping_cubes(rest='<contact><pair geom1="a" geom2="b"/></contact>'),
+            "<pair>",
+        ),
+        (lambda: overlapping_cubes('surfacevel="1 0 0 0 0 0"'), "surfacevel"),
+        (lambda: overlapping_cubes('contype="0"', 'contype="0"'), "no two"),
+        (many_bits, "bits of contype"),
+    ],
+)
 def test_what_is_refused(model, message):
     try:
         made = model()

@@ -8,9 +8,8 @@ import pytest
 from conftest import box, torus
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
-import warp as wp  # noqa: E402
-
 import pierce.newton as adapter  # noqa: E402
+import warp as wp  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings("ignore::newton.NewtonWarning")
 
@@ -47,8 +46,17 @@ def made(builder):
 def rows_of(contacts):
     """Arrays of a contact list by their names, without 'rigid_contact_'."""
     count = int(contacts.rigid_contact_count.numpy()[0])
-    names = ("shape0", "shape1", "point0", "point1", "offset0", "offset1", "normal", "margin0",
-             "margin1")
+    names = (
+        "shape0",
+        "shape1",
+        "point0",
+        "point1",
+        "offset0",
+        "offset1",
+        "normal",
+        "margin0",
+        "margin1",
+    )
     return {name: getattr(contacts, f"rigid_contact_{name}").numpy()[:count] for name in names}
 
 
@@ -80,10 +88,22 @@ def simulated(model, pipeline, seconds, rate=480, iterations=4, watch=None):
 def two_rings(height=1.0):
     """Overlapping rings over the ground, turned on their bodies; the second one is scaled."""
     builder = newton.ModelBuilder()
-    add(builder, (0, 0, height), Look(margin=0.01, gap=0.02), mesh=RING, angle=0.3,
-        xform=place((0.1, 0, 0.2), (1, 0, 0), 0.5))
-    add(builder, (0.3, 0.1, height + 0.15), Look(margin=0.004, gap=0.01), mesh=RING, angle=-0.4,
-        scale=(1.2, 0.9, 1.0))
+    add(
+        builder,
+        (0, 0, height),
+        Look(margin=0.01, gap=0.02),
+        mesh=RING,
+        angle=0.3,
+        xform=place((0.1, 0, 0.2), (1, 0, 0), 0.5),
+    )
+    add(
+        builder,
+        (0.3, 0.1, height + 0.15),
+        Look(margin=0.004, gap=0.01),
+        mesh=RING,
+        angle=-0.4,
+        scale=(1.2, 0.9, 1.0),
+    )
     builder.add_ground_plane()
     return made(builder)
 
@@ -105,18 +125,20 @@ def test_conventions():
     for side, mine, sign in ((0, found.point_a, 1), (1, found.point_b, -1)):
         assert (rows[f"shape{side}"] == side).all()
         margin = model.shape_margin.numpy()[side]
-        np.testing.assert_allclose(
-            turned(poses[side], rows[f"point{side}"]), mine[kept], atol=2e-6)
+        np.testing.assert_allclose(turned(poses[side], rows[f"point{side}"]), mine[kept], atol=2e-6)
         np.testing.assert_allclose(rows[f"margin{side}"], margin)
         np.testing.assert_allclose(
             turned(poses[side], rows[f"offset{side}"]) - poses[side][:3],
-            sign * margin * found.normal[kept], atol=2e-6)
+            sign * margin * found.normal[kept],
+            atol=2e-6,
+        )
     np.testing.assert_allclose(rows["normal"], found.normal[kept], atol=1e-6)
 
     distance = wp.zeros(contacts.rigid_contact_max, dtype=float, device="cpu")
     newton.eval_rigid_contact_kinematics(model, state, contacts, out_distance=distance)
     np.testing.assert_allclose(
-        distance.numpy()[: len(rows["normal"])], found.distance[kept] - 0.014, atol=3e-6)
+        distance.numpy()[: len(rows["normal"])], found.distance[kept] - 0.014, atol=3e-6
+    )
 
 
 def test_points_are_on_the_surfaces_of_the_placed_meshes():
@@ -162,11 +184,15 @@ class LikeADevice:
             return column
 
         return SimpleNamespace(
-            room=room, count=np.array([len(found)], np.uint32),
+            room=room,
+            count=np.array([len(found)], np.uint32),
             body_a=padded(found.a & 0xFFFFFFFF, np.uint32),
-            body_b=padded(found.b & 0xFFFFFFFF, np.uint32), distance=padded(found.distance),
-            point_a=padded(found.point_a), point_b=padded(found.point_b),
-            normal=padded(found.normal)), None
+            body_b=padded(found.b & 0xFFFFFFFF, np.uint32),
+            distance=padded(found.distance),
+            point_a=padded(found.point_a),
+            point_b=padded(found.point_b),
+            normal=padded(found.normal),
+        ), None
 
 
 def test_contacts_of_a_device_are_written_after_newtons():
@@ -174,7 +200,8 @@ def test_contacts_of_a_device_are_written_after_newtons():
     pipeline, state, contacts = collided(model)
     expected = rows_of(contacts)
     newtons = len(rows_of(contacts)["normal"]) - sum(
-        pair == (0, 1) for pair in zip(expected["shape0"], expected["shape1"], strict=True))
+        pair == (0, 1) for pair in zip(expected["shape0"], expected["shape1"], strict=True)
+    )
     assert 0 < newtons < len(expected["normal"])
     pipeline.world, pipeline._stays = LikeADevice(pipeline.world), True
     again = pipeline.contacts()
@@ -208,8 +235,7 @@ def test_pairs_are_those_of_the_model():
 
     def fill(into):
         for k, look in enumerate(looks):
-            add(into, rng.uniform(-0.02, 0.02, 3), look, kinds[k % len(kinds)],
-                rng.uniform(0.1, 1))
+            add(into, rng.uniform(-0.02, 0.02, 3), look, kinds[k % len(kinds)], rng.uniform(0.1, 1))
 
     fill(builder)
     builder.add_shape_mesh(body=-1, mesh=BOX, cfg=looks[0], xform=place((0.03, 0, 0)))
@@ -224,14 +250,15 @@ def test_pairs_are_those_of_the_model():
     model = made(builder)
     allowed = {tuple(sorted(pair)) for pair in model.shape_contact_pairs.numpy().tolist()}
     fixed = {shape for shape, body in enumerate(model.shape_body.numpy()) if body < 0}
-    taken = {shape for shape, kind in enumerate(model.shape_type.numpy())
-             if kind in adapter.TAKEN}
+    taken = {shape for shape, kind in enumerate(model.shape_type.numpy()) if kind in adapter.TAKEN}
     pipeline, _, contacts = collided(model, rigid_contact_max=20000)
     of_pierce = {pair for pair in allowed if set(pair) <= taken and not set(pair) <= fixed}
     slots = pipeline._shape_of.numpy()
     found = pipeline.world.contacts
-    met = {tuple(sorted(pair)) for pair in
-           zip(slots[found.a & 0xFFFFFFFF].tolist(), slots[found.b & 0xFFFFFFFF].tolist())}
+    met = {
+        tuple(sorted(pair))
+        for pair in zip(slots[found.a & 0xFFFFFFFF].tolist(), slots[found.b & 0xFFFFFFFF].tolist())
+    }
     assert met == of_pierce and len(met) > 20
     both_not = {pair for pair in itertools.combinations(range(model.shape_count), 2)} - allowed
     assert not pairs_in(contacts) & both_not
@@ -265,9 +292,12 @@ def test_boxes_rest_where_newton_lets_them_rest():
     builder.add_ground_plane(cfg=Look(mu=0.5))
     model = made(builder)
     heights = [
-        simulated(model, pipeline, 1.0, iterations=8).body_q.numpy()[:, 2] for pipeline in (
+        simulated(model, pipeline, 1.0, iterations=8).body_q.numpy()[:, 2]
+        for pipeline in (
             adapter.CollisionPipeline(model, "embree", threads=1),
-            newton.CollisionPipeline(model, broad_phase="nxn"))]
+            newton.CollisionPipeline(model, broad_phase="nxn"),
+        )
+    ]
     np.testing.assert_allclose(heights[0], [0.26, 0.78, 1.3], atol=2e-3)
     np.testing.assert_allclose(heights[0], heights[1], atol=2e-3)
 
@@ -276,14 +306,19 @@ def test_a_linked_ring_hangs_in_the_other_one():
     builder = newton.ModelBuilder()
     look = Look(density=500.0, margin=0.005, gap=0.005)
     builder.add_shape_mesh(
-        body=-1, mesh=RING, cfg=look, xform=place((0, 0, 1), (1, 0, 0), np.pi / 2))
+        body=-1, mesh=RING, cfg=look, xform=place((0, 0, 1), (1, 0, 0), np.pi / 2)
+    )
     body = builder.add_body(xform=place((0, 0, 0.65), (0, 1, 0), np.pi / 2))
     builder.add_shape_mesh(body, mesh=RING, cfg=look)
     model = made(builder)
     pipeline = adapter.CollisionPipeline(model, "embree", threads=1)
     deepest = []
-    state = simulated(model, pipeline, 1.0, watch=lambda _: deepest.append(
-        pipeline.world.contacts.depth.max(initial=0.0)))
+    state = simulated(
+        model,
+        pipeline,
+        1.0,
+        watch=lambda _: deepest.append(pipeline.world.contacts.depth.max(initial=0.0)),
+    )
     assert max(deepest) < 1e-3
     # The tubes of round rings would rest on each other at 1 - 0.3 + 2 * 0.1 - 0.3 - 2 * 0.005.
     # The corners of these ones are on the round ones.

@@ -5,10 +5,9 @@ import os
 import subprocess
 
 import numpy as np
+import pierce
 import pytest
 from conftest import box, torus
-
-import pierce
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +31,8 @@ def test_replay_has_the_hashes_of_the_command(pile, tmp_path):
         pytest.skip("PIERCE_COMMAND names no pierce command")
     pile.write(str(tmp_path / "pile"))
     out = tmp_path / "out.json"
-    subprocess.run([command, "replay", str(tmp_path / "pile"), "--threads", "1", "--json", str(out)],
-                   check=True, capture_output=True)  # fmt: skip
+    replay = [command, "replay", str(tmp_path / "pile"), "--threads", "1", "--json", str(out)]
+    subprocess.run(replay, check=True, capture_output=True)
     frames = json.loads(out.read_text())["frames"]
     replay = pierce.Replay(pile, "embree", 1)
     hashes = [f"{replay.step(f).hash:016x}" for f in range(len(replay))]

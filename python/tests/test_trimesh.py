@@ -10,13 +10,18 @@ import pytest
 from conftest import box, torus
 
 trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
-from pierce.trimesh import CollisionManager, ContactData, DistanceData  # noqa: E402
-from pierce.trimesh import scene_to_collision  # noqa: E402
+from pierce.trimesh import (  # noqa: E402
+    CollisionManager,
+    ContactData,
+    DistanceData,
+    scene_to_collision,
+)
 
 CUBE = trimesh.Trimesh(*box(), process=False)
 TORUS = trimesh.Trimesh(*torus(), process=False)
 SQUARE = trimesh.Trimesh(
-    [[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
+    [[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]], process=False
+)
 
 
 def at(x, y=0.0, z=0.0):
@@ -39,13 +44,13 @@ def random_place(rng, size):
 def test_single_collides_with_the_object_in_the_same_place():
     manager = manager_of(cube0=0, cube1=5)
     assert manager.in_collision_single(CUBE) is True
-    hit, names, data = manager.in_collision_single(
-        CUBE, at(5), return_names=True, return_data=True)
+    hit, names, data = manager.in_collision_single(CUBE, at(5), return_names=True, return_data=True)
     assert hit is True and names == {"cube1"} and data
     for contact in data:
         assert isinstance(contact, ContactData) and contact.names == {"cube1", "__external"}
     hit, names, data = manager.in_collision_single(
-        CUBE, at(-5), return_names=True, return_data=True)
+        CUBE, at(-5), return_names=True, return_data=True
+    )
     assert hit is False and names == set() and data == []
 
 
@@ -77,7 +82,9 @@ def test_other_manager():
     assert hit is True and names == {("cube1", "cube3")}
     assert other.in_collision_other(manager, return_names=True)[1] == {("cube3", "cube1")}
     assert manager.in_collision_other(manager, return_names=True)[1] == {
-        ("cube0", "cube0"), ("cube1", "cube1")}
+        ("cube0", "cube0"),
+        ("cube1", "cube1"),
+    }
 
 
 def test_objects_of_a_query_leave_nothing_behind():
@@ -174,11 +181,13 @@ def test_other_distances():
     manager, other = manager_of(cube0=0, cube1=5), manager_of(cube4=-5)
     for expected, name in ((4, "cube4"), (1, "cube5")):
         distance, names, data = manager.min_distance_other(
-            other, return_names=True, return_data=True)
+            other, return_names=True, return_data=True
+        )
         assert distance == pytest.approx(expected) and names == ("cube0", name)
         assert isinstance(data, DistanceData) and data.distance == distance
         assert np.linalg.norm(data.point(names[0]) - data.point(names[1])) == pytest.approx(
-            expected)
+            expected
+        )
         other.add_object("cube5", CUBE, at(-2))
 
 
@@ -189,7 +198,10 @@ def test_distance_of_nothing_is_the_largest_number():
     assert manager.min_distance_internal() == largest
     manager.add_object("alone", CUBE)
     assert manager.min_distance_internal(return_names=True, return_data=True) == (
-        largest, None, None)
+        largest,
+        None,
+        None,
+    )
     assert manager.min_distance_internal("alone") == largest
 
 
@@ -206,7 +218,8 @@ def test_every_pair_is_named():
     for k, name in enumerate(names):
         manager.add_object(name, probe, at(0.04 * k - 14))
     hit, found = manager.in_collision_single(
-        trimesh.creation.box(extents=[100, 100, 100]), at(0, 0, 55), return_names=True)
+        trimesh.creation.box(extents=[100, 100, 100]), at(0, 0, 55), return_names=True
+    )
     assert hit is True and found == names
 
 
@@ -221,8 +234,10 @@ def test_scenes():
     hit, names = manager.in_collision_internal(return_names=True)
     assert isinstance(hit, bool)
     centres = {node: scene.graph[node][0][:3, 3] for node in objects}
-    radii = {node: scene.geometry[scene.graph[node][1]].bounding_sphere.primitive.radius
-             for node in objects}
+    radii = {
+        node: scene.geometry[scene.graph[node][1]].bounding_sphere.primitive.radius
+        for node in objects
+    }
     for a in objects:
         for b in objects:
             gap = np.linalg.norm(centres[a] - centres[b]) - radii[a] - radii[b]
@@ -245,7 +260,9 @@ def test_surfaces_collide_where_they_go_through_others():
     manager.add_object("cube", CUBE, at(1))
     manager.add_object("high", CUBE, at(1, 0, 0.9))
     assert manager.in_collision_internal(return_names=True) == (
-        True, {("cube", "square"), ("cube", "high")})
+        True,
+        {("cube", "square"), ("cube", "high")},
+    )
 
 
 def test_distances_of_surfaces():
@@ -271,7 +288,8 @@ def test_random_distances_are_those_of_fcl(kind):
         place = random_place(rng, 12)
         expected, name = theirs.min_distance_single(mesh, place, return_name=True)
         distance, found, data = ours.min_distance_single(
-            mesh, place, return_name=True, return_data=True)
+            mesh, place, return_name=True, return_data=True
+        )
         if expected <= 0:
             continue
         apart += 1
@@ -310,9 +328,15 @@ CHANCE = (
 )
 
 
-@pytest.mark.skipif(not THEIRS.is_file(),
-                    reason="PIERCE_TRIMESH_TESTS does not name trimesh's tests/test_collision.py")
+@pytest.mark.skipif(
+    not THEIRS.is_file(),
+    reason="PIERCE_TRIMESH_TESTS does not name trimesh's tests/test_collision.py",
+)
 def test_what_trimesh_tests():
-    done = subprocess.run([sys.executable, "-c", RUN, str(THEIRS), *CHANCE], check=False,
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", RUN, str(THEIRS), *CHANCE],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr

@@ -4,10 +4,9 @@ import socket
 import sys
 
 import numpy as np
+import pierce
 import pytest
 from conftest import box, torus
-
-import pierce
 from pierce import viewers
 
 POSE = np.array([0.9, 0.1, -0.2, 0.5, -0.5, 0.5, 0.5])
@@ -39,8 +38,10 @@ class Recorded(viewers.Viewer):
 
 def test_places_are_those_of_the_world(two_tori):
     world, rigid, soft, positions = two_tori
-    plate = np.float32([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]), np.uint32([[0, 1, 2],
-                                                                                [0, 2, 3]])
+    plate = (
+        np.float32([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]),
+        np.uint32([[0, 1, 2], [0, 2, 3]]),
+    )
     flat = world.add_rigid_body(world.add_mesh(plate, inside="none"), [0, 0, 9, 0, 0, 0, 1])
     viewer = Recorded(world, names={soft: "soft"})
     for pose in ([0, 0, 0, 0, 0, 0, 1], POSE):
@@ -162,9 +163,14 @@ def test_viser(two_tori):
         server.stop()
 
 
-@pytest.mark.parametrize("viewer,module,package", [
-    ("Rerun", "rerun", "rerun-sdk"), ("Polyscope", "polyscope", "polyscope"),
-    ("Viser", "viser", "viser")])
+@pytest.mark.parametrize(
+    "viewer,module,package",
+    [
+        ("Rerun", "rerun", "rerun-sdk"),
+        ("Polyscope", "polyscope", "polyscope"),
+        ("Viser", "viser", "viser"),
+    ],
+)
 def test_missing_packages_are_named(viewer, module, package, monkeypatch):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(ImportError, match=f"pip install {package}"):

@@ -8,10 +8,9 @@ import weakref
 from pathlib import Path
 
 import numpy as np
+import pierce
 import pytest
 from conftest import box, torus
-
-import pierce
 
 SOURCE = Path(__file__).parents[2]
 
@@ -90,8 +89,9 @@ def test_contacts_are_views_of_one_list(two_tori):
     along = ((contacts.point_b - contacts.point_a) * contacts.normal).sum(1)
     np.testing.assert_allclose(along, contacts.distance, atol=1e-12)
     np.testing.assert_array_equal(contacts.depth, np.maximum(-contacts.distance, 0))
-    assert np.from_dlpack(contacts.distance).__array_interface__["data"] == (
-        contacts.distance.__array_interface__["data"]
+    assert (
+        np.from_dlpack(contacts.distance).__array_interface__["data"]
+        == (contacts.distance.__array_interface__["data"])
     )
     assert "contacts" in repr(contacts)
 
@@ -245,13 +245,14 @@ def test_pair_filter(two_tori):
 
 def test_a_filter_that_holds_its_world_is_collected():
     class Holder:
-        pass
+        def __init__(self):
+            self.world = pierce.World("reference")
+            self.world.set_pair_filter(self.wants)
 
-    holder = Holder()
-    holder.world = pierce.World("reference")
-    holder.world.set_pair_filter(lambda a, b: holder is not None)
-    gone = weakref.ref(holder)
-    del holder
+        def wants(self, a, b):
+            return True
+
+    gone = weakref.ref(Holder())
     gc.collect()
     assert gone() is None
 
