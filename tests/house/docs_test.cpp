@@ -73,7 +73,7 @@ TEST(DocsTest, NoPageIsEmpty) {
 
 TEST(DocsTest, FilesThatAreNamedAreThere) {
     std::vector<std::string> files;
-    for (const char* folder : {"src", "tests", "bench", "data", "docs", "cmake"})
+    for (const char* folder : {"src", "tests", "bench", "data", "docs", "cmake", "python"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder))
             if (entry.is_regular_file())
                 files.push_back("/" + fs::relative(entry.path(), root).string());
@@ -118,7 +118,7 @@ TEST(DocsTest, ALineHoldsOneSentence) {
 }
 
 TEST(DocsTest, CodeIsNoWiderThanAHundredColumns) {
-    for (const char* folder : {"src", "tests", "bench", "docs/examples"})
+    for (const char* folder : {"src", "tests", "bench", "docs/examples", "python"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
             const fs::path kind = entry.path().extension();
             if (kind != ".hpp" && kind != ".cpp" && kind != ".cuh" && kind != ".cu" &&
