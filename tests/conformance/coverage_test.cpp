@@ -492,6 +492,52 @@ TEST_P(CoverageTest, ReprojectionEndsAtTheClosestPointOrTheRidge) {
     EXPECT_GT(moved, 2 * ridges) << "not every contact may be one to a ridge";
 }
 
+/// A box turned on a box: no vertex is inside, and every edge is over an upright ridge, although
+/// the face between the two is much nearer.
+TEST_P(CoverageTest, BoxesThatAreStackedAreNotPushedAside) {
+    const MeshData box = scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
+    constexpr double overlap = 0.001;
+    for (const Coverage coverage : {Coverage::overlaps, Coverage::complete}) {
+        Settings settings = complete(true);
+        settings.coverage = coverage;
+        for (double turn : {0.1, 0.3, 0.785398163}) {
+            const Pose above{{0.03, 0.01, 1 - overlap},
+                             {0, 0, std::sin(turn / 2), std::cos(turn / 2)}};
+            Two two(GetParam(), settings, box, {}, box, above);
+            EXPECT_GT(two.world.contacts().size(), 2u);
+            for (const Contact& c : two.world.contacts()) {
+                EXPECT_LT(c.penetration_depth(), 1.01 * overlap) << "turned by " << turn;
+                EXPECT_GT(c.normal.z, 0.99) << "turned by " << turn;
+            }
+        }
+    }
+}
+
+TEST_P(CoverageTest, EdgesAreHardlyDeeperThanTheirPair) {
+    const MeshData box = scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
+    test::Random random(5);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    World world(GetParam().make(), complete(true));
+    const MeshId mesh = world.add_mesh("box", box);
+    const BodyId a = world.add_rigid_body(mesh), b = world.add_rigid_body(mesh);
+    int pairs = 0, deeper = 0;
+    for (int i = 0; i < 200; ++i) {
+        world.set_pose(a, {{}, random.rotation()});
+        world.set_pose(b, {random.in_box(0.8), random.rotation()});
+        world.detect();
+        double deepest = 0;
+        for (const Contact& c : world.contacts())
+            if (c.is_edge()) deepest = std::max(deepest, c.penetration_depth());
+        const auto parting = deepest > 0 ? world.parting(a, b) : std::nullopt;
+        if (!parting) continue;
+        ++pairs;
+        deeper += deepest > 1.01 * parting->depth;
+        EXPECT_LT(deepest, 2 * parting->depth) << "pair " << i;
+    }
+    EXPECT_GT(pairs, 100);
+    EXPECT_LE(deeper, pairs / 20) << "of " << pairs;
+}
+
 TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
     test::Random random(31);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));

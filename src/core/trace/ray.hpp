@@ -51,6 +51,7 @@ struct Chord {
     double skin = 0;   ///< [length] if the edge only touches the target: its ray does not count
                        ///< crossings up to here
     Ridge ridge;
+    Vec3d begin, end;  ///< of a chord over a ridge, in the target's space
 };
 
 /// What a tracer finds for a ray: the triangle, or no_triangle. Everything else follows from the

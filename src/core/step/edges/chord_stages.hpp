@@ -170,7 +170,8 @@ private:
         std::uint32_t entered = no_triangle;
         const auto add = [&](double end, Chords kind, std::uint32_t left) {
             if (!(end - enter > ray.touch)) return mark(item.directed);
-            Chord chord = {.edge = item.edge, .ordinal = ordinal++, .ridge = {}};
+            Chord chord = {
+                .edge = item.edge, .ordinal = ordinal++, .ridge = {}, .begin = {}, .end = {}};
             if (wanted != Chords::all && wanted != kind) return;
             chord.along = clamp_to(0.5 * (enter + end) / ray.t_max, 0.0, 1.0);
             if (kind == Chords::within && wanted == kind) {
@@ -183,6 +184,8 @@ private:
                 if (over.exists() && at - enter > ray.touch && end - at > ray.touch) {
                     chord.along = over.along;
                     chord.ridge = over.ridge;
+                    chord.begin = a + enter * ray.direction;
+                    chord.end = a + end * ray.direction;
                 }
             }
             see(chord);

@@ -281,7 +281,9 @@ struct JoinEdgePairs {
                                    .ordinal = pair.other_edge,
                                    .along = pair.along,
                                    .skin = 0,
-                                   .ridge = {pair.triangle, pair.corner}};
+                                   .ridge = {pair.triangle, pair.corner},
+                                   .begin = {},
+                                   .end = {}};
         Ray ray;
         ray.origin = from;
         ray.direction = normalized(from - to);

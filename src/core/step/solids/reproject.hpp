@@ -24,12 +24,19 @@
 /// where its ray ends, unless it touches.
 ///
 /// A chord over a ridge ends on the ridge instead: to leave the target, its edge has to pass that
-/// ridge, which is further away than the faces beside it.
+/// ridge, which is further away than the faces beside it. Unless another face is so near that the
+/// whole chord leaves through it on a shorter way: then it ends there.
 namespace pierce::stages {
 
 /// The ridge that a ray's chord is over, if there is one.
 PIERCE_HD inline Ridge ridge_below(const RaySource& from, View<const Chord> chords) {
     return from.start == RayStart::chord ? chords[from.item].ridge : Ridge{};
+}
+
+/// The point of a ridge that is closest to a point.
+PIERCE_HD inline Vec3d closest_on(const RidgeEnds& ridge, Vec3d point) {
+    const Vec3d along = ridge.to - ridge.from;
+    return ridge.from + closest_place_on_segment(point, ridge.from, along) * along;
 }
 
 /// Per candidate from `begin` on: where to look for a closer point, if it is a contact that may
@@ -66,10 +73,16 @@ struct LimitToDepth {
         limited[i] = rays[r];
         limited[i].outward = 0;
         const Ridge ridge = ridge_below(sources[r], chords);
-        const bool is_known = may_move &&
-                              (ridge.exists() || is_closest(bodies[rays[r].target], rays[r].origin,
-                                                            hits[r].triangle));
-        known[i] = !is_known ? no_triangle : ridge.exists() ? ridge.triangle : hits[r].triangle;
+        const BodyView& target = bodies[rays[r].target];
+        if (may_move && ridge.exists()) {
+            // Only what is nearer than the ridge can be a shorter way.
+            known[i] = ridge.triangle;
+            limited[i].t_max = length(
+                closest_on(RidgeEnds(target.surface(), ridge), rays[r].origin) - rays[r].origin);
+            return;
+        }
+        const bool is_known = may_move && is_closest(target, rays[r].origin, hits[r].triangle);
+        known[i] = is_known ? hits[r].triangle : no_triangle;
         limited[i].t_max = may_move && !is_known ? meetings[r].t : -1.0;
     }
 
@@ -108,22 +121,38 @@ struct MoveToClosest {
     }
 
 private:
-    PIERCE_HD static Vec3d closest_on(const RidgeEnds& ridge, Vec3d point) {
-        const Vec3d along = ridge.to - ridge.from;
-        return ridge.from + closest_place_on_segment(point, ridge.from, along) * along;
+    /// True if a chord over a ridge, which is `far` from it, leaves the target as a whole on a
+    /// shorter way, towards its closest point on a triangle. Through a face beside the ridge it
+    /// does not: its part behind the other face is further below the first one than the ridge is
+    /// away.
+    PIERCE_HD static bool leaves_sooner(const Chord& chord, Vec3d point, double far,
+                                        const Surface& surface, std::uint32_t triangle) {
+        if (triangle == no_triangle) return false;
+        if (surface.covered.size > 0 && surface.covered[triangle] != Cover::none) return false;
+        const Vec3d to = closest_point(point, surface, triangle), way = to - point;
+        const double size = length(way);
+        if (!(size > 0)) return false;
+        const Vec3d direction = (1 / size) * way;
+        return max_of(dot(to - chord.begin, direction), dot(to - chord.end, direction)) < far;
     }
 
     PIERCE_HD bool moves(std::uint32_t i, std::uint32_t candidate, double depth_of_ray) const {
-        const std::uint32_t triangle = known[i] != no_triangle ? known[i] : closest[i];
         const bool is_known = known[i] != no_triangle;
+        std::uint32_t triangle = is_known ? known[i] : closest[i];
         if (triangle == no_triangle) return false;
         Ray ray = limited[i];
         const Surface surface = bodies[ray.target].surface();
+        const RaySource& from = sources[candidates[candidate]];
+        Ridge ridge = ridge_below(from, chords);
+        if (ridge.exists() &&
+            leaves_sooner(chords[from.item], ray.origin, ray.t_max, surface, closest[i])) {
+            triangle = closest[i];
+            ridge = {};
+        }
         const Triangle& t = surface.triangles[triangle];
         const Vec3d a = to_double(surface.positions[t.vertex[0]]),
                     b = to_double(surface.positions[t.vertex[1]]),
                     c = to_double(surface.positions[t.vertex[2]]);
-        const Ridge ridge = ridge_below(sources[candidates[candidate]], chords);
         const Vec3d point = ridge.exists() ? closest_on(RidgeEnds(surface, ridge), ray.origin)
                                            : closest_point(ray.origin, surface, triangle);
         const Vec3d way = point - ray.origin;
