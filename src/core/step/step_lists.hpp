@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -51,6 +52,8 @@ struct StepRecords {
             contacts = {};
         }
         kept.reset();
+        // Another thread may have been the last one that kept them: it has read them before.
+        std::atomic_thread_fence(std::memory_order_acquire);
     }
 
     /// What vertices, patches and blocks remember.
