@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,16 +18,18 @@
 #include "pierce/contact_reduction.hpp"
 #include "pierce/parting.hpp"
 #include "records.hpp"
+#include "world.hpp"
 
 namespace pierce::python {
 namespace {
 
-std::span<const Contact> all(const Contacts& c) { return c.kept.all(); }
+std::span<const Contact> all(const Contacts& c) { return c.kept().all(); }
 
 /// Contacts from one place to another; they keep the whole list.
 Contacts part_of(const Contacts& c, std::size_t begin, std::size_t end) {
-    return {
-        {std::shared_ptr<const Contact>(c.kept.first, c.kept.first.get() + begin), end - begin}};
+    const KeptContacts& whole = c.kept();
+    return Contacts(
+        {std::shared_ptr<const Contact>(whole.first, whole.first.get() + begin), end - begin});
 }
 
 /// A member of every record, as a view: shape (n,), or (n, columns) if columns is not 0.
@@ -160,6 +163,18 @@ nb::object on_device(nb::handle_t<DeviceList> self, const Number* first, std::si
 
 }  // namespace
 
+const KeptContacts& Contacts::kept() const {
+    if (!world_.is_valid()) return kept_;
+    PyWorld& world = nb::cast<PyWorld&>(world_);
+    if (world.steps != step_)
+        throw std::runtime_error(
+            "these contacts are of an earlier step on a device: read them before the next "
+            "detect()");
+    kept_ = Use(world)->keep_contacts();
+    world_.reset();
+    return kept_;
+}
+
 void bind_contacts(nb::module_& module) {
     auto contacts = nb::class_<Contacts>(
         module, "Contacts",
@@ -175,12 +190,12 @@ void bind_contacts(nb::module_& module) {
     const nb::object type = record_type();
     module.attr("contact_dtype") = type;
     contacts.attr("fields") = type.attr("names");
-    contacts.def("__len__", [](const Contacts& c) { return c.kept.count; })
+    contacts.def("__len__", [](const Contacts& c) { return c.kept().count; })
         .def(
             "__getitem__",
             [](const Contacts& c, nb::handle which) {
                 Py_ssize_t begin = 0, end = 0, step = 1;
-                const auto count = static_cast<Py_ssize_t>(c.kept.count);
+                const auto count = static_cast<Py_ssize_t>(c.kept().count);
                 if (nb::isinstance<nb::slice>(which)) {
                     if (PySlice_Unpack(which.ptr(), &begin, &end, &step) < 0)
                         throw nb::python_error();
@@ -219,7 +234,7 @@ void bind_contacts(nb::module_& module) {
                  double deepest = 0;
                  for (const Contact& contact : all(c))
                      deepest = std::max(deepest, contact.penetration_depth());
-                 return "<" + std::to_string(c.kept.count) + " contacts, the deepest " +
+                 return "<" + std::to_string(c.kept().count) + " contacts, the deepest " +
                         std::to_string(deepest) + ">";
              })
         .def_prop_ro(

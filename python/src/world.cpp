@@ -210,15 +210,16 @@ std::vector<std::optional<ProbeContact>> probe(PyWorld& self, nb::handle points,
                             {static_cast<const Vec3d*>(ways.data), ways.count}, radius, bodies);
 }
 
-nb::object contacts_now(PyWorld& self) {
-    const Use world(self);
-    return nb::cast(Contacts{world->keep_contacts()});
+nb::object contacts_now(nb::handle_t<PyWorld> self) {
+    PyWorld& w = nb::cast<PyWorld&>(self);
+    if (w.on_device && w.steps > 0) return nb::cast(Contacts(nb::borrow(self), w.steps));
+    return nb::cast(Contacts(Use(w)->keep_contacts()));
 }
 
 nb::object contact_of(const Explanation& e) {
     if (!e.contact) return nb::none();
     const auto copy = std::make_shared<Contact>(*e.contact);
-    return nb::cast(Contacts{{std::shared_ptr<const Contact>(copy), 1}});
+    return nb::cast(Contacts({std::shared_ptr<const Contact>(copy), 1}));
 }
 
 void bind_bodies(nb::class_<PyWorld>& c) {
@@ -511,7 +512,9 @@ nb::object detect(nb::handle_t<PyWorld> self) {
         world->detect();
     }
     if (w.failure != nullptr) std::rethrow_exception(std::exchange(w.failure, nullptr));
-    return nb::cast(Contacts{world->keep_contacts()});
+    ++w.steps;
+    if (w.on_device) return nb::cast(Contacts(nb::borrow(self), w.steps));
+    return nb::cast(Contacts(world->keep_contacts()));
 }
 
 void bind_world(nb::module_& module) {

@@ -37,6 +37,7 @@ private:
 struct PyWorld {
     std::shared_ptr<World> world;
     bool on_device = false;
+    std::uint64_t steps = 0;  ///< that Python has run
     std::mutex busy;
     KeptArrays places, starts;
     nb::object stream;           ///< kept while steps wait for it

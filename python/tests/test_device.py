@@ -101,6 +101,18 @@ def test_contacts_on_the_device():
     world.set_stream(None)
 
 
+def test_contacts_come_when_they_are_asked_for():
+    world, bodies, places = tori("cuda")
+    world.set_positions(bodies, places)
+    early, late = world.detect(), world.contacts
+    normal, copy = early.normal, early.normal.copy()
+    world.set_positions(bodies, places + np.float32([0.1, 0, 0]))
+    assert len(world.detect()) > 100
+    np.testing.assert_array_equal(normal, copy)
+    with pytest.raises(RuntimeError, match="earlier step on a device"):
+        late.normal  # noqa: B018
+
+
 def test_lists_that_do_not_fit():
     world, bodies, places = tori("cuda", 2)
     for _, there in packages():

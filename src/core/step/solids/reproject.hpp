@@ -4,6 +4,8 @@
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/closest_points_of_segments.hpp"
+#include "core/mesh/edge_normal.hpp"
+#include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/look.hpp"
@@ -122,16 +124,22 @@ struct MoveToClosest {
 
 private:
     /// True if a chord over a ridge, which is `far` from it, leaves the target as a whole on a
-    /// shorter way, towards its closest point on a triangle. Through a face beside the ridge it
-    /// does not: its part behind the other face is further below the first one than the ridge is
-    /// away.
+    /// shorter way, towards its closest point on a triangle, and the rest of its edge does not get
+    /// in on that way: it does not lead into the faces beside the ridge.
     PIERCE_HD static bool leaves_sooner(const Chord& chord, Vec3d point, double far,
-                                        const Surface& surface, std::uint32_t triangle) {
+                                        const BodyView& target, std::uint32_t triangle) {
         if (triangle == no_triangle) return false;
+        const Surface surface = target.surface();
         if (surface.covered.size > 0 && surface.covered[triangle] != Cover::none) return false;
         const Vec3d to = closest_point(point, surface, triangle), way = to - point;
         const double size = length(way);
         if (!(size > 0)) return false;
+        const std::uint32_t beside = chord.ridge.triangle,
+                            other = target.mesh.neighbors[beside].across[chord.ridge.corner];
+        for (const std::uint32_t face : {beside, other})
+            if (face == no_triangle ||
+                dot(triangle_normal(target.mesh, target.positions, face), way) < -target.touch)
+                return false;
         const Vec3d direction = (1 / size) * way;
         return max_of(dot(to - chord.begin, direction), dot(to - chord.end, direction)) < far;
     }
@@ -144,8 +152,8 @@ private:
         const Surface surface = bodies[ray.target].surface();
         const RaySource& from = sources[candidates[candidate]];
         Ridge ridge = ridge_below(from, chords);
-        if (ridge.exists() &&
-            leaves_sooner(chords[from.item], ray.origin, ray.t_max, surface, closest[i])) {
+        if (ridge.exists() && leaves_sooner(chords[from.item], ray.origin, ray.t_max,
+                                            bodies[ray.target], closest[i])) {
             triangle = closest[i];
             ridge = {};
         }
