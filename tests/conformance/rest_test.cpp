@@ -110,8 +110,8 @@ TEST_P(RestTest, ContactsGetOlder) {
 
 /// Contacts that are kept stay as they are through any later steps, and the world's end.
 TEST_P(RestTest, KeptContactsStay) {
-    for (const Settings& settings : {Settings{}, Settings{.temporal = Temporal::off},
-                                     Settings{.temporal = Temporal::paper}}) {
+    for (const Settings& settings :
+         {Settings{}, Settings{.temporal = Temporal::off}, Settings{.temporal = Temporal::paper}}) {
         test::Random random(11);
         SCOPED_TRACE("seed " + std::to_string(random.seed()));
         std::vector<KeptContacts> kept;
