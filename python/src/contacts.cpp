@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -56,70 +57,61 @@ struct Field {
 };
 
 constexpr Field fields[] = {
-    {"a", "<u8", offsetof(Contact, a), 0, "handle of the body in the lower slot, uint64 (n,)"},
-    {"b", "<u8", offsetof(Contact, b), 0, "handle of the other body, uint64 (n,)"},
-    {"source", "u1", offsetof(Contact, source), 0,
+    {"a", "uint64", offsetof(Contact, a), 0, "handle of the body in the lower slot, uint64 (n,)"},
+    {"b", "uint64", offsetof(Contact, b), 0, "handle of the other body, uint64 (n,)"},
+    {"source", "uint8", offsetof(Contact, source), 0,
      "which of the two the vertex or edge belongs to, as Side, uint8 (n,)"},
-    {"grazing", "?", offsetof(Contact, grazing), 0,
+    {"grazing", "bool", offsetof(Contact, grazing), 0,
      "the ray meets the triangle so flatly that the depth is uncertain, bool (n,)"},
-    {"found", "u1", offsetof(Contact, found), 0, "how it was found, as Found, uint8 (n,)"},
-    {"reprojected", "?", offsetof(Contact, reprojected), 0,
+    {"found", "uint8", offsetof(Contact, found), 0, "how it was found, as Found, uint8 (n,)"},
+    {"reprojected", "bool", offsetof(Contact, reprojected), 0,
      "it ends at the closest point, not at the end of its ray, bool (n,)"},
-    {"of_sheet", "?", offsetof(Contact, of_sheet), 0, "one of the two is a sheet, bool (n,)"},
-    {"unknown_side", "?", offsetof(Contact, unknown_side), 0,
+    {"of_sheet", "bool", offsetof(Contact, of_sheet), 0, "one of the two is a sheet, bool (n,)"},
+    {"unknown_side", "bool", offsetof(Contact, unknown_side), 0,
      "of a sheet: the normal does not tell the way out, bool (n,)"},
-    {"vertex", "<u4", offsetof(Contact, vertex), 0,
+    {"vertex", "uint32", offsetof(Contact, vertex), 0,
      "vertex of the source, or the first one of its edge, uint32 (n,)"},
-    {"edge_end", "<u4", offsetof(Contact, edge_end), 0,
+    {"edge_end", "uint32", offsetof(Contact, edge_end), 0,
      "second vertex of the edge; no_vertex if a vertex is in contact, uint32 (n,)"},
-    {"edge", "<u4", offsetof(Contact, edge), 0, "edge of the source's mesh, uint32 (n,)"},
-    {"chord", "<u4", offsetof(Contact, chord), 0,
+    {"edge", "uint32", offsetof(Contact, edge), 0, "edge of the source's mesh, uint32 (n,)"},
+    {"chord", "uint32", offsetof(Contact, chord), 0,
      "which of the edge's parts inside the target, uint32 (n,)"},
-    {"other_edge", "<u4", offsetof(Contact, other_edge), 0,
+    {"other_edge", "uint32", offsetof(Contact, other_edge), 0,
      "edge of the target's mesh, if two edges are near, uint32 (n,)"},
-    {"triangle", "<u4", offsetof(Contact, triangle), 0, "triangle of the target, uint32 (n,)"},
-    {"age", "<u4", offsetof(Contact, age), 0,
+    {"triangle", "uint32", offsetof(Contact, triangle), 0, "triangle of the target, uint32 (n,)"},
+    {"age", "uint32", offsetof(Contact, age), 0,
      "steps in a row that this has been in contact, uint32 (n,)"},
-    {"along", "<f8", offsetof(Contact, along), 0, "where on the edge, 0 to 1, float64 (n,)"},
-    {"time", "<f8", offsetof(Contact, time), 0,
+    {"along", "float64", offsetof(Contact, along), 0, "where on the edge, 0 to 1, float64 (n,)"},
+    {"time", "float64", offsetof(Contact, time), 0,
      "of a sheet: when in the step they first meet, 0 to 1, float64 (n,)"},
-    {"distance", "<f8", offsetof(Contact, distance), 0,
+    {"distance", "float64", offsetof(Contact, distance), 0,
      "[length] signed: negative where bodies overlap, float64 (n,)"},
-    {"barycentric", "<f8", offsetof(Contact, barycentric), 3,
+    {"barycentric", "float64", offsetof(Contact, barycentric), 3,
      "of the target point in the triangle, float64 (n, 3)"},
-    {"point_a", "<f8", offsetof(Contact, point_a), 3, "on body a, world space, float64 (n, 3)"},
-    {"point_b", "<f8", offsetof(Contact, point_b), 3, "on body b, world space, float64 (n, 3)"},
-    {"normal", "<f8", offsetof(Contact, normal), 3, "unit, from a to b, float64 (n, 3)"},
-    {"face_normal", "<f8", offsetof(Contact, face_normal), 3,
+    {"point_a", "float64", offsetof(Contact, point_a), 3, "on body a, world space, float64 (n, 3)"},
+    {"point_b", "float64", offsetof(Contact, point_b), 3, "on body b, world space, float64 (n, 3)"},
+    {"normal", "float64", offsetof(Contact, normal), 3, "unit, from a to b, float64 (n, 3)"},
+    {"face_normal", "float64", offsetof(Contact, face_normal), 3,
      "unit, outward, of the target triangle, float64 (n, 3)"},
 };
 
 nb::object view_of_field(nb::handle_t<Contacts> self, const Field& field) {
-    switch (field.type[field.type[0] == '<' ? 1 : 0]) {
-        case 'f':
-            return column<double>(self, field.offset, field.columns);
-        case '?':
-            return column<bool>(self, field.offset, field.columns);
-        default:
-            break;
-    }
-    const std::string type = field.type;
-    if (type == "<u8") return column<std::uint64_t>(self, field.offset, field.columns);
-    if (type == "<u4") return column<std::uint32_t>(self, field.offset, field.columns);
+    const std::string_view type = field.type;
+    if (type == "float64") return column<double>(self, field.offset, field.columns);
+    if (type == "bool") return column<bool>(self, field.offset, field.columns);
+    if (type == "uint64") return column<std::uint64_t>(self, field.offset, field.columns);
+    if (type == "uint32") return column<std::uint32_t>(self, field.offset, field.columns);
     return column<std::uint8_t>(self, field.offset, field.columns);
 }
 
-/// What a type checker knows of an array; its type is the last but one word of its description.
-std::string array_signature(const std::string& name, const std::string& doc) {
-    const std::size_t end = doc.rfind(" ("), begin = doc.rfind(' ', end - 1) + 1;
-    std::string type = doc.substr(begin, end - begin);
-    if (type == "bool") type = "bool_";
-    return "def " + name + "(self) -> numpy.typing.NDArray[numpy." + type + "]";
-}
-
+/// Per field, what a type checker knows of its array.
 std::vector<std::string> array_signatures() {
     std::vector<std::string> all;
-    for (const Field& field : fields) all.push_back(array_signature(field.name, field.doc));
+    for (const Field& field : fields) {
+        const std::string type = field.type == std::string_view("bool") ? "bool_" : field.type;
+        all.push_back("def " + std::string(field.name) + "(self) -> numpy.typing.NDArray[numpy." +
+                      type + "]");
+    }
     return all;
 }
 

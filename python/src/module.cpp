@@ -1,6 +1,7 @@
 #include <nanobind/nanobind.h>
 
 #include "contacts.hpp"
+#include "handles.hpp"
 #include "mesh.hpp"
 #include "pierce/error.hpp"
 #include "pierce/filter.hpp"
@@ -22,6 +23,7 @@ NB_MODULE(_core, module) {
     module.attr("version") = PIERCE_VERSION;
     module.def("cuda_can_run", &pierce::scenes::cuda_can_run,
                "True if this build has CUDA and there is a device for it.");
+    python::bind_handles(module);
     python::bind_results(module);
     python::bind_meshes(module);
     python::bind_contacts(module);

@@ -15,6 +15,7 @@
 #include "scenes/named/scene.hpp"
 #include "scenes/recording/recording.hpp"
 #include "scenes/simulate/simulation.hpp"
+#include "settings.hpp"
 #include "world.hpp"
 
 namespace pierce::python {
@@ -29,19 +30,6 @@ struct Replay {
     std::shared_ptr<scenes::Detector> detector;
     std::shared_ptr<PyWorld> world;
 };
-
-Settings settings_from(nb::handle settings, const nb::kwargs& fields) {
-    const nb::object all = nb::cast(settings.is_none() ? Settings{} : nb::cast<Settings>(settings));
-    set_fields(all, fields);
-    return nb::cast<Settings>(all);
-}
-
-std::unique_ptr<Backend> backend_named(const std::string& name, int threads) {
-    scenes::RaySettings rays;
-    rays.backend = name == "auto" ? "automatic" : name;
-    rays.threads = threads;
-    return scenes::make_backend(rays);
-}
 
 void make_replay(Replay* self, std::shared_ptr<Recording> recording, const std::string& backend,
                  int threads, nb::handle settings, const nb::kwargs& fields) {

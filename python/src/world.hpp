@@ -7,31 +7,15 @@
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
+#include "kept_arrays.hpp"
 #include "pierce/world.hpp"
 
 namespace pierce::python {
 
 namespace nb = nanobind;
-
-/// Arrays in device memory that steps read, kept until the bodies get other places.
-class KeptArrays {
-public:
-    /// `array` has the places of these bodies from now on; none: they have places of the host.
-    void keep(std::span<const BodyId> bodies, nb::object array);
-
-private:
-    struct Slot {
-        nb::object array;
-        std::uint32_t bodies = 0;  ///< that are in it
-    };
-    std::vector<Slot> slots_;
-    std::vector<std::uint32_t> slot_of_;  ///< per body, 0: none; else the slot after its number
-};
 
 /// A World in Python. One thread uses it at a time.
 struct PyWorld {
@@ -42,10 +26,12 @@ struct PyWorld {
     KeptArrays places, starts;
     nb::object stream;           ///< kept while steps wait for it
     nb::object filter;           ///< of pairs; the world calls it
-    std::exception_ptr failure;  ///< of the filter, in the last step
+    std::exception_ptr failure;  ///< of the filter, in this call
 
-    /// Asks the filter; what it throws is kept until the step is over, and the pair is left out.
+    /// Asks the filter; what it throws is kept until the call is over, and the pair is left out.
     bool wants(BodyId a, BodyId b);
+    /// To be called after calls that ask it: throws what it has thrown.
+    void rethrow();
 
     PyWorld(std::shared_ptr<World> its_world, bool runs_on_device)
         : world(std::move(its_world)), on_device(runs_on_device) {}
@@ -71,5 +57,10 @@ private:
 nb::object detect(nb::handle_t<PyWorld> self);
 
 void bind_world(nb::module_& module);
+
+/// Where bodies are: poses, positions, meshes, on the host and in device memory (places.cpp).
+void bind_places(nb::class_<PyWorld>& world);
+/// What a world answers about its bodies (questions.cpp).
+void bind_questions(nb::module_& module, nb::class_<PyWorld>& world);
 
 }  // namespace pierce::python

@@ -126,7 +126,7 @@ def test_settings_by_name():
     world = pierce.World("reference", coverage="vertices", reproject=False, margin=0.1)
     assert world.plan.settings.coverage == pierce.Coverage.vertices
     settings = pierce.Settings(temporal="paper", full_every=3)
-    assert pierce.World("reference", settings=settings).plan.settings.full_every in (3, 8)
+    assert pierce.World("reference", settings=settings).plan.settings.full_every == 3
     assert settings == pierce.Settings(temporal=pierce.Temporal.paper, full_every=3)
     with pytest.raises(ValueError, match="coverage: expected one of vertices, complete, overlaps"):
         pierce.World(coverage="some")
@@ -236,6 +236,12 @@ def test_pair_filter(two_tori):
     world.set_pair_filter(fail)
     with pytest.raises(KeyError, match="mine"):
         world.detect()
+    with pytest.raises(KeyError, match="mine"):
+        world.explain(rigid, soft, 0)
+    world.set_pose(rigid, [0, 0, -5, 0, 0, 0, 1])
+    world.set_motion(rigid, [0, 0, -5, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0, 1])
+    with pytest.raises(KeyError, match="mine"):
+        world.impacts()
     world.set_pair_filter(lambda a, b: world.stats is None)
     with pytest.raises(RuntimeError, match="own pair filter"):
         world.detect()

@@ -1,8 +1,6 @@
 #include "pierce/world.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <chrono>
 #include <utility>
 
@@ -150,16 +148,6 @@ BodyEntry& World::State::place(BodyId body, const Pose& pose) {
     entry.usable = is_usable(pose);
     return entry;
 }
-
-namespace {
-
-/// True if two poses are the same, bit for bit.
-bool are_identical(const Pose& a, const Pose& b) {
-    using Bits = std::array<std::uint64_t, sizeof(Pose) / sizeof(double)>;
-    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
-}
-
-}  // namespace
 
 void World::set_pose(BodyId body, const Pose& pose) {
     const BodyEntry& entry = state_->bodies.get(body, "body");

@@ -19,6 +19,14 @@ struct Pose {
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 
+/// True if two poses are the same, bit for bit.
+PIERCE_HD constexpr bool are_identical(const Pose& a, const Pose& b) {
+    const Quaternion &q = a.rotation, &r = b.rotation;
+    return are_identical(a.position, b.position) &&
+           are_identical(Vec3d{q.x, q.y, q.z}, Vec3d{r.x, r.y, r.z}) &&
+           are_identical(Vec3d{q.w, 0, 0}, Vec3d{r.w, 0, 0});
+}
+
 /// A matrix of three rows of three.
 struct Matrix3 {
     Vec3d row[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -115,8 +115,9 @@ public:
     void include(BodyId a, BodyId b);
     /// Asks the caller whether two bodies meet, where filters allow it and their boxes overlap,
     /// once a step for every such pair; an empty function asks nothing. It is called by all threads
-    /// of the backend at the same time, must not throw and must not call the world. It is neither
-    /// saved nor asked by parting(). Throws InputError if the backend runs on a device.
+    /// of the backend at the same time, must not throw and must not call the world. explain() and
+    /// impacts() ask it, too; parting() and overlap() do not, and it is not saved. Throws
+    /// InputError if the backend runs on a device.
     void set_pair_filter(PairFilter filter);
 
     /// The worlds that bodies are in, sorted, without all_worlds.

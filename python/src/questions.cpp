@@ -1,0 +1,93 @@
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "casters.hpp"
+#include "contacts.hpp"
+#include "records.hpp"
+#include "world.hpp"
+
+namespace pierce::python {
+namespace {
+
+std::vector<std::optional<RayHit>> cast_rays(PyWorld& self, Vec3d origin, nb::handle directions) {
+    const nb::object numpy = nb::module_::import_("numpy");
+    const nb::object numbers = numpy.attr("ascontiguousarray")(directions, numpy.attr("float64"));
+    const Rows rows = rows_of(array_of(numbers, "directions"), 3, "directions", true);
+    static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+    return Use(self)->cast_rays(origin, {static_cast<const Vec3d*>(rows.data), rows.count});
+}
+
+std::vector<std::optional<ProbeContact>> probe(PyWorld& self, nb::handle points, nb::handle normals,
+                                               double radius, nb::handle others) {
+    const nb::object numpy = nb::module_::import_("numpy");
+    const nb::object f64 = numpy.attr("float64");
+    const nb::object at = numpy.attr("ascontiguousarray")(points, f64),
+                     out = numpy.attr("ascontiguousarray")(normals, f64);
+    const Rows places = rows_of(array_of(at, "points"), 3, "points", true),
+               ways = rows_of(array_of(out, "normals"), 3, "normals", true);
+    const std::vector<BodyId> bodies = others.is_none() ? std::vector<BodyId>() : bodies_of(others);
+    return Use(self)->probe({static_cast<const Vec3d*>(places.data), places.count},
+                            {static_cast<const Vec3d*>(ways.data), ways.count}, radius, bodies);
+}
+
+nb::object contact_of(const Explanation& e) {
+    if (!e.contact) return nb::none();
+    const auto copy = std::make_shared<Contact>(*e.contact);
+    return nb::cast(Contacts({std::shared_ptr<const Contact>(copy), 1}));
+}
+
+}  // namespace
+
+void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
+    Record<Explanation>(module, "Explanation", "Why a vertex has a contact, or none.")
+        .ro("reason", &Explanation::reason, "Reason")
+        .ro("distance", &Explanation::distance, "[length] from the other body, as far as known")
+        .ro("t", &Explanation::t, "[length] where the ray first crosses the other body")
+        .ro("own_exit", &Explanation::own_exit, "[length] where the ray leaves its own body")
+        .ro("triangle", &Explanation::triangle, "of the other body, at `t`")
+        .ro("certificate", &Explanation::certificate, "if the step remembers")
+        .get("contact", contact_of, "Contacts of one, or None",
+             "def contact(self) -> Contacts | None")
+        .get(
+            "text", [](const Explanation& e) { return e.text(); }, "one or two sentences");
+    c.def(
+         "explain",
+         [](PyWorld& w, BodyId body, BodyId other, std::uint32_t vertex) {
+             Explanation answer = Use(w)->explain(body, other, vertex);
+             w.rethrow();
+             return answer;
+         },
+         nb::arg("body"), nb::arg("other"), nb::arg("vertex"),
+         "Says why a vertex has a contact with another body after the last step, or none.")
+        .def(
+            "parting", [](PyWorld& w, BodyId a, BodyId b) { return Use(w)->parting(a, b); },
+            nb::arg("a"), nb::arg("b"),
+            "How far b has to move, and where to, until it does not overlap a; None if it does "
+            "not.")
+        .def(
+            "overlap",
+            [](PyWorld& w, BodyId a, BodyId b, double same_direction) {
+                return Use(w)->overlap(a, b, same_direction);
+            },
+            nb::arg("a"), nb::arg("b"), nb::arg("same_direction") = 0.9,
+            "What two solids have in common: volume, areas, patches; None if they have no volume "
+            "in common.")
+        .def(
+            "impacts",
+            [](PyWorld& w) {
+                std::vector<ImpactContact> found = Use(w)->impacts();
+                w.rethrow();
+                return found;
+            },
+            "The first meeting of every pair of solids that are apart as the step begins.")
+        .def("cast_rays", cast_rays, nb::arg("origin"), nb::arg("directions"),
+             "The first body along each line of sight, as RayHit or None.")
+        .def("probe", probe, nb::arg("points"), nb::arg("normals"), nb::arg("radius"),
+             nb::arg("others") = nb::none(),
+             "What touches the points of a sensor, as ProbeContact or None.");
+}
+
+}  // namespace pierce::python
