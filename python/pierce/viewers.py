@@ -13,7 +13,7 @@ tell apart.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -57,7 +57,6 @@ class Viewer:
         self.deepest = deepest
         self._largest = 0.0
         self._shown: dict[BodyId, MeshId] = {}
-        self._corners: dict[MeshId, NDArray[np.int64]] = {}
 
     def log(
         self, step: int, seconds: float | None = None, contacts: Contacts | None = None
@@ -83,30 +82,14 @@ class Viewer:
         name, mesh = self._name(body), self.world.mesh_of(body)
         triangles: Any = self.world.mesh(mesh).triangles
         if self.world.motion_of(body) == Motion.deforming:
-            self._set_mesh(name, self._vertices(body, mesh), triangles)
+            vertices = self.world.vertex_positions(body).astype(np.float32)
+            self._set_mesh(name, vertices, triangles)
         else:
             if body not in self._shown or self._shown[body] != mesh:
                 self._set_mesh(name, np.asarray(self.world.mesh(mesh).vertices), triangles)
-            self._set_place(name, *self._place(body, mesh))
+            pose = self.world.pose_of(body)
+            self._set_place(name, _rotation(pose.rotation), np.array(pose.position))
         self._shown[body] = mesh
-
-    def _vertices(self, body: BodyId, mesh: MeshId) -> NDArray[np.float32]:
-        """World positions, float32 (n, 3)."""
-        count = len(np.asarray(self.world.mesh(mesh).vertices))
-        return np.array(
-            [self.world.vertex_position(body, vertex) for vertex in range(count)], np.float32
-        )
-
-    def _place(self, body: BodyId, mesh: MeshId) -> tuple[Floats, Floats]:
-        """Rotation (3, 3) and translation (3,) that take the rest shape to where the body is."""
-        rest: NDArray[Any] = np.asarray(self.world.mesh(mesh).vertices)
-        if mesh not in self._corners:
-            self._corners[mesh] = _far_corners(rest)
-        corners = self._corners[mesh]
-        before = rest[corners].astype(np.float64)
-        now = np.array([self.world.vertex_position(body, int(corner)) for corner in corners])
-        rotation = _axes(now).T @ _axes(before)
-        return rotation, now[0] - rotation @ before[0]
 
     def _log_contacts(self, contacts: Any) -> None:
         if len(contacts) == 0:
@@ -344,19 +327,9 @@ def _bodies(world: World) -> list[BodyId]:
     return [body for number in numbers for body in world.bodies_of(number)]
 
 
-def _far_corners(vertices: NDArray[Any]) -> NDArray[np.int64]:
-    """Three vertices far from each other and from one line, int64 (3,)."""
-    away = vertices - vertices.mean(0)
-    first = int((away**2).sum(1).argmax())
-    from_first = vertices - vertices[first]
-    second = int((from_first**2).sum(1).argmax())
-    beside = np.cross(from_first, from_first[second])
-    return np.array([first, second, int((beside**2).sum(1).argmax())])
-
-
-def _axes(corners: Floats) -> Floats:
-    """Unit vectors at right angles that a triangle (3, 3) spans, as rows (3, 3)."""
-    along = corners[1] - corners[0]
-    across = np.cross(along, corners[2] - corners[0])
-    axes = np.stack([along, across, np.cross(along, across)])
-    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+def _rotation(turned: Sequence[float]) -> Floats:
+    """The matrix (3, 3) of a quaternion x, y, z, w of any length."""
+    vector, w = np.array(turned[:3], np.float64), turned[3]
+    doubled = 2 / (vector @ vector + w * w)
+    across = np.cross(np.eye(3), vector)
+    return np.asarray(np.eye(3) + doubled * (w * across + across @ across))

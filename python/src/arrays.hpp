@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pierce/ids.hpp"
@@ -45,6 +46,17 @@ Rows rows_of(const Array& array, std::size_t columns, const char* what, bool all
 
 /// Handles from one handle, a sequence of them, or an array of uint64, which is the fastest.
 std::vector<BodyId> bodies_of(nb::handle given);
+
+/// An array of shape (n, columns) in NumPy that owns its numbers.
+template <class Number, class Item>
+nb::object owned_rows(std::vector<Item> items) {
+    constexpr std::size_t columns = sizeof(Item) / sizeof(Number);
+    auto* kept = new std::vector<Item>(std::move(items));
+    const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<decltype(kept)>(p); });
+    const std::size_t shape[2] = {kept->size(), columns};
+    return nb::cast(nb::ndarray<nb::numpy, Number>(
+        kept->empty() ? nullptr : reinterpret_cast<Number*>(kept->data()), 2, shape, owner));
+}
 
 /// A pose from a Pose, seven numbers (position, quaternion x y z w), or a 4 x 4 matrix.
 Pose pose_of(nb::handle given);

@@ -26,13 +26,6 @@ nb::object rows_in(std::span<const Item> items, nb::handle owner) {
         items.empty() ? nullptr : reinterpret_cast<const Number*>(items.data()), 2, shape, owner));
 }
 
-template <class Number, class Item>
-nb::object copy_of_rows(const std::vector<Item>& items) {
-    auto* kept = new std::vector<Item>(items);
-    const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<decltype(kept)>(p); });
-    return rows_in<Number>(std::span<const Item>(*kept), owner);
-}
-
 std::vector<Triangle> triangles_of(nb::handle given) {
     const nb::object numpy = nb::module_::import_("numpy");
     const nb::object array = numpy.attr("asarray")(given);
@@ -59,8 +52,8 @@ std::vector<Triangle> triangles_of(nb::handle given) {
 }  // namespace
 
 nb::tuple arrays_of(const MeshData& mesh) {
-    return nb::make_tuple(copy_of_rows<float>(mesh.positions),
-                          copy_of_rows<std::uint32_t>(mesh.triangles));
+    return nb::make_tuple(owned_rows<float>(mesh.positions),
+                          owned_rows<std::uint32_t>(mesh.triangles));
 }
 
 MeshData mesh_data_of(nb::handle given) {

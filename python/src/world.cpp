@@ -154,6 +154,16 @@ void bind_bodies(nb::class_<PyWorld>& c) {
             },
             nb::arg("body"), nb::arg("vertex"), "[length] where a vertex is now, world space.")
         .def(
+            "vertex_positions",
+            [](PyWorld& w, BodyId body) {
+                return owned_rows<double>(Use(w)->vertex_positions(body));
+            },
+            nb::arg("body"),
+            "[length] float64 (n, 3): where all vertices are now, world space; a copy.")
+        .def(
+            "pose_of", [](PyWorld& w, BodyId body) { return Use(w)->pose_of(body); },
+            nb::arg("body"), "Where a fixed or rigid body is now.")
+        .def(
             "set_collision",
             [](PyWorld& w, BodyId body, const Collision& collision) {
                 Use(w)->set_collision(body, collision);

@@ -74,6 +74,9 @@ def test_a_matrix_is_the_pose_it_says(two_tori):
         expected = world.vertex_position(rigid, 7)
         world.set_pose(rigid, matrix)
         np.testing.assert_allclose(world.vertex_position(rigid, 7), expected, atol=1e-12)
+        np.testing.assert_array_equal(
+            world.vertex_positions(rigid)[7], world.vertex_position(rigid, 7)
+        )
 
 
 def test_positions_are_copied(two_tori):

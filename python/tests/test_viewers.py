@@ -52,7 +52,7 @@ def test_places_are_those_of_the_world(two_tori):
         for body in (rigid, flat):
             rotation, translation = viewer.places[f"body {body.index}"]
             rest = world.mesh(world.mesh_of(body)).vertices
-            now = [world.vertex_position(body, vertex) for vertex in range(len(rest))]
+            now = world.vertex_positions(body)
             np.testing.assert_allclose(rest @ rotation.T + translation, now, atol=1e-5)
     np.testing.assert_array_equal(viewer.meshes["soft"][0], positions)
     assert viewer.made.count("body 0") == 1 and viewer.made.count("soft") == 2

@@ -111,6 +111,31 @@ pierce_status pierce_vertex_position(const pierce_world* world, pierce_body_id b
     });
 }
 
+pierce_status pierce_vertex_positions(const pierce_world* world, pierce_body_id body,
+                                      double* positions, size_t vertex_count) {
+    return guarded([&] {
+        auto& inner = world_of(world);
+        required(positions, "positions");
+        const std::vector<pierce::Vec3d> all = inner.vertex_positions(body_handle(body));
+        if (vertex_count != all.size())
+            throw pierce::InputError("the body has " + std::to_string(all.size()) +
+                                     " vertices, and there is room for " +
+                                     std::to_string(vertex_count));
+        for (const pierce::Vec3d& at : all)
+            for (int k = 0; k < 3; ++k) *positions++ = at[k];
+    });
+}
+
+pierce_status pierce_pose_of(const pierce_world* world, pierce_body_id body, double* pose) {
+    return guarded([&] {
+        auto& inner = world_of(world);
+        required(pose, "pose");
+        const auto& [at, turned] = inner.pose_of(body_handle(body));
+        for (double number : {at.x, at.y, at.z, turned.x, turned.y, turned.z, turned.w})
+            *pose++ = number;
+    });
+}
+
 pierce_status pierce_default_collision(pierce_collision* collision, size_t struct_size) {
     return guarded([&] {
         write_defaults(collision_of(pierce::Collision{}), collision, struct_size, "collision");

@@ -212,7 +212,8 @@ static void bodies(scene* s, pierce_body_id stale) {
     pierce_mesh_id mesh = 0;
     pierce_collision collision;
     pierce_filter filter;
-    double at[3], bad[7] = {0, 0, 0, 0, 0, 0, 1};
+    pierce_body_id soft = 0;
+    double at[3], pose[7], bad[7] = {0, 0, 0, 0, 0, 0, 1};
     uint32_t motion = 0;
     const float* p = s->shape.positions;
     bad[1] = (double)INFINITY;
@@ -247,6 +248,16 @@ static void bodies(scene* s, pierce_body_id stale) {
     REFUSES(pierce_vertex_position(w, stale, 0, at), "was removed");
     REFUSES(pierce_vertex_position(w, s->above, torus_vertices, at), "no vertex");
     REFUSES(pierce_vertex_position(w, s->above, 0, NULL), "position is null");
+    REFUSES(pierce_vertex_positions(NULL, s->above, at, 1), "world is null");
+    REFUSES(pierce_vertex_positions(w, stale, at, 1), "was removed");
+    REFUSES(pierce_vertex_positions(w, s->above, at, 1), "vertices, and there is room for 1");
+    REFUSES(pierce_vertex_positions(w, s->above, NULL, torus_vertices), "positions is null");
+    REFUSES(pierce_pose_of(NULL, s->above, pose), "world is null");
+    REFUSES(pierce_pose_of(w, stale, pose), "was removed");
+    WORKS(pierce_add_deforming_body(w, s->mesh, NULL, 0, &soft));
+    REFUSES(pierce_pose_of(w, soft, pose), "deforms");
+    WORKS(pierce_remove_body(w, soft));
+    REFUSES(pierce_pose_of(w, s->above, NULL), "pose is null");
 
     WORKS(pierce_default_collision(&collision, sizeof collision));
     REFUSES(pierce_set_collision(NULL, s->above, &collision), "world is null");

@@ -184,6 +184,7 @@ static void places(void) {
     scene s;
     pierce_body_id soft, both[2];
     pierce_contact_list list = {0};
+    double all[3 * torus_vertices], pose[7];
     double at[3], poses[14] = {0, 0, 0, 0, 0, 0, 1, 0, 0, 9, 0, 0, 0, 1};
     float float_poses[7] = {0, 0, 0.5f, 0, 0, 0, 1};
     float moved[6 * torus_vertices];
@@ -201,6 +202,8 @@ static void places(void) {
     WORKS(pierce_set_positions(s.world, soft, moved, torus_vertices));
     WORKS(pierce_vertex_position(s.world, soft, 0, at));
     CHECK(at[0] == (double)moved[0]);
+    WORKS(pierce_vertex_positions(s.world, soft, all, torus_vertices));
+    for (size_t i = 0; i < 3 * torus_vertices; ++i) CHECK(all[i] == (double)moved[i]);
     WORKS(pierce_set_positions_many(s.world, &soft, 1, moved, torus_vertices));
     WORKS(pierce_set_motion(s.world, soft, s.shape.positions, moved, torus_vertices));
     WORKS(pierce_set_mesh(s.world, soft, s.mesh, moved, torus_vertices));
@@ -212,6 +215,8 @@ static void places(void) {
     WORKS(pierce_set_poses(s.world, both, 2, poses));
     WORKS(pierce_vertex_position(s.world, s.above, 0, at));
     CHECK(at[2] == 9);
+    WORKS(pierce_pose_of(s.world, s.above, pose));
+    for (int k = 0; k < 7; ++k) CHECK(pose[k] == poses[7 + k]);
     WORKS(pierce_detect(s.world));
     WORKS(pierce_contacts(s.world, &list));
     CHECK(list.count == 0);

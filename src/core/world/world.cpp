@@ -108,15 +108,38 @@ MeshId World::mesh_of(BodyId body) const { return state_->bodies.get(body, "body
 
 Motion World::motion_of(BodyId body) const { return state_->bodies.get(body, "body").motion; }
 
+const BodyEntry& World::State::placed_body(BodyId body) const {
+    const BodyEntry& entry = bodies.get(body, "body");
+    if (entry.is_on_device())
+        throw InputError("body " + std::to_string(body.index) + " has its place in device memory");
+    return entry;
+}
+
 Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
-    const BodyEntry& entry = state_->bodies.get(body, "body");
+    const BodyEntry& entry = state_->placed_body(body);
     const Mesh& mesh = state_->mesh_of(entry);
     if (vertex >= mesh.positions().size())
         throw InputError("mesh '" + mesh.name() + "' has no vertex " + std::to_string(vertex));
-    if (entry.is_on_device())
-        throw InputError("body " + std::to_string(body.index) + " has its place in device memory");
     if (entry.motion == Motion::deforming) return to_double(entry.positions[vertex]);
     return frame_of(entry.pose).to_parent(to_double(mesh.positions()[vertex]));
+}
+
+std::vector<Vec3d> World::vertex_positions(BodyId body) const {
+    const BodyEntry& entry = state_->placed_body(body);
+    const bool deforms = entry.motion == Motion::deforming;
+    const std::span<const Vec3f> local = deforms ? std::span<const Vec3f>(entry.positions)
+                                                 : state_->mesh_of(entry).positions();
+    const Frame frame = frame_of(entry.pose);
+    std::vector<Vec3d> result;
+    result.reserve(local.size());
+    for (Vec3f p : local)
+        result.push_back(deforms ? to_double(p) : frame.to_parent(to_double(p)));
+    return result;
+}
+
+Pose World::pose_of(BodyId body) const {
+    state_->check_have_poses({&body, 1});
+    return state_->placed_body(body).pose;
 }
 
 void World::set_collision(BodyId body, const Collision& collision) {

@@ -134,6 +134,8 @@ struct World::State {
     void check_stepped(const char* who) const;
 
     /// Throws InputError for a body that deforms.
+    /// Throws InputError if the body's place is in device memory.
+    const BodyEntry& placed_body(BodyId body) const;
     void check_have_poses(std::span<const BodyId> some) const;
     /// Throws InputError, naming the body, for a Collision that the body cannot have.
     void check_collision(Motion motion, const Mesh& mesh, const Collision& collision,

@@ -53,6 +53,27 @@ TEST(WorldTest, FindsTheFourCornersOfABoxOnATable) {
     }
 }
 
+TEST(WorldTest, SaysWhereBodiesAre) {
+    TwoBoxes scene(0.02);
+    const MeshId mesh = scene.world.mesh_of(scene.above);
+    const Pose turned{{1, 2, 3}, {0.5, 0.1, 0, 0.7}};
+    scene.world.set_pose(scene.above, turned);
+    EXPECT_EQ(scene.world.pose_of(scene.above), turned);
+    std::vector<Vec3f> moved(unit_box().positions);
+    for (Vec3f& p : moved) p.x += 0.25f;
+    const BodyId soft = scene.world.add_deforming_body(mesh, moved);
+    EXPECT_THAT([&] { (void)scene.world.pose_of(soft); },
+                ThrowsMessage<InputError>(HasSubstr("deforms")));
+    for (BodyId body : {scene.above, soft}) {
+        const std::vector<Vec3d> all = scene.world.vertex_positions(body);
+        ASSERT_EQ(all.size(), moved.size());
+        for (std::uint32_t v = 0; v < all.size(); ++v)
+            EXPECT_EQ(all[v], scene.world.vertex_position(body, v));
+    }
+    scene.world.remove_body(soft);
+    EXPECT_THROW((void)scene.world.vertex_positions(soft), InputError);
+}
+
 TEST(WorldTest, ContactsAgeWhileTheyLast) {
     TwoBoxes scene(0.02);
     for (std::uint32_t step = 0; step < 3; ++step) {

@@ -145,6 +145,10 @@ public:
     Motion motion_of(BodyId body) const;
     /// The world position of a vertex as the last set_pose or set_positions left it.
     Vec3d vertex_position(BodyId body, std::uint32_t vertex) const;
+    /// The same of all vertices of a body.
+    std::vector<Vec3d> vertex_positions(BodyId body) const;
+    /// Where the last set_pose left a fixed or rigid body. Throws InputError for a deforming body.
+    Pose pose_of(BodyId body) const;
 
     /// Moves a fixed or rigid body. A pose that is not finite, further away than
     /// constants::largest_coordinate or without a rotation excludes the body from detect() until a

@@ -43,6 +43,14 @@ PIERCE_API pierce_status pierce_motion_of(const pierce_world* world, pierce_body
  *  range. */
 PIERCE_API pierce_status pierce_vertex_position(const pierce_world* world, pierce_body_id body,
                                                 uint32_t vertex, double* position);
+/** The same of all vertices, in their order. `vertex_count`: of the body's mesh. Errors: another
+ *  count. */
+PIERCE_API pierce_status pierce_vertex_positions(const pierce_world* world, pierce_body_id body,
+                                                 double* positions, size_t vertex_count);
+/** Where a fixed or rigid body is: position x, y, z and quaternion x, y, z, w. Errors: a deforming
+ *  body. */
+PIERCE_API pierce_status pierce_pose_of(const pierce_world* world, pierce_body_id body,
+                                        double* pose);
 
 /** How contacts of a deforming body with itself are found (docs/cloth.md). */
 typedef enum pierce_self_collision {
