@@ -106,6 +106,22 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
     add_temporal(command, rays.world);
 }
 
+/// A page that shows what was found.
+inline void add_page(CLI::App& command, DetectionOptions& options) {
+    command
+        .add_option("--html", options.html,
+                    "write a page to FILE that plays the frames with their contacts, in any "
+                    "browser and without a network")
+        ->type_name("FILE");
+    command
+        .add_option_function<std::string>(
+            "--html-reasons",
+            [&options](const std::string& mode) { options.reasons = switches.at(mode); },
+            "of that page: why vertices have no contact, which takes longer than to detect: on "
+            "(the default) or off")
+        ->check(CLI::IsMember({"on", "off"}));
+}
+
 inline void add_detection(CLI::App& command, DetectionOptions& options) {
     command
         .add_option("--method", options.method,
@@ -114,6 +130,7 @@ inline void add_detection(CLI::App& command, DetectionOptions& options) {
     add_rays(command, options.rays);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")
         ->type_name("FILE");
+    add_page(command, options);
 }
 
 /// The scene, and how large it is.

@@ -1,11 +1,13 @@
 #include "app/commands/commands.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
 #include "app/output/detection_json.hpp"
 #include "app/output/frame_log.hpp"
@@ -45,6 +47,13 @@ void write_last_picture(World& world, const scenes::SceneSetup& scene, const fs:
 void require_rays(World* world, const fs::path& png) {
     if (world == nullptr && !png.empty())
         throw InputError("--png and --pictures need --method rays: they trace the pictures");
+}
+
+std::vector<std::string> names_of(const scenes::SceneSetup& scene) {
+    std::vector<std::string> names;
+    names.reserve(scene.bodies.size());
+    for (const scenes::SceneBody& body : scene.bodies) names.push_back(body.name);
+    return names;
 }
 
 scenes::SceneSetup scene_of(const RunOptions& options) {
@@ -105,6 +114,7 @@ int run(const RunOptions& options) {
     require_rays(simulation.world(), options.png);
     check_writable(options.png);
     check_writable(options.detection.json);
+    DetectionPage page(options.detection, simulation.world(), options.scene, names_of(scene), dt);
     scenes::Recording recording = scenes::start_recording(scene, dt);
 
     FrameLog log;
@@ -113,6 +123,7 @@ int run(const RunOptions& options) {
         Progress progress("simulating", steps);
         for (std::uint32_t i = 0; i < steps; ++i) {
             log.add(simulation.step(dt));
+            page.add(log);
             if (!options.record.empty()) simulation.record(recording);
             progress.show(i + 1);
         }
@@ -127,18 +138,17 @@ int run(const RunOptions& options) {
 
     if (!options.record.empty()) scenes::write_recording(recording, options.record);
     if (!options.png.empty()) write_last_picture(*simulation.world(), scene, options.png);
-    if (!options.detection.json.empty()) {
-        json settings = detection_json(options.detection);
-        settings.update({{"command", "run"},
-                         {"scene", options.scene},
-                         {"count", options.count},
-                         {"soft", options.soft},
-                         {"seconds", options.seconds},
-                         {"dt", dt},
-                         {"seed", options.seed},
-                         {"nodes", options.nodes}});
-        log.write_json(options.detection.json, settings);
-    }
+    json settings = detection_json(options.detection);
+    settings.update({{"command", "run"},
+                     {"scene", options.scene},
+                     {"count", options.count},
+                     {"soft", options.soft},
+                     {"seconds", options.seconds},
+                     {"dt", dt},
+                     {"seed", options.seed},
+                     {"nodes", options.nodes}});
+    if (!options.detection.json.empty()) log.write_json(options.detection.json, settings);
+    page.write(settings, options.record);
     return 0;
 }
 
@@ -153,6 +163,8 @@ int replay(const ReplayOptions& options) {
     require_rays(detector->world(), options.pictures);
     check_writable(options.png);
     check_writable(options.detection.json);
+    DetectionPage page(options.detection, detector->world(), options.folder.filename().string(),
+                       names_of(scene), recording.dt);
 
     const std::vector<BodyId> ground = ground_of(scene);
     Shot shot;
@@ -171,6 +183,7 @@ int replay(const ReplayOptions& options) {
         for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
             scenes::put_frame(*detector, recording, f);
             log.add(detector->detect());
+            page.add(log);
             if (!options.pictures.empty())
                 write_picture(*detector->world(), ground, shot,
                               options.pictures / fmt::format("{:05}.png", f));
@@ -183,27 +196,32 @@ int replay(const ReplayOptions& options) {
     log.print();
 
     if (!options.png.empty()) write_last_picture(*detector->world(), scene, options.png);
-    if (!options.detection.json.empty()) {
-        json settings = detection_json(options.detection);
-        settings.update({{"command", "replay"},
-                         {"folder", options.folder.filename().string()},
-                         {"deforming", options.deforming},
-                         {"dt", recording.dt}});
-        log.write_json(options.detection.json, settings);
-    }
+    json settings = detection_json(options.detection);
+    settings.update({{"command", "replay"},
+                     {"folder", options.folder.filename().string()},
+                     {"deforming", options.deforming},
+                     {"dt", recording.dt}});
+    if (!options.detection.json.empty()) log.write_json(options.detection.json, settings);
+    page.write(settings, options.folder);
     return 0;
 }
 
 int detect(const DetectOptions& options) {
-    World world(scenes::make_backend(options.detection.rays), options.detection.rays.world);
+    scenes::SceneSetup setup;
     std::vector<std::string> names;
     for (const fs::path& file : options.meshes) {
-        const MeshId mesh = world.add_mesh(file.string(), scenes::read_mesh(file),
-                                           options.detection.rays.mesh_options());
-        world.add_rigid_body(mesh);
         names.push_back(file.string());
+        scenes::SceneBody& body = setup.bodies.emplace_back();
+        body.name = names.back();
+        body.mesh = static_cast<std::uint32_t>(setup.meshes.size());
+        setup.meshes.push_back(
+            {.name = names.back(), .data = scenes::read_mesh(file), .convex_pieces = {}});
     }
+    scenes::SceneWorld scene(setup, options.detection.rays);
+    World& world = scene.world;
     check_writable(options.detection.json);
+    DetectionPage page(options.detection, &world, fmt::format("{}", fmt::join(names, ", ")), names,
+                       0);
     for (const std::string& note : world.plan().notes) fmt::print("note: {}\n", note);
     const StepStats& stats = world.detect();
 
@@ -230,6 +248,12 @@ int detect(const DetectOptions& options) {
                                                  {"versions", versions_json()},
                                                  {"bodies", names},
                                                  {"contacts", list}});
+    FrameLog log;
+    log.add(scene.result());
+    page.add(log);
+    json settings = rays_json(options.detection.rays);
+    settings.update({{"command", "detect"}, {"meshes", names}});
+    page.write(settings);
     return 0;
 }
 

@@ -14,6 +14,8 @@ struct DetectionOptions {
     std::string method = "rays";
     scenes::RaySettings rays = {};
     std::filesystem::path json;  ///< empty: none
+    std::filesystem::path html;  ///< a page that plays the frames; empty: none
+    bool reasons = true;         ///< of that page: why vertices have no contact
 };
 
 struct RunOptions {

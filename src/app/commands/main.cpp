@@ -83,6 +83,7 @@ void add_detect(CLI::App& app, int& code) {
     add_coverage(*command, options->detection.rays.world);
     command->add_option("--json", options->detection.json, "write the contacts to FILE")
         ->type_name("FILE");
+    add_page(*command, options->detection);
     command->callback([options, &code] { code = detect(*options); });
 }
 

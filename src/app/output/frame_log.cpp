@@ -135,6 +135,24 @@ json spread_json(Spread s) { return {{"median", s.median}, {"p95", s.p95}, {"max
 
 }  // namespace
 
+json frame_json(std::size_t index, const FrameResult& f) {
+    json ms;
+    for (const scenes::NamedTime& t : f.times) ms[t.name] = t.milliseconds;
+    ms["total"] = f.total_ms;
+    json frame{{"index", index},
+               {"ms", ms},
+               {"pairs", f.touching},
+               {"penetration_mean", f.penetration_mean},
+               {"penetration_max", f.penetration_max},
+               {"self_penetration", f.self_penetration},
+               {"status", f.status},
+               {"hash", fmt::format("{:016x}", f.hash)}};
+    // "pairs" of a frame are the ones that touch; their number before that is in the summary.
+    for (const Count& c : counts)
+        if (!frame.contains(c.key)) frame[c.key] = f.*c.member;
+    return frame;
+}
+
 void FrameLog::write_json(const std::filesystem::path& file, const json& settings) const {
     json summary;
     for (const std::string& name : stage_names())
@@ -148,23 +166,7 @@ void FrameLog::write_json(const std::filesystem::path& file, const json& setting
     summary["self_penetration_max"] = spread_of(column(&FrameResult::self_penetration)).max;
 
     json frames = json::array();
-    for (std::size_t i = 0; i < frames_.size(); ++i) {
-        const FrameResult& f = frames_[i];
-        json ms;
-        for (const scenes::NamedTime& t : f.times) ms[t.name] = t.milliseconds;
-        ms["total"] = f.total_ms;
-        frames.push_back({{"index", i},
-                          {"ms", ms},
-                          {"pairs", f.touching},
-                          {"penetration_mean", f.penetration_mean},
-                          {"penetration_max", f.penetration_max},
-                          {"self_penetration", f.self_penetration},
-                          {"status", f.status},
-                          {"hash", fmt::format("{:016x}", f.hash)}});
-        // "pairs" of a frame are the ones that touch; their number before that is in the summary.
-        for (const Count& c : counts)
-            if (!frames.back().contains(c.key)) frames.back()[c.key] = f.*c.member;
-    }
+    for (std::size_t i = 0; i < frames_.size(); ++i) frames.push_back(frame_json(i, frames_[i]));
     write_json_file(file, {{"machine", machine_json()},
                            {"versions", versions_json()},
                            {"settings", settings},

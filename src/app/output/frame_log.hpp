@@ -16,6 +16,9 @@ struct Spread {
 /// Of an unsorted list; zeros if it is empty.
 Spread spread_of(std::vector<double> values);
 
+/// What is written of a frame: `ms` by stage, counts, depths, the hash.
+nlohmann::json frame_json(std::size_t index, const scenes::FrameResult& frame);
+
 /// The results of all frames, and what is said about them at the end.
 class FrameLog {
 public:

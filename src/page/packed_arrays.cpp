@@ -1,0 +1,71 @@
+#include "page/packed_arrays.hpp"
+
+#include <zlib.h>
+
+#include <bit>
+#include <boost/archive/iterators/base64_from_binary.hpp>
+#include <boost/archive/iterators/transform_width.hpp>
+#include <cstring>
+#include <stdexcept>
+
+namespace pierce::page {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "pages hold little-endian numbers");
+
+/// The bits of number `i`, less those of the number `stride` before it.
+std::uint64_t difference(const unsigned char* numbers, std::size_t width, std::size_t i,
+                         std::size_t stride) {
+    std::uint64_t now = 0, before = 0;
+    std::memcpy(&now, numbers + i * width, width);
+    if (stride > 0 && i >= stride) std::memcpy(&before, numbers + (i - stride) * width, width);
+    return now - before;
+}
+
+std::string deflated(const std::vector<unsigned char>& bytes) {
+    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+    std::string result(size, '\0');
+    if (compress(reinterpret_cast<Bytef*>(result.data()), &size, bytes.data(),
+                 static_cast<uLong>(bytes.size())) != Z_OK)
+        throw std::runtime_error("zlib cannot compress a page's numbers");
+    result.resize(size);
+    return result;
+}
+
+std::string base64(const std::string& bytes) {
+    using namespace boost::archive::iterators;
+    using Encoded = base64_from_binary<transform_width<std::string::const_iterator, 6, 8>>;
+    std::string text(Encoded(bytes.begin()), Encoded(bytes.end()));
+    text.append((3 - bytes.size() % 3) % 3, '=');
+    return text;
+}
+
+}  // namespace
+
+void PackedArrays::add(const std::string& name, const std::string& type, const void* numbers,
+                       std::size_t count, std::size_t width, std::size_t stride) {
+    const std::size_t offset = bytes_.size();
+    directory_[name] = {{"type", type}, {"count", count}, {"stride", stride}, {"offset", offset}};
+    bytes_.resize(offset + count * width);
+    const auto* from = static_cast<const unsigned char*>(numbers);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint64_t bits = difference(from, width, i, stride);
+        for (std::size_t rank = 0; rank < width; ++rank)
+            bytes_[offset + rank * count + i] = static_cast<unsigned char>(bits >> (8 * rank));
+    }
+}
+
+std::string PackedArrays::text(nlohmann::json description) const {
+    description["arrays"] = directory_;
+    // What is no UTF-8, such as a file's name, is shown with replacement characters.
+    const std::string head = description.dump(-1, ' ', false,
+                                              nlohmann::json::error_handler_t::replace);
+    const auto size = static_cast<std::uint32_t>(head.size());
+    std::vector<unsigned char> all(sizeof size + head.size());
+    std::memcpy(all.data(), &size, sizeof size);
+    std::memcpy(all.data() + sizeof size, head.data(), head.size());
+    all.insert(all.end(), bytes_.begin(), bytes_.end());
+    return base64(deflated(all));
+}
+
+}  // namespace pierce::page
