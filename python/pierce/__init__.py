@@ -16,6 +16,8 @@ from ._core import *  # noqa: F403
 from ._core import BodyId as _BodyId
 from ._core import contact_dtype as contact_dtype
 from ._core import version as version
+from .progress import track as track
+from .recorder import Recorder as Recorder
 
 __version__ = version
 

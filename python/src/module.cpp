@@ -3,6 +3,7 @@
 #include "contacts.hpp"
 #include "handles.hpp"
 #include "mesh.hpp"
+#include "pages.hpp"
 #include "pierce/error.hpp"
 #include "pierce/filter.hpp"
 #include "pierce/ids.hpp"
@@ -29,4 +30,5 @@ NB_MODULE(_core, module) {
     python::bind_contacts(module);
     python::bind_world(module);
     python::bind_recordings(module);
+    python::bind_pages(module);
 }

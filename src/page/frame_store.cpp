@@ -55,7 +55,7 @@ std::uint32_t FrameStore::number_of(const World& world, BodyId body,
                                     const std::vector<std::string>& names) {
     const auto [entry, is_new] = body_numbers_.emplace(body, bodies_.size());
     if (is_new)
-        bodies_.push_back({.name = body.index < names.size()
+        bodies_.push_back({.name = body.index < names.size() && !names[body.index].empty()
                                        ? names[body.index]
                                        : world.mesh(world.mesh_of(body)).name(),
                            .motion = world.motion_of(body),

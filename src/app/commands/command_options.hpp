@@ -107,9 +107,9 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
 }
 
 /// A page that shows what was found.
-inline void add_page(CLI::App& command, DetectionOptions& options) {
+inline void add_page(CLI::App& command, PageOptions& options) {
     command
-        .add_option("--html", options.html,
+        .add_option("--html", options.file,
                     "write a page to FILE that plays the frames with their contacts, in any "
                     "browser and without a network")
         ->type_name("FILE");
@@ -130,7 +130,7 @@ inline void add_detection(CLI::App& command, DetectionOptions& options) {
     add_rays(command, options.rays);
     command.add_option("--json", options.json, "write settings, summary and every frame to FILE")
         ->type_name("FILE");
-    add_page(command, options);
+    add_page(command, options.page);
 }
 
 /// The scene, and how large it is.

@@ -49,13 +49,6 @@ void require_rays(World* world, const fs::path& png) {
         throw InputError("--png and --pictures need --method rays: they trace the pictures");
 }
 
-std::vector<std::string> names_of(const scenes::SceneSetup& scene) {
-    std::vector<std::string> names;
-    names.reserve(scene.bodies.size());
-    for (const scenes::SceneBody& body : scene.bodies) names.push_back(body.name);
-    return names;
-}
-
 scenes::SceneSetup scene_of(const RunOptions& options) {
     return scenes::make_scene(options.scene,
                               {options.count, options.soft, options.seed, options.nodes});
@@ -114,7 +107,8 @@ int run(const RunOptions& options) {
     require_rays(simulation.world(), options.png);
     check_writable(options.png);
     check_writable(options.detection.json);
-    DetectionPage page(options.detection, simulation.world(), options.scene, names_of(scene), dt);
+    DetectionPage page(options.detection.page, simulation.world(), options.scene, names_of(scene),
+                       dt);
     scenes::Recording recording = scenes::start_recording(scene, dt);
 
     FrameLog log;
@@ -123,7 +117,7 @@ int run(const RunOptions& options) {
         Progress progress("simulating", steps);
         for (std::uint32_t i = 0; i < steps; ++i) {
             log.add(simulation.step(dt));
-            page.add(log);
+            page.add(log.last_json());
             if (!options.record.empty()) simulation.record(recording);
             progress.show(i + 1);
         }
@@ -148,7 +142,7 @@ int run(const RunOptions& options) {
                      {"seed", options.seed},
                      {"nodes", options.nodes}});
     if (!options.detection.json.empty()) log.write_json(options.detection.json, settings);
-    page.write(settings, options.record);
+    page.write(settings, {}, json::array());
     return 0;
 }
 
@@ -163,8 +157,8 @@ int replay(const ReplayOptions& options) {
     require_rays(detector->world(), options.pictures);
     check_writable(options.png);
     check_writable(options.detection.json);
-    DetectionPage page(options.detection, detector->world(), options.folder.filename().string(),
-                       names_of(scene), recording.dt);
+    DetectionPage page(options.detection.page, detector->world(),
+                       options.folder.filename().string(), names_of(scene), recording.dt);
 
     const std::vector<BodyId> ground = ground_of(scene);
     Shot shot;
@@ -183,7 +177,7 @@ int replay(const ReplayOptions& options) {
         for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
             scenes::put_frame(*detector, recording, f);
             log.add(detector->detect());
-            page.add(log);
+            page.add(log.last_json());
             if (!options.pictures.empty())
                 write_picture(*detector->world(), ground, shot,
                               options.pictures / fmt::format("{:05}.png", f));
@@ -202,7 +196,7 @@ int replay(const ReplayOptions& options) {
                      {"deforming", options.deforming},
                      {"dt", recording.dt}});
     if (!options.detection.json.empty()) log.write_json(options.detection.json, settings);
-    page.write(settings, options.folder);
+    page.write(settings, options.folder, json::array());
     return 0;
 }
 
@@ -220,8 +214,8 @@ int detect(const DetectOptions& options) {
     scenes::SceneWorld scene(setup, options.detection.rays);
     World& world = scene.world;
     check_writable(options.detection.json);
-    DetectionPage page(options.detection, &world, fmt::format("{}", fmt::join(names, ", ")), names,
-                       0);
+    DetectionPage page(options.detection.page, &world, fmt::format("{}", fmt::join(names, ", ")),
+                       names, 0);
     for (const std::string& note : world.plan().notes) fmt::print("note: {}\n", note);
     const StepStats& stats = world.detect();
 
@@ -250,10 +244,10 @@ int detect(const DetectOptions& options) {
                                                  {"contacts", list}});
     FrameLog log;
     log.add(scene.result());
-    page.add(log);
+    page.add(log.last_json());
     json settings = rays_json(options.detection.rays);
     settings.update({{"command", "detect"}, {"meshes", names}});
-    page.write(settings);
+    page.write(settings, {}, json::array());
     return 0;
 }
 

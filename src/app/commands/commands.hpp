@@ -9,13 +9,18 @@
 
 namespace pierce::app {
 
+/// A page that plays the frames.
+struct PageOptions {
+    std::filesystem::path file;  ///< empty: none
+    bool reasons = true;         ///< why vertices have no contact
+};
+
 /// What every command that detects contacts can be told.
 struct DetectionOptions {
     std::string method = "rays";
     scenes::RaySettings rays = {};
     std::filesystem::path json;  ///< empty: none
-    std::filesystem::path html;  ///< a page that plays the frames; empty: none
-    bool reasons = true;         ///< of that page: why vertices have no contact
+    PageOptions page = {};
 };
 
 struct RunOptions {

@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
@@ -42,6 +44,34 @@ json to_json(const Comparison& c) {
         {"pair_depth_ratio", a.pair_depth_ratio()}};
 }
 
+/// What the page's charts show of every frame: time beside error.
+std::vector<json> frames_json(std::span<const Comparison> results) {
+    std::vector<json> frames;
+    for (const Comparison& c : results) {
+        frames.resize(c.ms.size());
+        for (std::size_t f = 0; f < frames.size(); ++f) {
+            frames[f]["ms"][c.name] = c.ms[f];
+            frames[f]["missed part of the depth"][c.name] = c.missed_shares[f];
+        }
+    }
+    return frames;
+}
+
+json table_json(std::span<const Comparison> results) {
+    const Table figures = figures_of(results);
+    json columns = json::array({"method"}), rows = json::array();
+    for (std::string name : figures.names) {
+        std::ranges::replace(name, '_', ' ');
+        columns.push_back(name);
+    }
+    for (std::size_t r = 0; r < figures.rows.size(); ++r) {
+        json row = json::array({figures.labels[r]});
+        for (double value : figures.rows[r]) row.push_back(value);
+        rows.push_back(row);
+    }
+    return {{"title", "Time and error of all methods"}, {"columns", columns}, {"rows", rows}};
+}
+
 void print(std::span<const Comparison> results) {
     fmt::print("  {:<13}{:>9}{:>17}{:>8}{:>11}{:>11}{:>16}{:>18}{:>12}\n", "", "ms/frame",
                "missed pairs", "false", "missed", "missed", "depth / true", "normal off [deg]",
@@ -71,6 +101,7 @@ int compare_recording(const CompareOptions& options) {
     for (const std::string& name : options.methods) methods.push_back(compared_method_named(name));
     if (methods.empty()) methods.assign(compared_methods().begin(), compared_methods().end());
     check_writable(options.json);
+    check_writable(options.page.file);
     const std::vector<scenes::TrueFrame> truth = truth_of(options.folder, options.every);
     std::vector<std::string> left_out;
     const std::vector<Comparison> results = compare(recording, truth, methods, options.threads,
@@ -88,17 +119,22 @@ int compare_recording(const CompareOptions& options) {
                    options.plots, "f1_speed_against_error",
                    json{{"machine", machine_json()}, {"versions", versions_json()}}.dump());
     }
+    const json settings{{"command", "compare"},
+                        {"folder", options.folder.filename().string()},
+                        {"threads", options.threads}};
     if (!options.json.empty()) {
         json list = json::array();
         for (const Comparison& c : results) list.push_back(to_json(c));
-        write_json_file(
-            options.json,
-            {{"machine", machine_json()},
-             {"versions", versions_json()},
-             {"settings",
-              {{"folder", options.folder.filename().string()}, {"threads", options.threads}}},
-             {"methods", list}});
+        write_json_file(options.json, {{"machine", machine_json()},
+                                       {"versions", versions_json()},
+                                       {"settings", settings},
+                                       {"methods", list}});
     }
+    scenes::RaySettings rays;
+    rays.threads = options.threads;
+    write_page_of(recording, options.page, rays, options.folder.filename().string(),
+                  frames_json(results), 1, settings, json::array({table_json(results)}),
+                  options.folder);
     return 0;
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "app/commands/commands.hpp"
+
 namespace pierce::app {
 
 struct CompareOptions {
@@ -13,6 +15,7 @@ struct CompareOptions {
     int threads = 1;
     std::uint32_t every = 4;  ///< truth is made for every such frame
     std::filesystem::path json, plots;
+    PageOptions page;
 };
 
 /// The command. Returns the process's exit code.

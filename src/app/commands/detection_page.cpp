@@ -3,40 +3,66 @@
 #include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/output/json_file.hpp"
+#include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
 #include "pierce/error.hpp"
+#include "scenes/detect/detector.hpp"
 
 namespace pierce::app {
 
 using nlohmann::json;
 
-DetectionPage::DetectionPage(const DetectionOptions& options, World* world,
-                             const std::string& title, const std::vector<std::string>& body_names,
-                             double dt)
-    : options_(options), world_(world) {
-    if (options.html.empty()) return;
+DetectionPage::DetectionPage(PageOptions options, World* world, const std::string& title,
+                             const std::vector<std::string>& body_names, double dt)
+    : options_(std::move(options)), world_(world) {
+    if (options_.file.empty()) return;
     if (world == nullptr) throw InputError("--html needs --method rays: it shows their contacts");
-    check_writable(options.html);
+    check_writable(options_.file);
     page_.emplace(page::ScenePage::Options{
-        .title = title, .body_names = body_names, .dt = dt, .reasons = options.reasons});
+        .title = title, .body_names = body_names, .dt = dt, .reasons = options_.reasons});
 }
 
-void DetectionPage::add(const FrameLog& log) {
-    if (page_) page_->add(*world_, frame_json(log.size() - 1, log.frames().back()));
+void DetectionPage::add(const json& figures) {
+    if (page_) page_->add(*world_, figures);
 }
 
-void DetectionPage::write(const json& settings, const std::filesystem::path& recording) const {
+void DetectionPage::write(const json& settings, const std::filesystem::path& recording,
+                          const json& tables) const {
     if (!page_) return;
-    json made_with{{"settings", settings},
-                   {"machine", machine_json()},
-                   {"versions", versions_json()},
-                   {"backend", {{"name", world_->backend()}}},
-                   {"notes", world_->plan().notes}};
+    json made_with{{"settings", settings},          {"machine", machine_json()},
+                   {"versions", versions_json()},   {"backend", {{"name", world_->backend()}}},
+                   {"notes", world_->plan().notes}, {"tables", tables}};
     if (!recording.empty()) made_with["recording"] = recording.string();
-    page_->write(options_.html, made_with);
-    fmt::print("page: {}\n", std::filesystem::absolute(options_.html).string());
+    page_->write(options_.file, made_with);
+    fmt::print("page: {}\n", std::filesystem::absolute(options_.file).string());
+}
+
+void write_page_of(const scenes::Recording& recording, const PageOptions& options,
+                   const scenes::RaySettings& rays, const std::string& title,
+                   const std::vector<json>& figures, std::uint32_t every, const json& settings,
+                   const json& tables, const std::filesystem::path& folder) {
+    if (options.file.empty()) return;
+    const scenes::SceneSetup scene = scenes::scene_of(recording);
+    const auto detector = scenes::make_detector(scene, scenes::Method::rays, rays);
+    DetectionPage page(options, detector->world(), title, names_of(scene), recording.dt * every);
+    Progress progress("making the page", static_cast<std::uint32_t>(figures.size()));
+    for (std::uint32_t k = 0; k < figures.size(); ++k) {
+        scenes::put_frame(*detector, recording, k * every);
+        detector->detect();
+        page.add(figures[k]);
+        progress.show(k + 1);
+    }
+    page.write(settings, folder, tables);
+}
+
+std::vector<std::string> names_of(const scenes::SceneSetup& scene) {
+    std::vector<std::string> names;
+    names.reserve(scene.bodies.size());
+    for (const scenes::SceneBody& body : scene.bodies) names.push_back(body.name);
+    return names;
 }
 
 }  // namespace pierce::app

@@ -83,7 +83,7 @@ void add_detect(CLI::App& app, int& code) {
     add_coverage(*command, options->detection.rays.world);
     command->add_option("--json", options->detection.json, "write the contacts to FILE")
         ->type_name("FILE");
-    add_page(*command, options->detection);
+    add_page(*command, options->detection.page);
     command->callback([options, &code] { code = detect(*options); });
 }
 
@@ -153,6 +153,7 @@ void add_compare(CLI::App& app, int& code) {
     command->add_option("--json", options->json, "write all figures to FILE")->type_name("FILE");
     command->add_option("--plots", options->plots, "draw time against error into DIR")
         ->type_name("DIR");
+    add_page(*command, options->page);
     command->callback([options, &code] { code = compare_recording(*options); });
 }
 
@@ -187,6 +188,7 @@ void add_validate(CLI::App& app, int& code) {
     add_coverage(*command, options->world);
     command->add_option("--json", options->json, "write all figures and wrong contacts to FILE")
         ->type_name("FILE");
+    add_page(*command, options->page);
     command->callback([options, &code] { code = validate(*options); });
 }
 

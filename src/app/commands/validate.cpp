@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/commands/commands.hpp"
+#include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
 #include "app/output/detection_json.hpp"
 #include "app/output/frame_log.hpp"
@@ -192,10 +193,46 @@ json to_json(const ModeResult& result) {
             {"wrong", wrong}};
 }
 
+/// What the page's charts show of every frame: the time of every backend, and how many contacts
+/// are wrong.
+std::vector<json> frames_json(const std::vector<ModeResult>& results, std::uint32_t every) {
+    std::vector<json> frames(results.front().validation.frames);
+    for (const ModeResult& result : results)
+        for (const Validation::Result& r : result.validation.results)
+            for (std::size_t k = 0; k < frames.size(); ++k)
+                frames[k]["ms"][r.name + ", " + result.mode] = r.ms[k];
+    for (const ModeResult& result : results)
+        for (const WrongContact& w : result.validation.wrong) {
+            json& count = frames[w.frame / every]["wrong_contacts"];
+            count = count.is_null() ? 1 : count.get<int>() + 1;
+        }
+    return frames;
+}
+
+json tables_json(const std::vector<ModeResult>& results) {
+    json rows = json::array(), wrong = json::array();
+    for (const ModeResult& result : results) {
+        for (const Validation::Result& r : result.validation.results)
+            rows.push_back({result.mode, r.name, r.contacts, r.wrong_frames, r.wrong_contacts,
+                            spread_of(r.ms).median});
+        for (const WrongContact& w : result.validation.wrong)
+            wrong.push_back({result.mode, w.frame, result.validation.results[w.candidate].name,
+                             describe(w.difference.found), describe(w.difference.right)});
+    }
+    return {{{"title", verdict(results)},
+             {"columns",
+              {"mode", "backend", "contacts", "wrong frames", "wrong contacts", "ms, median"}},
+             {"rows", rows}},
+            {{"title", "Wrong contacts"},
+             {"columns", {"mode", "frame", "backend", "found", "right"}},
+             {"rows", wrong}}};
+}
+
 }  // namespace
 
 int validate(const ValidateOptions& options) {
     check_writable(options.json);
+    check_writable(options.page.file);
     asked_for(options.backends);  // refuses unknown names before anything is simulated
     const scenes::Recording recording = frames_of(options);
     std::vector<std::string> left_out;
@@ -218,11 +255,10 @@ int validate(const ValidateOptions& options) {
     }
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
     fmt::print("{}\n", verdict(results));
+    json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
+    for (const char* of_mode : {"backend", "temporal", "predict"}) settings.erase(of_mode);
+    settings.update({{"command", "validate"}, {"input", options.input}, {"every", options.every}});
     if (!options.json.empty()) {
-        json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
-        for (const char* of_mode : {"backend", "temporal", "predict"}) settings.erase(of_mode);
-        settings.update(
-            {{"command", "validate"}, {"input", options.input}, {"every", options.every}});
         json modes = json::array();
         for (const ModeResult& result : results) modes.push_back(to_json(result));
         write_json_file(options.json, {{"modes", modes},
@@ -232,6 +268,10 @@ int validate(const ValidateOptions& options) {
                                        {"left_out", left_out},
                                        {"verdict", verdict(results)}});
     }
+    write_page_of(recording, options.page, {.world = options.world}, options.input,
+                  frames_json(results, options.every), options.every, settings,
+                  tables_json(results),
+                  fs::is_directory(options.input) ? fs::path(options.input) : fs::path());
     return std::ranges::all_of(results, agree) ? 0 : 1;
 }
 

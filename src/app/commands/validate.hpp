@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/commands/commands.hpp"
 #include "pierce/settings.hpp"
 
 namespace pierce::app {
@@ -21,6 +22,7 @@ struct ValidateOptions {
                                                                                      ///< remember
     Settings world;
     std::filesystem::path json;  ///< empty: none
+    PageOptions page;
 };
 
 /// Gives the same frames to several backends, in each mode. Returns 0 if all of them find the same

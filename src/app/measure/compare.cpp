@@ -71,7 +71,8 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
             left_out->push_back(m.name + ": " + error.what());
             continue;
         }
-        results.push_back({.name = m.name, .ms = {}, .contacts = 0, .accuracy = {}});
+        results.push_back(
+            {.name = m.name, .ms = {}, .missed_shares = {}, .contacts = 0, .accuracy = {}});
         counts.emplace_back(recording, m.method == Method::rays);
     }
     Progress progress(what, recording.frame_count);
@@ -83,7 +84,13 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
             const scenes::FrameResult result = detectors[m]->detect();
             results[m].ms.push_back(result.total_ms);
             results[m].contacts += static_cast<double>(result.contacts) / recording.frame_count;
+            const Accuracy& sum = counts[m].accuracy();
+            const double depth = sum.depth, missed = sum.missed_depth;
             if (known) counts[m].add(*next, detectors[m]->contacts());
+            const double frame_depth = sum.depth - depth, frame_missed = sum.missed_depth - missed;
+            results[m].missed_shares.push_back(!known            ? std::nan("")
+                                               : frame_depth > 0 ? frame_missed / frame_depth
+                                                                 : 0);
         }
         if (known) ++next;
         progress.show(f + 1);

@@ -30,8 +30,9 @@ const ComparedMethod& compared_method_named(const std::string& name);
 /// What came of a method on a recording.
 struct Comparison {
     std::string name;
-    std::vector<double> ms;  ///< per frame, the whole step
-    double contacts = 0;     ///< per frame, mean
+    std::vector<double> ms;             ///< per frame, the whole step
+    std::vector<double> missed_shares;  ///< per frame, of the depth [1]; NaN without the truth
+    double contacts = 0;                ///< per frame, mean
     scenes::Accuracy accuracy;
 
     double median_ms() const;

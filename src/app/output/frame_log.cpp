@@ -135,6 +135,9 @@ json spread_json(Spread s) { return {{"median", s.median}, {"p95", s.p95}, {"max
 
 }  // namespace
 
+namespace {
+
+/// What is written of a frame: `ms` by stage, counts, depths, the hash.
 json frame_json(std::size_t index, const FrameResult& f) {
     json ms;
     for (const scenes::NamedTime& t : f.times) ms[t.name] = t.milliseconds;
@@ -152,6 +155,10 @@ json frame_json(std::size_t index, const FrameResult& f) {
         if (!frame.contains(c.key)) frame[c.key] = f.*c.member;
     return frame;
 }
+
+}  // namespace
+
+json FrameLog::last_json() const { return frame_json(size() - 1, frames_.back()); }
 
 void FrameLog::write_json(const std::filesystem::path& file, const json& settings) const {
     json summary;

@@ -16,9 +16,6 @@ struct Spread {
 /// Of an unsorted list; zeros if it is empty.
 Spread spread_of(std::vector<double> values);
 
-/// What is written of a frame: `ms` by stage, counts, depths, the hash.
-nlohmann::json frame_json(std::size_t index, const scenes::FrameResult& frame);
-
 /// The results of all frames, and what is said about them at the end.
 class FrameLog {
 public:
@@ -26,6 +23,8 @@ public:
 
     std::size_t size() const { return frames_.size(); }
     const std::vector<scenes::FrameResult>& frames() const { return frames_; }
+    /// What is written of the last frame.
+    nlohmann::json last_json() const;
     /// A number of every frame.
     std::vector<double> column(double scenes::FrameResult::*member) const;
     std::vector<double> column(std::uint32_t scenes::FrameResult::*member) const;

@@ -24,10 +24,10 @@ void main() {
   gl_FragColor = vec4(color * light, opacity);
 }`;
 
-function bodyMaterial(opacity) {
+function bodyMaterial(opacity, side) {
   return new THREE.ShaderMaterial({
     vertexShader: BODY_VERTEX, fragmentShader: BODY_FRAGMENT, uniforms: { opacity: { value: opacity } },
-    side: THREE.DoubleSide, extensions: { derivatives: true },
+    side, extensions: { derivatives: true },
   });
 }
 
@@ -72,8 +72,9 @@ class Bodies {
   constructor(data, scene) {
     this.data = data;
     this.scene = scene;
-    this.material = bodyMaterial(1);
-    this.ghostMaterial = bodyMaterial(GHOST_OPACITY);
+    // Nobody sees the inner sides of closed meshes.
+    this.materials = [bodyMaterial(1, THREE.DoubleSide), bodyMaterial(1, THREE.FrontSide)];
+    this.ghostMaterial = bodyMaterial(GHOST_OPACITY, THREE.DoubleSide);
     Object.assign(this.ghostMaterial, { transparent: true, depthWrite: false });
     this.ofMesh = new Map();
     this.ofBody = new Map();
@@ -82,9 +83,11 @@ class Bodies {
   }
 
   set opacity(value) {
-    this.material.uniforms.opacity.value = value;
-    this.material.transparent = value < 1;
-    this.material.depthWrite = value === 1;
+    for (const material of this.materials) {
+      material.uniforms.opacity.value = value;
+      material.transparent = value < 1;
+      material.depthWrite = value === 1;
+    }
   }
 
   /** Shows all bodies of a frame; `colorOf` gives a body's colour. */
@@ -95,7 +98,7 @@ class Bodies {
       const mesh = this.data.meshOf(frame, b);
       if (!mesh) return;
       if (body.motion === "deforming") {
-        this.#showDeformed(this.ofBody, this.material, frame, b, colorOf(b));
+        this.#showDeformed(this.ofBody, this.#materialOf(mesh), frame, b, colorOf(b));
         if (this.showGhosts && body.sheet && frame > 0 && this.data.meshOf(frame - 1, b))
           this.#showDeformed(this.ghosts, this.ghostMaterial, frame - 1, b, PLAIN);
       } else {
@@ -106,9 +109,11 @@ class Bodies {
     for (const instances of this.ofMesh.values()) instances.finish();
   }
 
+  #materialOf(mesh) { return this.materials[mesh.closed ? 1 : 0]; }
+
   #instancesOf(mesh) {
     if (!this.ofMesh.has(mesh)) {
-      const instances = new Instances(mesh, this.data.bodies.length, this.material);
+      const instances = new Instances(mesh, this.data.bodies.length, this.#materialOf(mesh));
       this.ofMesh.set(mesh, instances);
       this.scene.add(instances.object);
     }

@@ -74,7 +74,7 @@ class Charts {
           this.goTo(Math.min(Math.max(frame, 0), this.data.frameCount - 1));
         },
         scales: {
-          x: { title: { display: true, text: "frame", color: ink }, ticks: { color: ink, maxTicksLimit: 7 }, grid: { color: line } },
+          x: { title: { display: true, text: "frame", color: ink }, ticks: { color: ink, maxTicksLimit: 7, maxRotation: 0 }, grid: { color: line } },
           y: { beginAtZero: true, ticks: { color: ink, maxTicksLimit: 6 }, grid: { color: line } },
         },
         plugins: { legend: { position: "bottom", labels: { color: ink, boxWidth: 14, boxHeight: 2, padding: 6, font: { size: 11 } } } },

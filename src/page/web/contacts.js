@@ -2,16 +2,11 @@
 // Contacts in the scene: a point in the middle of each contact's two points, and a needle along its normal.
 
 const NEEDLE_VERTEX = `
-attribute vec3 place, way, shade;
-uniform float thickness;
+attribute vec3 shade;
 varying vec3 color;
 void main() {
-  float reach = length(way);
-  vec3 z = reach > 0.0 ? way / reach : vec3(0.0, 0.0, 1.0);
-  vec3 x = normalize(abs(z.x) < 0.7 ? cross(z, vec3(1.0, 0.0, 0.0)) : cross(z, vec3(0.0, 1.0, 0.0)));
-  vec3 at = place + thickness * (position.x * x + position.y * cross(z, x)) + reach * position.z * z;
   color = shade;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(at, 1.0);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 const POINT_VERTEX = `
 attribute vec3 shade;
@@ -32,17 +27,20 @@ void main() {
   if (away > 0.5) discard;
   gl_FragColor = vec4(away > 0.36 ? vec3(0.1) : color, 1.0);
 }`;
-const NEEDLE_SIDES = 5;
+// A needle is a pyramid of three sides. Browsers that draw by software draw one large mesh much
+// faster than many copies of a small one.
+const NEEDLE_CORNERS = 4;
+const NEEDLE_SIDES = [0, 1, 2, 0, 2, 3, 0, 3, 1];
+const SLIMNESS = 0.2;  // the base's radius is at most this part of the length
 
-/** A pyramid along z, 1 long, with a base of radius 1: positions and triangles. */
-function needle() {
-  const positions = [0, 0, 1], triangles = [];
-  for (let k = 0; k < NEEDLE_SIDES; ++k) {
-    const angle = (2 * Math.PI * k) / NEEDLE_SIDES;
-    positions.push(Math.cos(angle), Math.sin(angle), 0);
-    triangles.push(0, 1 + k, 1 + ((k + 1) % NEEDLE_SIDES));
-  }
-  return [new Float32Array(positions), new Uint16Array(triangles)];
+/** The corners of a needle: its point, and its base of a radius around `from`. */
+function needleCorners(from, way, radius) {
+  const long = size(way);
+  if (long === 0) return [from, from, from, from];
+  const z = scaled(way, 1 / long), side = cross(z, Math.abs(z[0]) < 0.7 ? [1, 0, 0] : [0, 1, 0]);
+  const x = scaled(side, Math.min(radius, SLIMNESS * long) / size(side)), y = cross(z, x);
+  const corner = (u, v) => add(from, add(scaled(x, u), scaled(y, v)));
+  return [add(from, way), corner(1, 0), corner(-0.5, 0.866), corner(-0.5, -0.866)];
 }
 
 function flatMaterial(vertexShader, fragmentShader, uniforms) {
@@ -58,9 +56,9 @@ class Contacts {
     this.room = 0;
     this.arrowScale = 1;
     this.shown = [];
-    const thickness = { value: unit * 0.012 }, pixels = { value: 6 };
-    this.needleMaterial = flatMaterial(NEEDLE_VERTEX, FLAT_FRAGMENT, { thickness });
-    this.pointMaterial = flatMaterial(POINT_VERTEX, ROUND_FRAGMENT, { pixels });
+    this.radius = 0.014 * unit;
+    this.needleMaterial = flatMaterial(NEEDLE_VERTEX, FLAT_FRAGMENT, {});
+    this.pointMaterial = flatMaterial(POINT_VERTEX, ROUND_FRAGMENT, { pixels: { value: 6 } });
     this.rayMaterial = new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors ?? true, depthTest: false, transparent: true });
     this.showRays = false;
     this.showArrows = true;
@@ -76,24 +74,26 @@ class Contacts {
     if (count <= this.room) return;
     this.room = Math.max(2 * this.room, count, 64);
     for (const object of [this.needles, this.points, this.rays]) if (object) this.scene.remove(object);
-    const geometry = new THREE.InstancedBufferGeometry(), [positions, triangles] = needle();
-    geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
-    geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     const numbers = (copies = 1) => new Float32Array(3 * this.room * copies);
     this.place = numbers();
-    this.way = numbers();
     this.shade = numbers();
+    this.corners = numbers(NEEDLE_CORNERS);
+    this.cornerShades = numbers(NEEDLE_CORNERS);
     this.ends = numbers(2);
     this.endShades = numbers(2);
-    for (const name of ["place", "way", "shade"])
-      geometry.setAttribute(name, new THREE.InstancedBufferAttribute(this[name], 3));
+    const needles = new THREE.BufferGeometry(), sides = new Uint32Array(NEEDLE_SIDES.length * this.room);
+    for (let i = 0; i < sides.length; ++i)
+      sides[i] = NEEDLE_SIDES[i % NEEDLE_SIDES.length] + NEEDLE_CORNERS * Math.floor(i / NEEDLE_SIDES.length);
+    needles.setIndex(new THREE.BufferAttribute(sides, 1));
+    needles.setAttribute("position", new THREE.BufferAttribute(this.corners, 3));
+    needles.setAttribute("shade", new THREE.BufferAttribute(this.cornerShades, 3));
     const points = new THREE.BufferGeometry();
     points.setAttribute("position", new THREE.BufferAttribute(this.place, 3));
     points.setAttribute("shade", new THREE.BufferAttribute(this.shade, 3));
     const rays = new THREE.BufferGeometry();
     rays.setAttribute("position", new THREE.BufferAttribute(this.ends, 3));
     rays.setAttribute("color", new THREE.BufferAttribute(this.endShades, 3));
-    this.needles = new THREE.Mesh(geometry, this.needleMaterial);
+    this.needles = new THREE.Mesh(needles, this.needleMaterial);
     this.points = new THREE.Points(points, this.pointMaterial);
     this.rays = new THREE.LineSegments(rays, this.rayMaterial);
     [this.rays, this.needles, this.points].forEach((object, order) => {
@@ -113,8 +113,12 @@ class Contacts {
       const c = this.data.contact(frame, k), at = mix(c.point_a, c.point_b, 0.5), i = this.shown.length;
       const color = k === selected ? SELECTED : colorOf(begin + k, c);
       this.place.set(at, 3 * i);
-      this.way.set(scaled(c.normal, Math.abs(c.distance) * this.arrowScale), 3 * i);
       this.shade.set(color, 3 * i);
+      const way = scaled(c.normal, Math.abs(c.distance) * this.arrowScale);
+      needleCorners(at, way, this.radius).forEach((corner, k) => {
+        this.corners.set(corner, 3 * (NEEDLE_CORNERS * i + k));
+        this.cornerShades.set(color, 3 * (NEEDLE_CORNERS * i + k));
+      });
       if (this.showRays) {
         this.ends.set([...c.point_a, ...c.point_b], 6 * i);
         this.endShades.set([...color, ...color], 6 * i);
@@ -122,7 +126,7 @@ class Contacts {
       this.shown.push({ number: k, at });
     }
     const count = this.shown.length;
-    this.needles.geometry.maxInstancedCount = count;
+    this.needles.geometry.setDrawRange(0, NEEDLE_SIDES.length * count);
     this.points.geometry.setDrawRange(0, count);
     this.rays.geometry.setDrawRange(0, 2 * count);
     this.needles.visible = this.showArrows && count > 0;

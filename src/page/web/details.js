@@ -125,9 +125,9 @@ const MOST_LINKS = 40;
 function showAbout(data, place) {
   const { tables, notes, recording, ...rest } = data.made_with;
   for (const table of tables ?? [])
-    place.append(element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", {},
+    place.append(element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", { class: "wide" },
       element("thead", {}, element("tr", {}, ...table.columns.map((name) => element("th", {}, name)))),
-      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map((cell) => element("td", {}, shownValue(cell)))))))));
+      element("tbody", {}, ...table.rows.map((row) => element("tr", {}, ...row.map((cell) => element("td", {}, shownValue(cell, true)))))))));
   if (notes?.length) place.append(element("h2", {}, "Notes"), ...notes.map((note) => element("p", {}, note)));
   for (const [title, values] of Object.entries(rest))
     if (values && typeof values === "object")

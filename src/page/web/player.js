@@ -20,7 +20,8 @@ class Player {
     this.stage = new Stage(byId("canvas"), data);
     this.deepest = this.#usualDepth();
     const unit = this.#usualSize();
-    this.arrowUnit = this.deepest > 0 ? (ARROW_SHARE * unit) / this.deepest : 1;
+    const longest = this.deepest || data.columns.contact_distance.reduce((most, d) => Math.max(most, Math.abs(d)), 0);
+    this.arrowUnit = longest > 0 ? (ARROW_SHARE * unit) / longest : 1;
     this.bodies = new Bodies(data, this.stage.scene);
     this.contacts = new Contacts(data, this.stage.scene, unit);
     this.contacts.inFront = true;
@@ -32,6 +33,7 @@ class Player {
     this.#buildControls();
     this.#listen();
     drawLegend(byId("legend-colors"));
+    byId("legend").hidden = this.deepest === 0;
     byId("legend-high").textContent = `${Number(this.deepest.toPrecision(2))} deep or more`;
     showAbout(data, byId("about"));
     this.readHash();
@@ -150,13 +152,14 @@ class Player {
   refresh() {
     const { data, frame, filters, selection } = this;
     const depths = this.#depths(frame);
-    const ofDepth = (depth) => cividis(this.deepest > 0 ? depth / this.deepest : 0);
+    // Where nothing is deep, such as between sheets, colours tell how contacts were found.
+    const ofContact = (c) => this.deepest > 0 ? cividis(-c.distance / this.deepest) : channels(KINDS[FOUND.indexOf(c.found) % KINDS.length]);
     this.bodies.show(frame, (b) => {
       if (filters.colors === "body") return channels(KINDS[b % KINDS.length]);
       const colored = filters.colors === "depth" && depths[b] > 0 && data.bodies[b].motion !== "fixed";
       return colored ? bodyColor(depths[b] / this.deepest) : PLAIN;
     });
-    this.contacts.show(frame, (i) => filters.keeps(i), (_, c) => ofDepth(-c.distance), selection.contact);
+    this.contacts.show(frame, (i) => filters.keeps(i), (_, c) => ofContact(c), selection.contact);
     this.overlays.show(frame, this.#selectedBody(), selection.vertex);
     this.details.show(frame, selection);
     this.charts.show(frame);

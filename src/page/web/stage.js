@@ -4,11 +4,18 @@
 const CLICK_PIXELS = 9;  // a contact is hit this far away
 const DRAG_PIXELS = 4;   // further is a drag, not a click
 
+/** True if there is no GPU: smooth edges would take too long. */
+function drawsBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  return names !== null && names !== undefined && /swiftshader|llvmpipe|software/i.test(gl.getParameter(names.UNMASKED_RENDERER_WEBGL));
+}
+
 class Stage {
   constructor(canvas, data) {
     this.canvas = canvas;
     this.data = data;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawsBySoftware() });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.1, 1000);

@@ -1,0 +1,93 @@
+#include "pages.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "casters.hpp"
+#include "page/scene_page.hpp"
+#include "page/step_figures.hpp"
+#include "world.hpp"
+
+namespace pierce::python {
+namespace {
+
+using nlohmann::json;
+
+/// A page and the world that it shows.
+struct PyPage {
+    std::shared_ptr<PyWorld> world;
+    std::unique_ptr<page::ScenePage> page;
+};
+
+/// What Python's json module makes of it.
+json json_of(nb::handle value) {
+    const nb::object dumps = nb::module_::import_("json").attr("dumps");
+    return json::parse(nb::cast<std::string>(dumps(value)));
+}
+
+void make_page(PyPage* self, std::shared_ptr<PyWorld> world, std::string title, nb::dict names,
+               double dt, bool reasons) {
+    std::vector<std::string> by_index;
+    for (const auto& [body, name] : names) {
+        const auto id = nb::cast<BodyId>(body);
+        by_index.resize(std::max<std::size_t>(by_index.size(), id.index + 1));
+        by_index[id.index] = nb::cast<std::string>(name);
+    }
+    new (self) PyPage{std::move(world), std::make_unique<page::ScenePage>(page::ScenePage::Options{
+                                            .title = std::move(title),
+                                            .body_names = std::move(by_index),
+                                            .dt = dt,
+                                            .reasons = reasons})};
+}
+
+void add(PyPage& self, const nb::kwargs& figures) {
+    const json own = json_of(figures);
+    const Use world(*self.world);
+    json all = page::step_figures(world->stats());
+    all.update(own);
+    self.page->add(*world, all);
+}
+
+void write(const PyPage& self, const std::string& file, const nb::kwargs& made_with) {
+    json about{{"versions", {{"pierce", PIERCE_VERSION}}}};
+    {
+        const Use world(*self.world);
+        about["backend"] = {{"name", world->backend()}};
+        about["notes"] = world->plan().notes;
+    }
+    about.update(json_of(made_with));
+    const nb::gil_scoped_release release;
+    self.page->write(file, about);
+}
+
+}  // namespace
+
+void bind_pages(nb::module_& module) {
+    nb::class_<PyPage>(module, "Page",
+                       "One HTML file that plays what a world did: bodies, contacts, charts, and "
+                       "why vertices have no contact.")
+        .def("__init__", make_page, nb::arg("world"), nb::arg("title") = "",
+             nb::arg("names") = nb::dict(), nb::arg("dt") = 0.0, nb::arg("reasons") = true,
+             nb::sig("def __init__(self, world: World, title: str = '', names: dict[BodyId, str] = "
+                     "{}, dt: float = 0.0, reasons: bool = True) -> None"),
+             "`names`: of bodies; the others have their mesh's. `dt`: [s] from frame to frame; 0: "
+             "unknown. `reasons`: also why vertices have no contact, which takes longer than to "
+             "detect.")
+        .def("add", add, nb::arg("figures"), nb::sig("def add(self, **figures: object) -> None"),
+             "Keeps the world after detect(), as the next frame. `figures`: numbers that charts "
+             "show beside times and counts; a dict of numbers has a chart of its own.")
+        .def("write", write, nb::arg("file"), nb::arg("made_with"),
+             nb::sig("def write(self, file: str, **made_with: object) -> None"),
+             "Writes the page. `made_with`: dicts that the page shows under \"About\".")
+        .def_prop_ro(
+            "frame_count", [](const PyPage& p) { return p.page->frame_count(); },
+            "Frames that were added.")
+        .def("__repr__", [](const PyPage& p) {
+            return "Page(" + std::to_string(p.page->frame_count()) + " frames)";
+        });
+}
+
+}  // namespace pierce::python
