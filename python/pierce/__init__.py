@@ -4,7 +4,9 @@
 say more. Lengths are in the caller's unit, quaternions are x, y, z, w.
 
 ``pierce.trimesh``, ``pierce.newton``, ``pierce.mujoco`` and ``pierce.viewers`` serve those
-packages; each is imported by itself, and needs its package.
+packages; ``pierce.files``, ``pierce.robots`` and ``pierce.series`` read files, and
+``pierce.paraview``, ``pierce.gltf`` and ``pierce.tables`` write them. Each is imported by itself,
+and needs its package.
 """
 
 from collections.abc import Iterable as _Iterable

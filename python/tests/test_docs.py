@@ -10,14 +10,18 @@ from conftest import torus
 SOURCE = Path(__file__).parents[2]
 
 
-def programs():
-    for page in ("python/README.md", "docs/python.md"):
-        text = (SOURCE / page).read_text()
-        for number, program in enumerate(re.findall(r"```python\n(.*?)```", text, re.DOTALL)):
-            yield pytest.param(program, id=f"{page}-{number}")
+def programs(*pages):
+    """Programs of pages, as parameters of a test."""
+    return [
+        pytest.param(program, id=f"{page}-{number}")
+        for page in pages
+        for number, program in enumerate(
+            re.findall(r"```python\n(.*?)```", (SOURCE / page).read_text(), re.DOTALL)
+        )
+    ]
 
 
-@pytest.mark.parametrize("program", programs())
+@pytest.mark.parametrize("program", programs("python/README.md", "docs/python.md"))
 def test_programs_of_pages(program, tmp_path, monkeypatch, capsys):
     vertices, triangles = torus()
     lines = [f"v {x} {y} {z}" for x, y, z in vertices]
