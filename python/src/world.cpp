@@ -159,6 +159,8 @@ void bind_bodies(nb::class_<PyWorld>& c) {
                 return owned_rows<double>(Use(w)->vertex_positions(body));
             },
             nb::arg("body"),
+            nb::sig("def vertex_positions(self, body: BodyId) -> "
+                    "numpy.typing.NDArray[numpy.float64]"),
             "[length] float64 (n, 3): where all vertices are now, world space; a copy.")
         .def(
             "pose_of", [](PyWorld& w, BodyId body) { return Use(w)->pose_of(body); },

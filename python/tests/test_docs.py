@@ -21,7 +21,7 @@ def programs(*pages):
     ]
 
 
-@pytest.mark.parametrize("program", programs("python/README.md", "docs/python.md"))
+@pytest.mark.parametrize("program", programs("python/README.md", "docs/python.md", "docs/page.md"))
 def test_programs_of_pages(program, tmp_path, monkeypatch, capsys):
     vertices, triangles = torus()
     lines = [f"v {x} {y} {z}" for x, y, z in vertices]

@@ -171,11 +171,24 @@ std::string number(double value) {
     return text;
 }
 
+/// Those of a world's contacts that a pair of solids may have: all of them where contacts are
+/// sorted by world before pairs, and else the pair's own.
+std::span<const Contact> contacts_of(std::span<const Contact> all, Pair pair, bool by_world) {
+    if (by_world) return all;
+    const auto of_pair = [](const Contact& c) { return Pair{c.a.index, c.b.index}; };
+    const auto solids_end = std::ranges::partition_point(
+        all, [](const Contact& c) { return !c.of_sheet; });
+    const std::ranges::subrange solids(all.begin(), solids_end);
+    const auto own = std::ranges::equal_range(
+        solids, pair, [](Pair p, Pair q) { return p < q; }, of_pair);
+    return {own.begin(), own.end()};
+}
+
 /// The contacts of a vertex of `body` with `other`, which may be the same body.
-std::vector<Contact> contacts_of(std::span<const Contact> all, BodyId body, BodyId other,
-                                 std::uint32_t vertex) {
+std::vector<Contact> of_vertex(std::span<const Contact> some, BodyId body, BodyId other,
+                               std::uint32_t vertex) {
     std::vector<Contact> result;
-    std::ranges::copy_if(all, std::back_inserter(result), [&](const Contact& c) {
+    std::ranges::copy_if(some, std::back_inserter(result), [&](const Contact& c) {
         return (c.source == Side::a ? c.a : c.b) == body &&
                (c.source == Side::a ? c.b : c.a) == other && c.vertex == vertex && !c.is_edge();
     });
@@ -192,7 +205,6 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
         throw InputError("a vertex of a solid is not explained against its own body");
     state_->check_stepped("explain");
     state_->backend->fetch_bodies(view_of(state_->views));
-    const std::vector<Contact> of_vertex = contacts_of(contacts(), body, other, vertex);
     const View<const BodyView> views = view_of(std::as_const(state_->views));
     const stages::WantedPairs wanted{.bodies = views,
                                      .ids = view_of(std::as_const(state_->ids)),
@@ -204,10 +216,12 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
         filtered.reason = Reason::filtered;
         return filtered;
     }
+    const std::vector<Contact> found = of_vertex(
+        contacts_of(contacts(), pair, sheet || !state_->worlds.empty()), body, other, vertex);
     if (sheet)
         return explain_sheet(views[body.index], views[other.index], vertex,
                              std::max(collision_of(body).thickness, collision_of(other).thickness),
-                             of_vertex);
+                             found);
     Explanation result = Explainer(*state_->backend, state_->plan.settings, views, body.index,
                                    other.index, vertex)
                              .answer();
@@ -217,8 +231,8 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
     if (state_->plan.settings.temporal == Temporal::certified)
         result.certificate = state_->backend->certificate(views, {a.index, b.index},
                                                           static_cast<std::uint32_t>(side), vertex);
-    if (!of_vertex.empty()) {
-        result.contact = of_vertex.front();
+    if (!found.empty()) {
+        result.contact = found.front();
         result.reason = Reason::contact;
     } else if (result.reason == Reason::contact) {
         result.reason = Reason::not_looked_at;
