@@ -11,6 +11,7 @@ namespace pierce::app {
 
 void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
     constexpr const char* names[] = {"paper's rays", "with prediction", "all rays (off)"};
+    constexpr const char* looks[] = {"walk", "walk-predict", "full"};
     const Settings settings[] = {mode("", Temporal::paper, false).settings,
                                  mode("", Temporal::paper, true).settings,
                                  mode("", Temporal::off, false).settings};
@@ -31,7 +32,7 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
         deepest[k] = std::ranges::max(all.column(&scenes::FrameResult::penetration_max));
     });
     columns.reserve(3);
-    for (int k = 0; k < 3; ++k) columns.push_back({names[k], depths[k]});
+    for (int k = 0; k < 3; ++k) columns.push_back({names[k], depths[k], {.look = looks[k]}});
     page.line("\n### {}\n", pile.name);
     page.line(
         "{} bodies, the loop closed, a full pass every {} steps. Each run has a motion of its own; "
@@ -49,8 +50,9 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
               curves.rows.size(), depth_window);
     page.plot(Curves{.title = fmt::format("Penetration over time, {}, loop closed", pile.name),
                      .x = "time [s]",
-                     .y = "mean depth of all contacts",
-                     .table = curves},
+                     .y = {"mean depth of all contacts [length]"},
+                     .table = curves,
+                     .lines = lines_of(columns)},
               "figure_9_" + pile.name);
 }
 
