@@ -75,6 +75,9 @@ def number(value: float) -> str:
     return power if float(digits) == 1 else f"{float(digits):g}·{power}"
 
 
+NUMBERS = FuncFormatter(lambda value, _: number(value))
+
+
 def size_of(axes: Axes) -> tuple[float, float]:
     """Width and height [inches]."""
     return axes.bbox.width / axes.figure.dpi, axes.bbox.height / axes.figure.dpi
@@ -90,9 +93,7 @@ class LogAxis:
         known = [v for v in values if math.isfinite(v) and v >= 0]
         positive = [v for v in known if v > 0] or [1.0, 10.0]
         low, high = math.log10(min(positive)), math.log10(max(positive))
-        missing = max(0.0, LEAST_DECADES - (high - low)) / 2
-        low, high = low - missing, high + missing
-        margin = MARGIN_PART * (high - low)
+        margin = max(MARGIN_PART * (high - low), (LEAST_DECADES - (high - low)) / 2)
         low, high = low - margin, high + margin
         start, self.zero = low, math.nan
         zeros: list[float] = []
@@ -168,7 +169,7 @@ def new_figure(panels: int, width: float, height: float) -> tuple[Figure, list[A
         axes.grid(True)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(MOST_STEPS, steps=[1, 2, 2.5, 5, 10]))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+            axis.set_major_formatter(NUMBERS)
         made.append(axes)
     return figure, made
 
@@ -289,7 +290,7 @@ def draw_map(plot: dict[str, Any]) -> Figure:
     axes.tick_params(length=0)
     bar_width = BAR_WIDTH / width
     beside = axes.inset_axes((1 + bar_width, 0, bar_width, 1))
-    bar = figure.colorbar(drawn, cax=beside)
+    bar = figure.colorbar(drawn, cax=beside, format=NUMBERS)
     if bar.solids is not None:
         bar.solids.set_edgecolor("face")
     bar.set_label(wrapped(plot["value"], height), labelpad=8)

@@ -11,7 +11,6 @@ namespace pierce::app {
 
 void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
     constexpr const char* names[] = {"paper's rays", "with prediction", "all rays (off)"};
-    constexpr const char* looks[] = {"walk", "walk-predict", "full"};
     const Settings settings[] = {mode("", Temporal::paper, false).settings,
                                  mode("", Temporal::paper, true).settings,
                                  mode("", Temporal::off, false).settings};
@@ -32,7 +31,7 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
         deepest[k] = std::ranges::max(all.column(&scenes::FrameResult::penetration_max));
     });
     columns.reserve(3);
-    for (int k = 0; k < 3; ++k) columns.push_back({names[k], depths[k], {.look = looks[k]}});
+    for (int k = 0; k < 3; ++k) columns.push_back({names[k], depths[k]});
     page.line("\n### {}\n", pile.name);
     page.line(
         "{} bodies, the loop closed, a full pass every {} steps. Each run has a motion of its own; "
@@ -48,11 +47,11 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
         curves.rows, [](const std::vector<double>& row) { return row[2] > row[1]; });
     page.line("\nDeeper with prediction than without in {} of {} stretches of {:g} s.", deeper,
               curves.rows.size(), depth_window);
-    page.plot(Curves{.title = fmt::format("Penetration over time, {}, loop closed", pile.name),
+    page.plot(Curves{.title = fmt::format("Penetration over time, {}, loop closed", pile.title()),
                      .x = "time [s]",
                      .y = {"mean depth of all contacts [length]"},
                      .table = curves,
-                     .lines = lines_of(columns)},
+                     .lines = {{.look = "walk"}, {.look = "walk-predict"}, {.look = "full"}}},
               "figure_9_" + pile.name);
 }
 

@@ -148,9 +148,9 @@ void figure_14(const Pile& pile, const PaperReportOptions& options, Page& page) 
     page.line(
         "\nThe paper: \"all three lines show a near linear change with the time-step\". Lines of "
         "least squares:\n");
-    write_phase("while they land", pile.name, "figure_14_" + pile.name, dts, landing, page);
-    write_phase("3 s to the end", pile.name, "figure_14_from_3_s_" + pile.name, dts, paper_seconds,
-                page);
+    write_phase("while they land", pile.title(), "figure_14_" + pile.name, dts, landing, page);
+    write_phase("3 s to the end", pile.title(), "figure_14_from_3_s_" + pile.name, dts,
+                paper_seconds, page);
 }
 
 }  // namespace pierce::app
