@@ -2,9 +2,9 @@
 
 packages=(g++ cmake ninja-build pkg-config
           libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev libfcl-dev
-          libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev zlib1g-dev libjs-three libjs-chart.js libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo gnuplot-nox
+          libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev zlib1g-dev libjs-three libjs-chart.js libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo
           libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev
-          python3-dev python3-venv libx11-6)
+          python3-dev python3-venv python3-matplotlib libx11-6)
 
 # Arguments of cmake when build() configures.
 configure=()

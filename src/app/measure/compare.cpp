@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "app/output/frame_log.hpp"
-#include "app/output/plot.hpp"
 #include "app/output/progress.hpp"
 #include "pierce/error.hpp"
 #include "scenes/detect/detector.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/measure/truth_program.hpp"
-#include "app/output/plot.hpp"
+#include "app/output/table.hpp"
 #include "scenes/detect/method.hpp"
 #include "scenes/files/truth_file.hpp"
 #include "scenes/measure/accuracy.hpp"

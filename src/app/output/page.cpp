@@ -2,7 +2,9 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
+#include "app/output/draw_plots.hpp"
 #include "app/output/provenance.hpp"
 #include "app/output/self_contained.hpp"
 #include "pierce/error.hpp"
@@ -48,6 +50,7 @@ void Page::picture(const std::string& name, const std::string& caption) {
 }
 
 void Page::close() {
+    show_plots();
     const fs::path markdown = folder_ / "report.md", html = folder_ / "report.html";
     write_text(markdown, text_);
     write_text(html, self_contained_html(title_, text_, folder_));
@@ -55,11 +58,15 @@ void Page::close() {
     fmt::print("in one file: {}\n", fs::absolute(html).string());
 }
 
-void Page::show(bool drawn, const std::string& name) {
-    if (drawn)
-        picture(name + ".svg", name);
-    else
-        line("\n[{0}.csv]({0}.csv) (no picture: gnuplot is not installed)\n", name);
+void Page::show_plots() {
+    const std::string problem = draw_plots(descriptions_);
+    // From the last one: where the others stand does not change.
+    for (const auto& [name, at] : plots_ | std::views::reverse)
+        text_.insert(at, problem.empty() ? fmt::format("\n![{0}]({0}.svg)\n\n", name)
+                                         : fmt::format("\n[{0}.csv]({0}.csv) (no picture: {1})\n\n",
+                                                       name, problem));
+    plots_.clear();
+    descriptions_.clear();
 }
 
 }  // namespace pierce::app

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "app/output/plot.hpp"
-#include "app/output/scatter_plot.hpp"
 
 namespace pierce::app {
 
@@ -25,10 +25,13 @@ public:
     void line(fmt::format_string<T...> format, T&&... values) {
         text_ += fmt::format(format, std::forward<T>(values)...) + '\n';
     }
-    /// Curves, HeatMap or Scatter: NAME.csv, and NAME.svg shown on the page.
+    /// Curves, HeatMap or Scatter: NAME.csv, and NAME.svg shown here on the page. close() draws all
+    /// plots at once, when nothing is measured any more.
     template <class Plot>
     void plot(const Plot& plot, const std::string& name) {
-        show(write_plot(plot, folder_, name, made_with_), name);
+        csv(plot.table, name);
+        descriptions_.push_back(description_of(plot, folder_ / (name + ".svg")));
+        plots_.push_back({name, text_.size()});
     }
     /// NAME.csv.
     void csv(const Table& table, const std::string& name) const;
@@ -36,14 +39,22 @@ public:
     void picture(const std::string& name, const std::string& caption);
     /// Where pictures go.
     const std::filesystem::path& folder() const { return folder_; }
-    /// Writes report.md and report.html, and says where they are.
+    /// Draws the plots, writes report.md and report.html, and says where they are. Without
+    /// matplotlib the page says that there are no pictures.
     void close();
 
 private:
-    void show(bool drawn, const std::string& name);
+    void show_plots();
+
+    struct Shown {
+        std::string name;
+        std::size_t at;  ///< in the text
+    };
 
     std::filesystem::path folder_;
     std::string title_, made_with_, text_;
+    std::vector<Shown> plots_;
+    std::vector<std::string> descriptions_;
 };
 
 }  // namespace pierce::app

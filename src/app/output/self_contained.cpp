@@ -20,7 +20,7 @@ constexpr const char* style = R"(
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; }
 table { border-collapse: collapse; display: block; overflow-x: auto; margin: 1em 0; }
 th, td { border: 1px solid #8888; padding: 0.25em 0.6em; text-align: left; }
-img { max-width: 100%; height: auto; background: white; }
+img { max-width: 100%; height: auto; }
 )";
 
 void append(const char* text, MD_SIZE size, void* to) {

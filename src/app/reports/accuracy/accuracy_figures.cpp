@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "app/measure/compare.hpp"
-#include "app/measure/method_looks.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/progress.hpp"
 #include "app/reports/accuracy/random_poses.hpp"
@@ -46,28 +45,29 @@ std::string kernel_name(const scenes::LeakCount& count) {
     return count.kernel + (count.fma ? " with fma" : "");
 }
 
+Line kernel_line(const scenes::LeakCount& count) {
+    return {.look = count.kernel,
+            .note = count.fma ? "with fma" : "",
+            .stroke = count.fma ? Stroke::dashed : Stroke::solid};
+}
+
 }  // namespace
 
 Scatter speed_against_error(const Table& figures, const std::string& title) {
     Scatter plot{.title = title,
                  .x = "time a frame [ms]",
-                 .panels = {"overlapping pairs missed [%]", "depth missed [%]"},
-                 .corner = "↙ fast, and nothing missed",
-                 .kinds = {"Pierce", "other libraries"},
+                 .y = {"overlapping pairs missed [%]", "depth missed [%]"},
+                 .corner = "↙ left and down is better: fast, and nothing missed",
                  .points = {},
                  .table = figures};
     for (std::size_t r = 0; r < figures.rows.size(); ++r) {
         const std::string& name = figures.labels[r];
-        const MethodLook& look = look_of_method(name);
-        const bool is_default = name == default_method;
         const double pairs = std::max(figures.number(r, "pairs"), 1.0);
-        plot.points.push_back({.name = is_default ? name + " (default)" : name,
+        plot.points.push_back({.look = name,
                                .x = figures.number(r, "ms"),
                                .y = {100 * figures.number(r, "missed_pairs") / pairs,
                                      100 * figures.number(r, "missed_depth_share")},
-                               .colour = look.colour,
-                               .kind = look.ours ? 0u : 1u,
-                               .stands_out = is_default});
+                               .stands_out = name == default_method});
     }
     return plot;
 }
@@ -90,7 +90,7 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
         const std::string at = aim == Aim::vertices ? "vertices" : "edges";
         Curves curves{.title = "Rays lost at " + at,
                       .x = "offset from the origin [ball of radius 16]",
-                      .y = "lost [%] (bottom: none)",
+                      .y = {"lost rays [%]"},
                       .table = {},
                       .log_x = true,
                       .log_y = true};
@@ -104,7 +104,10 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
             std::vector<double> row{offset};
             for (const scenes::LeakCount& count :
                  scenes::count_kernel_leaks(offset, aim, kernel_rays)) {
-                if (offset == 0) curves.table.names.push_back(kernel_name(count));
+                if (offset == 0) {
+                    curves.table.names.push_back(kernel_name(count));
+                    curves.lines.push_back(kernel_line(count));
+                }
                 row.push_back(100 * count.share());
                 auto& sum = sums[kernel_name(count)];
                 sum[0] += count.rays;
@@ -148,15 +151,15 @@ void resolution_figure(const AccuracyReportOptions& options, Page& page) {
         "|\n|---|---|---|---|---|---|---|---|---|");
     Curves curves{
         .title = "Overlapping pairs missed",
-        .x = "mean edge length, first : second",
-        .y = "missed [%] (bottom: none)",
+        .x = "mean edge length, first sphere : second sphere",
+        .y = {"missed [%]"},
         .table = {{"ratio", "vertices", "overlaps", "complete", "gjk-hull", "gimpact"}, {}},
         .log_x = true,
         .log_y = true,
         .lines = {}};
     const std::initializer_list<const char*> methods{"full", "overlaps", "complete", "gjk-hull",
                                                      "gimpact"};
-    for (const char* name : methods) curves.lines.push_back({look_of_method(name).colour});
+    for (const char* name : methods) curves.lines.push_back({.look = name});
     std::uint32_t seed = options.seed;
     for (const auto& [in_first, in_second] : ratios) {
         const MeshData first = scenes::geodesic_sphere(1, in_first),
@@ -196,16 +199,22 @@ void depth_figure(const AccuracyReportOptions& options, Page& page) {
         "| overlap / diameter [%] | vertices inside | inward rays, median | p95 | max | "
         "re-projected, median | p95 | max | "
         "EPA |\n|---|---|---|---|---|---|---|---|---|");
-    Curves curves{.title = "Depth of two equal spheres",
-                  .x = "overlap / diameter [%]",
-                  .y = "depth / true local depth",
-                  .table = {{"overlap_percent", "inward rays median", "inward rays p95",
-                             "re-projected median", "re-projected p95", "EPA on hulls"},
-                            {}}};
+    Curves curves{
+        .title = "Depth of two equal spheres",
+        .x = "overlap / diameter [%]",
+        .y = {"depth / true local depth"},
+        .table = {{"overlap_percent", "inward rays median", "inward rays p95",
+                   "re-projected median", "re-projected p95", "EPA on hulls"},
+                  {}},
+        .lines = {
+            {.look = "full", .name = "inward rays, median"},
+            {.look = "full", .name = "inward rays, 95th percentile", .stroke = Stroke::dashed},
+            {.look = "reprojected", .name = "re-projected, median"},
+            {.look = "reprojected",
+             .name = "re-projected, 95th percentile",
+             .stroke = Stroke::dashed},
+            {.look = "gjk-hull", .name = "EPA on hulls"}}};
     const std::initializer_list<const char*> methods{"full", "reprojected", "gjk-hull"};
-    for (const char* name : methods)
-        for (const bool p95 : {false, true})
-            curves.lines.push_back({look_of_method(name).colour, p95});
     for (double overlap : {2.5, 5.0, 10.0, 15.0, 20.0, 25.0}) {
         const double distance = 2 - 2 * overlap / 100;
         const Recording recording = random_pairs(ball, ball, distance, distance, poses,

@@ -21,7 +21,7 @@ struct AccuracyReportOptions {
 };
 
 /// Measures how wrong each method is, and how long it takes, against exact truth, and writes one
-/// page, report.md, and for each experiment a CSV file and, if gnuplot is installed, an SVG
+/// page, report.md, and for each experiment a CSV file and, if matplotlib is installed, an SVG
 /// picture. Returns the exit code; throws InputError if the folder cannot be written or
 /// pierce_truth is missing.
 int report_accuracy(const AccuracyReportOptions& options);

@@ -157,9 +157,13 @@ void ray_length_figure(const std::string& name, const scenes::Recording& recordi
     Curves curves{
         .title = "Rays of Algorithm 1, " + name,
         .x = "length of the rays [way of the vertex in the step]",
-        .y = "share [1]",
+        .y = {"share of vertices, share of crossings [1]"},
         .table = {{"length", "rays found", "rays right", "published found", "published right"}, {}},
-        .log_x = true};
+        .log_x = true,
+        .lines = {{.look = "rays", .note = "found"},
+                  {.look = "rays", .note = "right", .stroke = Stroke::dashed},
+                  {.look = "published", .note = "found"},
+                  {.look = "published", .note = "right", .stroke = Stroke::dashed}}};
     for (std::size_t m = 0; m < results.size(); m += 2) {
         std::vector<double> values{results[m].method.ray_length};
         for (const SheetAccuracy& a : {results[m].self, results[m + 1].self}) {
@@ -254,10 +258,11 @@ void cloth_penetration_figure(const ClothReportOptions& options, Page& page) {
         options.falling.seconds, options.falling.dt);
     Curves curves{.title = "Deepest of the cloth through itself",
                   .x = "time [s]",
-                  .y = "depth [m] (bottom: none)",
+                  .y = {"depth [m]"},
                   .table = {{"time", "paper"}, {}},
                   .log_x = false,
-                  .log_y = true};
+                  .log_y = true,
+                  .lines = {{.look = "paper", .stroke = Stroke::dashed}}};
     for (std::uint32_t i = 0; i < options.falling.steps(); ++i)
         curves.table.rows.push_back({(i + 1) * options.falling.dt, paper_penetration});
     page.line(
@@ -269,6 +274,7 @@ void cloth_penetration_figure(const ClothReportOptions& options, Page& page) {
     for (const SheetMethod& method : sheet_methods) {
         const Fall result = fall(method, options);
         curves.table.names.push_back(method.name);
+        curves.lines.push_back({.look = method.name});
         for (std::size_t i = 0; i < result.exact.size(); ++i)
             curves.table.rows[i].push_back(result.exact[i]);
         const double deepest = std::ranges::max(result.exact);

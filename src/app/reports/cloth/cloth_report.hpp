@@ -26,7 +26,7 @@ struct ClothReportOptions {
 /// Measures which meetings of sheets each method misses or invents, and how long it takes, against
 /// exact truth, and how deep cloth that is simulated with its contacts goes through itself, and
 /// both as sheets get finer. Writes one page, report.md, and for each figure a CSV file and, if
-/// gnuplot is installed, an SVG picture. Returns the exit code; throws InputError if the folder
+/// matplotlib is installed, an SVG picture. Returns the exit code; throws InputError if the folder
 /// cannot be written or pierce_truth is missing.
 int report_cloth(const ClothReportOptions& options);
 

@@ -102,11 +102,14 @@ void cloth_variants_figure(const ClothReportOptions& options, Page& page) {
     for (std::size_t i = 0; i < readings.size(); ++i) row(page, readings[i], depths[i]);
 
     Curves by_step{.title = "Algorithm 1, depth against the time step",
-                   .x = "steps a second",
-                   .y = "depth [m] (bottom: none)",
+                   .x = "steps a second [1/s]",
+                   .y = {"depth [m]"},
                    .table = {{"steps_a_second", "exact", "reported", "paper"}, {}},
                    .log_x = true,
-                   .log_y = true};
+                   .log_y = true,
+                   .lines = {{.look = "truth", .name = "exact"},
+                             {.look = "published", .name = "as Algorithm 1 reports"},
+                             {.look = "paper", .stroke = Stroke::dashed}}};
     for (std::size_t i = 0; i < std::size(rates); ++i) {
         const Depths& d = depths[others + i];
         by_step.table.rows.push_back({rates[i], d.exact, d.reported, paper_penetration});

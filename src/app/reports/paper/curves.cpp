@@ -23,4 +23,13 @@ Table over_time(std::span<const double> time, std::span<const TimeColumn> column
     return table;
 }
 
+std::vector<Line> lines_of(std::span<const TimeColumn> columns) {
+    std::vector<Line> lines;
+    for (const TimeColumn& c : columns) {
+        lines.push_back(c.line);
+        if (lines.back().name.empty()) lines.back().name = c.name;
+    }
+    return lines;
+}
+
 }  // namespace pierce::app

@@ -19,13 +19,14 @@ void average_depth(const Quality& quality, int figure, Page& page) {
     const auto section = [&](const char* loop, const std::vector<Judged>& judged) {
         page.line("");
         depth_table(judged, page);
-        page.plot(
-            Curves{
-                .title = fmt::format("Average penetration depth, {}, loop {}", quality.scene, loop),
-                .x = "time [s]",
-                .y = "mean depth",
-                .table = over_time(quality.time, columns_of(judged, &Sight::depth), depth_window)},
-            fmt::format("figure_{}_{}_{}", figure, quality.file, loop));
+        const std::vector<TimeColumn> columns = columns_of(judged, &Sight::depth);
+        page.plot(Curves{.title = fmt::format("Average penetration depth, {}, loop {}",
+                                              quality.scene, loop),
+                         .x = "time [s]",
+                         .y = {"mean depth [length]"},
+                         .table = over_time(quality.time, columns, depth_window),
+                         .lines = lines_of(columns)},
+                  fmt::format("figure_{}_{}_{}", figure, quality.file, loop));
     };
     page.line("\n## Figure {}: average penetration depth, {}\n", figure, quality.scene);
     page.line(

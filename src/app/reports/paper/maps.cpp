@@ -21,11 +21,17 @@ void threshold_map(const Pile& pile, Page& page) {
     measure(recording, modes, "threshold, " + name);
     Curves curves{.title = "What the walk threshold costs, " + name,
                   .x = "displacement allowed since the last full ray [edges]",
-                  .y = "per cent, steps, ratio",
+                  .y = {"share [%]", "steps per walk", "times as fast as without memory"},
                   .table = {{"threshold", "missed depth [%]", "wrong triangle [%]",
                              "lost walks [%]", "steps per walk", "off / this, narrow phase"},
                             {}},
-                  .log_x = true};
+                  .log_x = true,
+                  .log_y = true,
+                  .lines = {{.name = "depth that is missed"},
+                            {.name = "contacts at a wrong triangle"},
+                            {.name = "walks that are lost"},
+                            {.name = "steps per walk", .panel = 1},
+                            {.name = "narrow phase", .panel = 2}}};
     for (std::size_t m = 1; m < modes.size(); ++m) {
         const ContactError& e = modes[m].comparison.error();
         const auto walks = static_cast<double>(
@@ -63,12 +69,12 @@ void period_map(const Pile& pile, Page& page) {
     HeatMap missed{.title = "Contacts missed in their first frame, " + name,
                    .x = "full pass every K steps",
                    .y = "predictions look ahead [edges]",
-                   .value = "per cent",
+                   .value = "missed [%]",
                    .table = {{"K", "reach", "missed_percent"}, {}}};
     HeatMap time{.title = "Narrow phase, " + name,
                  .x = "full pass every K steps",
                  .y = "predictions look ahead [edges]",
-                 .value = "off / this",
+                 .value = "times as fast as without memory",
                  .table = {{"K", "reach", "off_over_this"}, {}}};
     std::size_t m = 1;
     for (double reach : reaches)

@@ -26,11 +26,14 @@ void judgement(const std::vector<Judged>& judged, Page& page) {
 void colliding_pairs(const Quality& quality, int figure, Page& page) {
     const auto curves = [&](const char* loop, const std::vector<Judged>& judged) {
         std::vector<TimeColumn> columns = columns_of(judged, &Sight::pairs);
-        columns.push_back({"rays by some depth", judged[0].found.deep_pairs});
+        columns.push_back({.name = "rays by some depth",
+                           .values = judged[0].found.deep_pairs,
+                           .line = {.look = "full", .stroke = Stroke::dotted}});
         page.plot(Curves{.title = fmt::format("Colliding pairs, {}, loop {}", quality.scene, loop),
                          .x = "time [s]",
-                         .y = "colliding pairs",
-                         .table = over_time(quality.time, columns)},
+                         .y = {"colliding pairs"},
+                         .table = over_time(quality.time, columns),
+                         .lines = lines_of(columns)},
                   fmt::format("figure_{}_{}_{}", figure, quality.file, loop));
     };
     page.line("\n## Figure {}: colliding pairs in each frame, {}\n", figure, quality.scene);

@@ -34,7 +34,7 @@ struct PaperReportOptions {
 };
 
 /// Runs the paper's experiments and writes one page, report.md and report.html, with our figures
-/// beside the paper's, and for each experiment a CSV file and, if gnuplot is installed, an SVG
+/// beside the paper's, and for each experiment a CSV file and, if matplotlib is installed, an SVG
 /// picture. Returns the exit code; throws InputError if the folder cannot be written, and as
 /// check_truth_program() does.
 int report_paper(const PaperReportOptions& options);

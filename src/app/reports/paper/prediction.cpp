@@ -47,10 +47,11 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
         curves.rows, [](const std::vector<double>& row) { return row[2] > row[1]; });
     page.line("\nDeeper with prediction than without in {} of {} stretches of {:g} s.", deeper,
               curves.rows.size(), depth_window);
-    page.plot(Curves{.title = fmt::format("Penetration over time, {}, loop closed", pile.name),
+    page.plot(Curves{.title = fmt::format("Penetration over time, {}, loop closed", pile.title()),
                      .x = "time [s]",
-                     .y = "mean depth of all contacts",
-                     .table = curves},
+                     .y = {"mean depth of all contacts [length]"},
+                     .table = curves,
+                     .lines = {{.look = "walk"}, {.look = "walk-predict"}, {.look = "full"}}},
               "figure_9_" + pile.name);
 }
 

@@ -36,9 +36,11 @@ double share(std::uint64_t part, const std::vector<double>& counts) {
     return all > 0 ? static_cast<double>(part) / all : 0;
 }
 
-Sight sight_of(std::string name, const FrameLog& log, const std::vector<TrueFrame>& truth) {
+Sight sight_of(std::string name, Line line, const FrameLog& log,
+               const std::vector<TrueFrame>& truth) {
     Sight sight;
     sight.name = std::move(name);
+    sight.line = std::move(line);
     for (const TrueFrame& t : truth) {
         const FrameResult& found = log.frames()[t.frame];
         sight.pairs.push_back(static_cast<double>(found.touching.size()));
@@ -50,9 +52,10 @@ Sight sight_of(std::string name, const FrameLog& log, const std::vector<TrueFram
     return sight;
 }
 
-Sight sight_of(std::string name, const std::vector<TrueFrame>& truth) {
+Sight truth_sight(std::string name, Stroke stroke, const std::vector<TrueFrame>& truth) {
     Sight sight;
     sight.name = std::move(name);
+    sight.line = {.look = "truth", .stroke = stroke};
     for (const TrueFrame& t : truth) {
         std::vector<double> depths;
         depths.reserve(t.inside.size());
@@ -77,15 +80,17 @@ StepTimes times_of(const FrameLog& log, const std::vector<TrueFrame>& truth) {
 }
 
 /// A motion that GJK/EPA brings about: what Bullet counts as touching, and what overlaps without
-/// margins.
+/// margins, drawn with this stroke.
 std::vector<Judged> close_loop(const scenes::SceneSetup& scene, const std::string& name,
-                               Timing timing, std::uint32_t truth_every) {
+                               Stroke stroke, Timing timing, std::uint32_t truth_every) {
     const ClosedLoop loop = simulate(scene, Method::gjk_epa, {}, timing);
     const std::vector<TrueFrame> truth = truth_of(loop.recording, truth_every);
-    const Sight known = sight_of("truth of " + name, truth);
+    const Sight known = truth_sight("truth of " + name, stroke, truth);
     const FrameLog watching = watch(scene, loop.recording, Method::gjk_epa, {});
-    return {{sight_of(name + ", margins count", loop.log, truth), known},
-            {sight_of(name + ", what overlaps", watching, truth), known}};
+    return {
+        {sight_of(name + ", margins count", {.look = "gjk-epa"}, loop.log, truth), known},
+        {sight_of(name + ", what overlaps", {.look = "gjk-epa", .stroke = stroke}, watching, truth),
+         known}};
 }
 
 }  // namespace
@@ -118,8 +123,10 @@ Quality measure_quality(const scenes::SceneSetup& scene, bool soft, const Closed
     quality.rays.total += response - quality.rays.response;
     quality.rays.response = response;
     for (const TrueFrame& t : known) quality.time.push_back(t.frame * timing.dt);
-    const Sight rays = sight_of("rays", log, known), truth = sight_of("truth", known);
-    quality.open = {{rays, truth}, {sight_of(quality.opponent, watching, known), truth}};
+    const Sight rays = sight_of("rays", {.look = "full"}, log, known),
+                truth = truth_sight("truth", Stroke::solid, known);
+    const Line opponent{.look = soft ? "gimpact" : "gjk-epa"};
+    quality.open = {{rays, truth}, {sight_of(quality.opponent, opponent, watching, known), truth}};
     quality.closed = {{rays, truth}};
     if (soft) return quality;
     scenes::SceneSetup near = scene;
@@ -127,10 +134,10 @@ Quality measure_quality(const scenes::SceneSetup& scene, bool soft, const Closed
     std::vector<Judged> usual, small;
     in_parallel(2, [&](std::size_t i) {
         if (i == 0)
-            usual = close_loop(scene, "GJK/EPA", timing, truth_every);
+            usual = close_loop(scene, "GJK/EPA", Stroke::dashed, timing, truth_every);
         else
-            small = close_loop(near, fmt::format("GJK/EPA, margins of {:g}", small_margin), timing,
-                               truth_every);
+            small = close_loop(near, fmt::format("GJK/EPA, margins of {:g}", small_margin),
+                               Stroke::dotted, timing, truth_every);
     });
     quality.closed.insert(quality.closed.end(), {usual[0], usual[1], small[1]});
     return quality;
@@ -141,7 +148,7 @@ std::vector<TimeColumn> columns_of(const std::vector<Judged>& judged,
     std::vector<TimeColumn> columns;
     const auto add = [&](const Sight& sight) {
         if (std::ranges::find(columns, sight.name, &TimeColumn::name) == columns.end())
-            columns.push_back({sight.name, sight.*number});
+            columns.push_back({sight.name, sight.*number, sight.line});
     };
     for (const Judged& j : judged) add(j.found);
     for (const Judged& j : judged) add(j.truth);

@@ -11,6 +11,7 @@ namespace pierce::app {
 /// What a method or the truth sees of a motion, in every frame whose truth is known.
 struct Sight {
     std::string name;
+    Line line;                       ///< its look in plots
     std::vector<double> pairs;       ///< that collide
     std::vector<double> deep_pairs;  ///< of these, by some depth
     std::vector<double> depth;       ///< [length] mean over the contacts, or of the vertices truly

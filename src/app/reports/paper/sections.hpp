@@ -18,6 +18,9 @@ struct Pile {
     bool soft = false;
     scenes::SceneSetup scene;
     ClosedLoop loop;
+
+    /// As people say it: "soft tori".
+    std::string title() const { return (soft ? "soft " : "") + scene.name; }
 };
 
 /// Figures 7 and 8.

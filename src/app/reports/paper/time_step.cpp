@@ -74,6 +74,7 @@ Run run(const scenes::SceneSetup& scene, double seconds, double dt) {
 void write_phase(const char* phase, const std::string& pile, const std::string& name,
                  std::span<const double> dts, std::span<const Depth> depths, Page& page) {
     Table table{{"dt"}, {}};
+    std::vector<Line> lines;
     for (double dt : dts) table.rows.push_back({dt});
     page.line("| {} | slope [1/s] | offset | R² |\n|---|---|---|---|", phase);
     for (std::size_t n = 0; n < std::size(depth_numbers); ++n) {
@@ -83,14 +84,18 @@ void write_phase(const char* phase, const std::string& pile, const std::string& 
                   fit.r2);
         table.names.insert(table.names.end(),
                            {depth_names[n], fmt::format("{} (line)", depth_names[n])});
+        lines.push_back({.look = depth_names[n], .stroke = Stroke::points});
+        lines.push_back(
+            {.look = depth_names[n], .note = "line of least squares", .stroke = Stroke::bare});
         for (std::size_t i = 0; i < dts.size(); ++i)
             table.rows[i].insert(table.rows[i].end(), {values[i], fit.offset + fit.slope * dts[i]});
     }
     page.plot(Curves{.title = fmt::format("Penetration against the time step, {}, loop closed, {}",
                                           pile, phase),
                      .x = "time step [s]",
-                     .y = "mean over frames of a frame's depth",
-                     .table = table},
+                     .y = {"mean over frames of a frame's depth [length]"},
+                     .table = table,
+                     .lines = lines},
               name);
 }
 
@@ -143,9 +148,9 @@ void figure_14(const Pile& pile, const PaperReportOptions& options, Page& page) 
     page.line(
         "\nThe paper: \"all three lines show a near linear change with the time-step\". Lines of "
         "least squares:\n");
-    write_phase("while they land", pile.name, "figure_14_" + pile.name, dts, landing, page);
-    write_phase("3 s to the end", pile.name, "figure_14_from_3_s_" + pile.name, dts, paper_seconds,
-                page);
+    write_phase("while they land", pile.title(), "figure_14_" + pile.name, dts, landing, page);
+    write_phase("3 s to the end", pile.title(), "figure_14_from_3_s_" + pile.name, dts,
+                paper_seconds, page);
 }
 
 }  // namespace pierce::app

@@ -49,6 +49,16 @@ TEST_F(ClothReportTest, ShowsTimeBesideErrorForEverySize) {
     EXPECT_GT(meetings, 0u) << "Bullet has put the sheet through something";
 }
 
+TEST_F(ClothReportTest, DrawsWhatItMeasures) {
+    const Outcome report = pierce("report cloth --parts accuracy --nodes 8 --seconds 1 --out " +
+                                  path("report"));
+    ASSERT_EQ(report.code, 0) << report.text;
+    std::ifstream in(folder / "report" / "report.md");
+    const std::string page = (std::stringstream() << in.rdbuf()).str();
+    EXPECT_THAT(page, HasSubstr("(f8_ray_length_cloth-twist.")) << "a picture, or a table";
+    EXPECT_THAT(page, testing::Not(HasSubstr("could not draw")));
+}
+
 TEST_F(ClothReportTest, RefusesPartsThereAreNot) {
     expect_refused("report cloth --parts times --out " + path("report"), "--parts");
 }

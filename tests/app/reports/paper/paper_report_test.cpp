@@ -49,6 +49,7 @@ TEST_F(AppTest, ReportsOnThePaper) {
     for (const char* part : {"| bunnies_soft | certified | 0 of", "R²", "needs a GPU", "| commit |",
                              "| seed | 1 |", "Why Algorithm 1"})
         EXPECT_THAT(page, HasSubstr(part));
+    EXPECT_THAT(page, testing::Not(HasSubstr("could not draw")));
     for (const char* file :
          {"figure_7_at_rest.png", "figure_8_falling.png", "figure_15_folded.png"})
         EXPECT_GT(fs::file_size(out / file), 1000u) << file;
