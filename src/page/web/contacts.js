@@ -33,14 +33,20 @@ const NEEDLE_CORNERS = 4;
 const NEEDLE_SIDES = [0, 1, 2, 0, 2, 3, 0, 3, 1];
 const SLIMNESS = 0.2;  // the base's radius is at most this part of the length
 
-/** The corners of a needle: its point, and its base of a radius around `from`. */
-function needleCorners(from, way, radius) {
+/** Writes the corners of a needle: its point, and its base of a radius around `from`. */
+function needleCorners(from, way, radius, out, at) {
+  out.set(from, at);
+  for (let k = 1; k < NEEDLE_CORNERS; ++k) out.set(from, at + 3 * k);
   const long = size(way);
-  if (long === 0) return [from, from, from, from];
+  if (long === 0) return;
   const z = scaled(way, 1 / long), side = cross(z, Math.abs(z[0]) < 0.7 ? [1, 0, 0] : [0, 1, 0]);
   const x = scaled(side, Math.min(radius, SLIMNESS * long) / size(side)), y = cross(z, x);
-  const corner = (u, v) => add(from, add(scaled(x, u), scaled(y, v)));
-  return [add(from, way), corner(1, 0), corner(-0.5, 0.866), corner(-0.5, -0.866)];
+  for (let axis = 0; axis < 3; ++axis) {
+    out[at + axis] += way[axis];
+    out[at + 3 + axis] += x[axis];
+    out[at + 6 + axis] += -0.5 * x[axis] + 0.866 * y[axis];
+    out[at + 9 + axis] += -0.5 * x[axis] - 0.866 * y[axis];
+  }
 }
 
 function flatMaterial(vertexShader, fragmentShader, uniforms) {
@@ -108,22 +114,21 @@ class Contacts {
     const [begin, end] = this.data.contactRange(frame);
     this.#makeRoom(end - begin);
     this.shown = [];
-    for (let k = 0; k < end - begin; ++k) {
-      if (!keeps(begin + k)) continue;
-      const c = this.data.contact(frame, k), at = mix(c.point_a, c.point_b, 0.5), i = this.shown.length;
-      const color = k === selected ? SELECTED : colorOf(begin + k, c);
-      this.place.set(at, 3 * i);
-      this.shade.set(color, 3 * i);
-      const way = scaled(c.normal, Math.abs(c.distance) * this.arrowScale);
-      needleCorners(at, way, this.radius).forEach((corner, k) => {
-        this.corners.set(corner, 3 * (NEEDLE_CORNERS * i + k));
-        this.cornerShades.set(color, 3 * (NEEDLE_CORNERS * i + k));
-      });
-      if (this.showRays) {
-        this.ends.set([...c.point_a, ...c.point_b], 6 * i);
-        this.endShades.set([...color, ...color], 6 * i);
-      }
-      this.shown.push({ number: k, at });
+    for (let i = begin, shown = 0; i < end; ++i) {
+      if (!keeps(i)) continue;
+      this.data.contactPoints(frame, i, this.ends, 6 * shown);
+      const e = this.ends.subarray(6 * shown, 6 * shown + 6);
+      const at = [(e[0] + e[3]) / 2, (e[1] + e[4]) / 2, (e[2] + e[5]) / 2];
+      const color = i - begin === selected ? SELECTED : colorOf(i);
+      const reach = Math.abs(this.data.columns.contact_distance[i]) * this.arrowScale;
+      this.place.set(at, 3 * shown);
+      this.shade.set(color, 3 * shown);
+      this.endShades.set(color, 6 * shown);
+      this.endShades.set(color, 6 * shown + 3);
+      needleCorners(at, scaled(this.data.contactNormal(i), reach), this.radius, this.corners, 3 * NEEDLE_CORNERS * shown);
+      for (let k = 0; k < NEEDLE_CORNERS; ++k) this.cornerShades.set(color, 3 * (NEEDLE_CORNERS * shown + k));
+      this.shown.push({ number: i - begin, at });
+      ++shown;
     }
     const count = this.shown.length;
     this.needles.geometry.setDrawRange(0, NEEDLE_SIDES.length * count);
@@ -132,7 +137,10 @@ class Contacts {
     this.needles.visible = this.showArrows && count > 0;
     this.points.visible = this.showPoints && count > 0;
     this.rays.visible = this.showRays && count > 0;
-    for (const object of [this.needles, this.points, this.rays])
-      for (const values of Object.values(object.geometry.attributes)) values.needsUpdate = true;
+    for (const object of [this.needles, this.points, this.rays].filter(({ visible }) => visible))
+      for (const values of Object.values(object.geometry.attributes)) {
+        values.updateRange = { offset: 0, count: values.itemSize * values.count * count / this.room };
+        values.needsUpdate = true;
+      }
   }
 }

@@ -101,21 +101,27 @@ class SceneData {
     const { places, begins } = this.bodies[body];
     return places.subarray(begins[frame], begins[frame] + this.meshOf(frame, body).vertices.length);
   }
+  /** Adds `weight` times where a vertex is in the world to three numbers of `sum`. */
+  addVertex(sum, at, frame, body, vertex, weight) {
+    const { motion, places, begins } = this.bodies[body];
+    if (motion === "deforming") {
+      const from = begins[frame] + 3 * vertex;
+      for (let k = 0; k < 3; ++k) sum[at + k] += weight * places[from + k];
+    } else {
+      addPlaced(sum, at, places, 7 * frame, this.meshOf(frame, body).vertices, 3 * vertex, weight);
+    }
+  }
   /** Where a vertex is in the world. */
   vertexAt(frame, body, vertex) {
-    if (this.bodies[body].motion === "deforming") {
-      const all = this.positionsOf(frame, body);
-      return [all[3 * vertex], all[3 * vertex + 1], all[3 * vertex + 2]];
-    }
-    const rest = this.meshOf(frame, body).vertices, pose = this.poseOf(frame, body);
-    return placed(pose, rest[3 * vertex], rest[3 * vertex + 1], rest[3 * vertex + 2]);
+    const point = [0, 0, 0];
+    this.addVertex(point, 0, frame, body, vertex, 1);
+    return point;
   }
   /** World positions of all vertices of a body, three numbers each. */
   verticesAt(frame, body) {
     if (this.bodies[body].motion === "deforming") return this.positionsOf(frame, body);
-    const rest = this.meshOf(frame, body).vertices, pose = this.poseOf(frame, body);
-    const result = new Float32Array(rest.length);
-    for (let i = 0; i < rest.length; i += 3) result.set(placed(pose, rest[i], rest[i + 1], rest[i + 2]), i);
+    const rest = this.meshOf(frame, body).vertices, result = new Float32Array(rest.length);
+    for (let i = 0; i < rest.length; i += 3) addPlaced(result, i, this.bodies[body].places, 7 * frame, rest, i, 1);
     return result;
   }
 
@@ -130,7 +136,7 @@ class SceneData {
     const record = {
       a: c.contact_a[i], b: c.contact_b[i], source: is.source_is_b ? "b" : "a",
       vertex: c.contact_vertex[i], triangle: c.contact_triangle[i],
-      barycentric: this.#barycentric(i), point_a: null, point_b: null, normal: this.#normal(i),
+      barycentric: this.#barycentric(i), point_a: null, point_b: null, normal: this.contactNormal(i),
       distance: c.contact_distance[i], grazing: is.grazing, reprojected: is.reprojected,
       found: FOUND[c.contact_found[i]], age: c.contact_age[i],
     };
@@ -139,15 +145,42 @@ class SceneData {
       record.edge_end = c.contact_edge_end[i] - 1;
       record.along = this.rounded ? c.contact_along[i] / 65535 : c.contact_along[i];
     }
-    if (c.contact_point_a_x) {
-      const point = (side) => ["x", "y", "z"].map((k) => c[`contact_point_${side}_${k}`][i]);
-      record.point_a = point("a");
-      record.point_b = point("b");
-    } else {
-      const source = this.#sourcePoint(frame, record), target = this.#targetPoint(frame, record);
-      [record.point_a, record.point_b] = is.source_is_b ? [target, source] : [source, target];
-    }
+    const points = [0, 0, 0, 0, 0, 0];
+    this.contactPoints(frame, i, points, 0);
+    [record.point_a, record.point_b] = [points.slice(0, 3), points.slice(3)];
     return record;
+  }
+
+  /** Six numbers of `out`: the contact's points on body a and on body b; `i`: its place in the columns. */
+  contactPoints(frame, i, out, at) {
+    const c = this.columns;
+    if (!this.rounded) {
+      out[at] = c.contact_point_a_x[i];
+      out[at + 1] = c.contact_point_a_y[i];
+      out[at + 2] = c.contact_point_a_z[i];
+      out[at + 3] = c.contact_point_b_x[i];
+      out[at + 4] = c.contact_point_b_y[i];
+      out[at + 5] = c.contact_point_b_z[i];
+      return;
+    }
+    const reversed = (c.contact_flags[i] & 1) === 1, end = c.contact_edge_end[i];
+    const [source, target] = reversed ? [c.contact_b[i], c.contact_a[i]] : [c.contact_a[i], c.contact_b[i]];
+    const of = at + (reversed ? 3 : 0), against = at + (reversed ? 0 : 3);
+    out.fill(0, at, at + 6);
+    const along = end > 0 ? c.contact_along[i] / 65535 : 0;
+    this.addVertex(out, of, frame, source, c.contact_vertex[i], 1 - along);
+    if (end > 0) this.addVertex(out, of, frame, source, end - 1, along);
+    const corners = this.meshOf(frame, target).triangles, triangle = 3 * c.contact_triangle[i];
+    const u = c.contact_u[i] / 65535, v = c.contact_v[i] / 65535;
+    this.addVertex(out, against, frame, target, corners[triangle], u);
+    this.addVertex(out, against, frame, target, corners[triangle + 1], v);
+    this.addVertex(out, against, frame, target, corners[triangle + 2], 1 - u - v);
+  }
+  /** The normal of a contact by its place in the columns, from a to b. */
+  contactNormal(i) {
+    const c = this.columns;
+    if (!this.rounded) return [c.contact_normal_x[i], c.contact_normal_y[i], c.contact_normal_z[i]];
+    return folded(c.contact_normal_u[i] / 65535, c.contact_normal_v[i] / 65535);
   }
 
   /** Why vertices of a body have no contact, in a frame: {other, text}. */
@@ -164,25 +197,5 @@ class SceneData {
     if (!this.rounded) return [c.contact_weight_0[i], c.contact_weight_1[i], c.contact_weight_2[i]];
     const u = c.contact_u[i] / 65535, v = c.contact_v[i] / 65535;
     return [u, v, 1 - u - v];
-  }
-  #normal(i) {
-    const c = this.columns;
-    if (!this.rounded) return [c.contact_normal_x[i], c.contact_normal_y[i], c.contact_normal_z[i]];
-    return folded(c.contact_normal_u[i] / 65535, c.contact_normal_v[i] / 65535);
-  }
-  #sourcePoint(frame, record) {
-    const body = record[record.source];
-    const p = this.vertexAt(frame, body, record.vertex);
-    if (record.edge_end === undefined) return p;
-    return mix(p, this.vertexAt(frame, body, record.edge_end), record.along);
-  }
-  #targetPoint(frame, record) {
-    const body = record[record.source === "a" ? "b" : "a"], corners = this.meshOf(frame, body).triangles;
-    const point = [0, 0, 0];
-    record.barycentric.forEach((weight, k) => {
-      const p = this.vertexAt(frame, body, corners[3 * record.triangle + k]);
-      for (let axis = 0; axis < 3; ++axis) point[axis] += weight * p[axis];
-    });
-    return point;
   }
 }

@@ -9,11 +9,18 @@ const scaled = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
 const mix = (a, b, share) => add(scaled(a, 1 - share), scaled(b, share));
 const size = (a) => Math.sqrt(dot(a, a));
 
-/** A point of a mesh in the world: `pose` is a position and a quaternion x y z w of any length. */
-function placed(pose, x, y, z) {
-  const p = [x, y, z], q = [pose[3], pose[4], pose[5]], w = pose[6];
-  const s = 2 / (dot(q, q) + w * w), across = cross(q, p), twice = cross(q, across);
-  return [0, 1, 2].map((k) => p[k] + s * (w * across[k] + twice[k]) + pose[k]);
+/**
+ * Adds `weight` times a point of a mesh in the world to three numbers of `sum`: three numbers of `points` from `p` on, at
+ * the pose in seven numbers of `poses` from `q` on, a position and a quaternion x y z w of any length.
+ */
+function addPlaced(sum, at, poses, q, points, p, weight) {
+  const x = points[p], y = points[p + 1], z = points[p + 2];
+  const i = poses[q + 3], j = poses[q + 4], k = poses[q + 5], w = poses[q + 6];
+  const s = 2 / (i * i + j * j + k * k + w * w);
+  const u = j * z - k * y, v = k * x - i * z, t = i * y - j * x;
+  sum[at] += weight * (x + s * (w * u + j * t - k * v) + poses[q]);
+  sum[at + 1] += weight * (y + s * (w * v + k * u - i * t) + poses[q + 1]);
+  sum[at + 2] += weight * (z + s * (w * t + i * v - j * u) + poses[q + 2]);
 }
 
 /** The unit vector that frame_columns.cpp has unfolded into a square. */

@@ -153,13 +153,14 @@ class Player {
     const { data, frame, filters, selection } = this;
     const depths = this.#depths(frame);
     // Where nothing is deep, such as between sheets, colours tell how contacts were found.
-    const ofContact = (c) => this.deepest > 0 ? cividis(-c.distance / this.deepest) : channels(KINDS[FOUND.indexOf(c.found) % KINDS.length]);
+    const { contact_distance: distance, contact_found: found } = data.columns;
+    const ofContact = (i) => this.deepest > 0 ? cividis(-distance[i] / this.deepest) : channels(KINDS[found[i] % KINDS.length]);
     this.bodies.show(frame, (b) => {
       if (filters.colors === "body") return channels(KINDS[b % KINDS.length]);
       const colored = filters.colors === "depth" && depths[b] > 0 && data.bodies[b].motion !== "fixed";
       return colored ? bodyColor(depths[b] / this.deepest) : PLAIN;
     });
-    this.contacts.show(frame, (i) => filters.keeps(i), (_, c) => ofContact(c), selection.contact);
+    this.contacts.show(frame, (i) => filters.keeps(i), ofContact, selection.contact);
     this.overlays.show(frame, this.#selectedBody(), selection.vertex);
     this.details.show(frame, selection);
     this.charts.show(frame);
