@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/output/progress.hpp"
+#include "app/output/waiting.hpp"
+#include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
 #include "truth/frame_truth.hpp"
 #include "truth/sheet_truth.hpp"
@@ -39,8 +42,10 @@ json to_json(const truth::FrameTruth& frame, bool pairs_only) {
 }
 
 void write_truth(const Options& options) {
+    std::optional<app::Waiting> reading("reading " + options.folder.string());
     const scenes::Recording recording = scenes::read_recording(options.folder);
     const truth::RecordingTruth truth(recording);
+    reading.reset();
     json result{{"format", "pierce-truth"},
                 {"version", 1},
                 {"every", options.every},
@@ -53,9 +58,12 @@ void write_truth(const Options& options) {
         progress.show(frame + 1);
     }
     const fs::path file = options.out.empty() ? options.folder / "truth.json" : options.out;
-    std::ofstream out(file);
+    WholeFile whole(file);
+    std::ofstream out(whole.part());
     out << result << '\n';
-    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+    if (!out.flush()) refuse_to_write(file);
+    out.close();
+    whole.keep();
 }
 
 json to_json(std::span<const truth::SheetMeeting> meetings,
@@ -73,7 +81,8 @@ void write_sheets(const Options& options) {
     const scenes::Recording recording = scenes::read_recording(options.folder);
     const truth::SheetTruth truth(recording);
     const fs::path file = options.out.empty() ? options.folder / "sheets.json" : options.out;
-    std::ofstream out(file);
+    WholeFile whole(file);
+    std::ofstream out(whole.part());
     truth::MeetingCounts counts;
     out << "{\"format\":\"pierce-sheet-truth\",\"version\":1,\"every\":" << options.every
         << ",\"frames\":[";
@@ -91,7 +100,9 @@ void write_sheets(const Options& options) {
                 {"ends", counts.ends},
                 {"exact", counts.exact}}
         << "}\n";
-    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+    if (!out.flush()) refuse_to_write(file);
+    out.close();
+    whole.keep();
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <boost/archive/iterators/base64_from_binary.hpp>
 #include <boost/archive/iterators/transform_width.hpp>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace pierce::page {
 namespace {
@@ -22,13 +24,30 @@ std::uint64_t difference(const unsigned char* numbers, std::size_t width, std::s
     return now - before;
 }
 
-std::string deflated(const std::vector<unsigned char>& bytes) {
-    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-    std::string result(size, '\0');
-    if (compress(reinterpret_cast<Bytef*>(result.data()), &size, bytes.data(),
-                 static_cast<uLong>(bytes.size())) != Z_OK)
+/// So many bytes are deflated between two calls of those who are told.
+constexpr std::size_t deflated_at_once = std::size_t{1} << 20;
+
+std::string deflated(std::vector<unsigned char> bytes,
+                     const std::function<void(double)>& progress) {
+    z_stream stream{};
+    if (deflateInit(&stream, Z_DEFAULT_COMPRESSION) != Z_OK)
         throw std::runtime_error("zlib cannot compress a page's numbers");
-    result.resize(size);
+    std::string result;
+    std::vector<unsigned char> part(deflated_at_once);
+    for (std::size_t begin = 0, end = 0; begin < bytes.size(); begin = end) {
+        end = std::min(begin + deflated_at_once, bytes.size());
+        stream.next_in = bytes.data() + begin;
+        stream.avail_in = static_cast<uInt>(end - begin);
+        do {
+            stream.next_out = part.data();
+            stream.avail_out = static_cast<uInt>(part.size());
+            deflate(&stream, end < bytes.size() ? Z_NO_FLUSH : Z_FINISH);
+            result.append(reinterpret_cast<const char*>(part.data()),
+                          part.size() - stream.avail_out);
+        } while (stream.avail_out == 0);
+        if (progress) progress(static_cast<double>(end) / static_cast<double>(bytes.size()));
+    }
+    deflateEnd(&stream);
     return result;
 }
 
@@ -55,7 +74,8 @@ void PackedArrays::add(const std::string& name, const std::string& type, const v
     }
 }
 
-std::string PackedArrays::text(nlohmann::json description) const {
+std::string PackedArrays::text(nlohmann::json description,
+                               const std::function<void(double)>& progress) const {
     description["arrays"] = directory_;
     // What is no UTF-8, such as a file's name, is shown with replacement characters.
     const std::string head = description.dump(-1, ' ', false,
@@ -65,7 +85,7 @@ std::string PackedArrays::text(nlohmann::json description) const {
     std::memcpy(all.data(), &size, sizeof size);
     std::memcpy(all.data() + sizeof size, head.data(), head.size());
     all.insert(all.end(), bytes_.begin(), bytes_.end());
-    return base64(deflated(all));
+    return base64(deflated(std::move(all), progress));
 }
 
 }  // namespace pierce::page

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -26,8 +27,9 @@ public:
     }
 
     /// `description`, the directory of the arrays as its member `arrays`, and the arrays: deflated
-    /// and in base64.
-    std::string text(nlohmann::json description) const;
+    /// and in base64. `progress` is told the share that is done.
+    std::string text(nlohmann::json description,
+                     const std::function<void(double share)>& progress = {}) const;
 
 private:
     void add(const std::string& name, const std::string& type, const void* numbers,

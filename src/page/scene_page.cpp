@@ -5,10 +5,10 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/whole_file.hpp"
 #include "page/frame_store.hpp"
 #include "page/packed_arrays.hpp"
 #include "page/template.hpp"
-#include "pierce/error.hpp"
 
 namespace pierce::page {
 
@@ -53,7 +53,8 @@ std::string escaped(std::string_view text) {
 
 }  // namespace
 
-void ScenePage::write(const std::filesystem::path& file, const json& made_with) const {
+void ScenePage::write(const std::filesystem::path& file, const json& made_with,
+                      const std::function<void(double)>& progress) const {
     PackedArrays arrays;
     json description{{"title", state_->options.title},
                      {"dt", state_->options.dt},
@@ -61,17 +62,20 @@ void ScenePage::write(const std::filesystem::path& file, const json& made_with) 
                      {"figures", state_->figures},
                      {"made_with", made_with}};
     state_->store.pack(arrays, description);
-    std::ofstream out(file, std::ios::binary);
+    WholeFile whole(file);
+    std::ofstream out(whole.part(), std::ios::binary);
     std::string_view rest(page_template);
     for (const auto& [mark, text] :
          {std::pair("<!--title-->", escaped(state_->options.title)),
-          std::pair("<!--data-->", arrays.text(std::move(description)))}) {
+          std::pair("<!--data-->", arrays.text(std::move(description), progress))}) {
         const std::size_t at = rest.find(mark);
         out << rest.substr(0, at) << text;
         rest.remove_prefix(at + std::string_view(mark).size());
     }
     out << rest;
-    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+    if (!out.flush()) refuse_to_write(file);
+    out.close();
+    whole.keep();
 }
 
 }  // namespace pierce::page

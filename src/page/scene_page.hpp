@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -35,8 +36,10 @@ public:
 
     /// Writes the page. `made_with`: machine, versions and settings, and whatever else the page
     /// shall say of itself; `tables`, an array of {title, columns, rows}, is shown as tables.
+    /// The file is there as a whole or not at all. `progress` is told the share that is done.
     /// Throws InputError if the file cannot be written.
-    void write(const std::filesystem::path& file, const nlohmann::json& made_with) const;
+    void write(const std::filesystem::path& file, const nlohmann::json& made_with,
+               const std::function<void(double share)>& progress = {}) const;
 
 private:
     struct State;

@@ -4,11 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <optional>
 
 #include "app/commands/commands.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/provenance.hpp"
+#include "app/output/waiting.hpp"
 #include "pierce/error.hpp"
 #include "pierce/mesh_check.hpp"
 #include "pierce/mesh_fix.hpp"
@@ -99,9 +101,11 @@ namespace {
 
 /// Writes the mesh repaired, and says what was done.
 void fix(const fs::path& file, const fs::path& out) {
+    std::optional<Waiting> waiting("repairing " + file.string());
     const MeshData mesh = scenes::read_mesh(file);
     const FixedMesh fixed = fix_mesh(mesh);
     scenes::write_obj(out, fixed.mesh);
+    waiting.reset();
     const MeshInside& done = fixed.done;
     fmt::print(
         "{}: {}; {} vertices ({} before), {} triangles ({} before): {} turned, {} left out, ",
@@ -124,9 +128,11 @@ int check(const CheckOptions& options) {
     int worst = sound;
     for (const std::filesystem::path& file : options.meshes) {
         try {
+            std::optional<Waiting> waiting("checking " + file.string());
             const MeshReport report = check_mesh(
                 scenes::read_mesh(file),
                 {.self_intersections = options.self_intersections, .inside = options.inside});
+            waiting.reset();
             print(file.string(), report);
             if (!options.fix.empty()) fix(file, options.fix);
             meshes.push_back(to_json(file.string(), report));

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <string>
 
@@ -10,6 +11,13 @@
 
 /// Groups of options that several commands have.
 namespace pierce::app {
+
+/// Examples at the end of a command's --help.
+inline void add_examples(CLI::App& command, std::initializer_list<const char*> lines) {
+    std::string text = "Examples:";
+    for (const char* line : lines) text += std::string("\n  ") + line;
+    command.footer(text);
+}
 
 inline const std::map<std::string, bool> switches{{"on", true}, {"off", false}};
 

@@ -9,12 +9,14 @@
 
 #include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
+#include "app/measure/recording_files.hpp"
 #include "app/output/detection_json.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/picture.hpp"
 #include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
+#include "app/output/waiting.hpp"
 #include "app/reports/paper/table_4.hpp"
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
@@ -61,6 +63,20 @@ bool has_own_size(const scenes::SceneSetup& scene) {
 
 std::uint32_t step_count(double seconds, double dt) {
     return std::max(1u, static_cast<std::uint32_t>(std::lround(seconds / dt)));
+}
+
+/// Says, here and in what the files hold, that they hold some of the frames only.
+void say_stopped(std::size_t done, std::uint32_t total, std::initializer_list<fs::path> files,
+                 json& settings) {
+    std::vector<std::string> written;
+    for (const fs::path& file : files)
+        if (!file.empty()) written.push_back(file.string());
+    const std::string stop = fmt::format("after {} of {} frames", done, total);
+    settings["stopped"] = stop;
+    fmt::print(stderr, "pierce: stopped {}{}\n", stop,
+               written.empty() ? std::string()
+                               : fmt::format(": {} {} these frames only", fmt::join(written, ", "),
+                                             written.size() == 1 ? "holds" : "hold"));
 }
 
 }  // namespace
@@ -113,7 +129,8 @@ int run(const RunOptions& options) {
 
     FrameLog log;
     const std::uint32_t steps = step_count(options.seconds, dt);
-    {
+    const InterruptDelay until_all_is_written;
+    const auto stop = until_interrupted([&] {
         Progress progress("simulating", steps);
         for (std::uint32_t i = 0; i < steps; ++i) {
             log.add(simulation.step(dt));
@@ -121,16 +138,16 @@ int run(const RunOptions& options) {
             if (!options.record.empty()) simulation.record(recording);
             progress.show(i + 1);
         }
-    }
+    });
     const std::string bodies = has_own_size(scene) ? fmt::format("{} bodies", scene.bodies.size())
                                                    : fmt::format("{} {} bodies", options.count,
                                                                  options.soft ? "soft" : "rigid");
-    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, steps, dt,
+    fmt::print("{}: {}, {} steps of {:.5g} s, method {}", options.scene, bodies, log.size(), dt,
                options.detection.method);
     fmt::print("{}\n", simulation.world() != nullptr ? ", " + simulation.world()->backend() : "");
     log.print();
 
-    if (!options.record.empty()) scenes::write_recording(recording, options.record);
+    if (!options.record.empty()) save_recording(recording, options.record);
     if (!options.png.empty()) write_last_picture(*simulation.world(), scene, options.png);
     json settings = detection_json(options.detection);
     settings.update({{"command", "run"},
@@ -141,14 +158,21 @@ int run(const RunOptions& options) {
                      {"dt", dt},
                      {"seed", options.seed},
                      {"nodes", options.nodes}});
+    if (stop)
+        say_stopped(log.size(), steps,
+                    {options.record, options.detection.json, options.detection.page.file},
+                    settings);
     if (!options.detection.json.empty()) log.write_json(options.detection.json, settings);
     page.write(settings, {}, json::array());
     return 0;
 }
 
 int replay(const ReplayOptions& options) {
-    scenes::Recording recording = scenes::read_recording(options.folder);
-    if (options.deforming) recording = scenes::as_deforming(recording);
+    scenes::Recording recording = load_recording(options.folder);
+    if (options.deforming) {
+        const Waiting waiting("giving motion vertex by vertex");
+        recording = scenes::as_deforming(recording);
+    }
     scenes::SceneSetup scene = scenes::scene_of(recording);
     const scenes::Method method = scenes::method_named(options.detection.method);
     if (method == scenes::Method::gjk_epa) add_convex_pieces(scene);
@@ -172,7 +196,8 @@ int replay(const ReplayOptions& options) {
         shot.contacts = true;
     }
     FrameLog log;
-    {
+    const InterruptDelay until_all_is_written;
+    const auto stop = until_interrupted([&] {
         Progress progress("replaying", recording.frame_count);
         for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
             scenes::put_frame(*detector, recording, f);
@@ -183,9 +208,9 @@ int replay(const ReplayOptions& options) {
                               options.pictures / fmt::format("{:05}.png", f));
             progress.show(f + 1);
         }
-    }
+    });
     fmt::print("{}: {} bodies, {} frames, method {}", options.folder.string(),
-               recording.bodies.size(), recording.frame_count, options.detection.method);
+               recording.bodies.size(), log.size(), options.detection.method);
     fmt::print("{}\n", detector->world() != nullptr ? ", " + detector->world()->backend() : "");
     log.print();
 
@@ -195,6 +220,10 @@ int replay(const ReplayOptions& options) {
                      {"folder", options.folder.filename().string()},
                      {"deforming", options.deforming},
                      {"dt", recording.dt}});
+    if (stop)
+        say_stopped(log.size(), recording.frame_count,
+                    {options.pictures, options.detection.json, options.detection.page.file},
+                    settings);
     if (!options.detection.json.empty()) log.write_json(options.detection.json, settings);
     page.write(settings, options.folder, json::array());
     return 0;
@@ -204,6 +233,7 @@ int detect(const DetectOptions& options) {
     scenes::SceneSetup setup;
     std::vector<std::string> names;
     for (const fs::path& file : options.meshes) {
+        const Waiting waiting("reading " + file.string());
         names.push_back(file.string());
         scenes::SceneBody& body = setup.bodies.emplace_back();
         body.name = names.back();

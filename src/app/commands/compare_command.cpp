@@ -8,6 +8,7 @@
 
 #include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
+#include "app/measure/recording_files.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/provenance.hpp"
@@ -95,7 +96,7 @@ void print(std::span<const Comparison> results) {
 }  // namespace
 
 int compare_recording(const CompareOptions& options) {
-    const scenes::Recording recording = scenes::read_recording(options.folder);
+    const scenes::Recording recording = load_recording(options.folder);
     std::vector<ComparedMethod> methods;
     methods.reserve(options.methods.size());
     for (const std::string& name : options.methods) methods.push_back(compared_method_named(name));

@@ -36,7 +36,7 @@ void DetectionPage::write(const json& settings, const std::filesystem::path& rec
                    {"versions", versions_json()},   {"backend", {{"name", world_->backend()}}},
                    {"notes", world_->plan().notes}, {"tables", tables}};
     if (!recording.empty()) made_with["recording"] = recording.string();
-    page_->write(options_.file, made_with);
+    page_->write(options_.file, made_with, show_share("writing " + options_.file.string()));
     fmt::print("page: {}\n", std::filesystem::absolute(options_.file).string());
 }
 
@@ -53,7 +53,12 @@ void write_page_of(const scenes::Recording& recording, const PageOptions& option
         scenes::put_frame(*detector, recording, k * every);
         detector->detect();
         page.add(figures[k]);
-        progress.show(k + 1);
+        try {
+            progress.show(k + 1);
+        } catch (Interrupted& stop) {
+            stop.missing = options.file.string() + " is missing; what comes before it is written";
+            throw;
+        }
     }
     page.write(settings, folder, tables);
 }

@@ -4,11 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/commands.hpp"
+#include "app/measure/recording_files.hpp"
 #include "app/output/detection_json.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
+#include "app/output/waiting.hpp"
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
 #include "scenes/detect/detector.hpp"
@@ -78,6 +80,7 @@ void explain_meshes(const ExplainOptions& options) {
     std::vector<BodyId> bodies;
     std::vector<std::string> names;
     for (const fs::path& file : options.inputs) {
+        const Waiting waiting("reading " + file.string());
         names.push_back(file.string());
         bodies.push_back(world.add_rigid_body(
             world.add_mesh(names.back(), scenes::read_mesh(file), options.rays.mesh_options())));
@@ -100,7 +103,7 @@ void explain_recording(const ExplainOptions& options) {
         throw InputError("--of is for meshes; in a recording the first of --bodies has the vertex");
     if (!options.frame || options.bodies.empty())
         throw InputError("a recording needs --frame and --bodies");
-    const scenes::Recording recording = scenes::read_recording(folder);
+    const scenes::Recording recording = load_recording(folder);
     const std::string where = "'" + folder.string() + "' has ";
     if (*options.frame >= recording.frame_count)
         throw InputError(fmt::format("{}frames 0 to {}, no frame {}", where,

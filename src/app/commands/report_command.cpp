@@ -73,6 +73,8 @@ void add_paper(CLI::App& report, int& code) {
     command->add_flag_callback(
         "--quick", [options] { options->make_quick(); },
         "few bodies, short motions: everything in about two minutes; options after it change it");
+    add_examples(*command, {"pierce report paper --out report --quick",
+                            "pierce report paper --out report --parts trees,quality"});
     command->callback([options, &code] { code = report_paper(*options); });
 }
 
@@ -101,6 +103,7 @@ void add_accuracy(CLI::App& report, int& code) {
         ->capture_default_str()
         ->check(CLI::Range(1, 1024));
     command->add_option("--seed", options->seed, "of rotations and poses")->capture_default_str();
+    add_examples(*command, {"pierce report accuracy --out accuracy --count 10 --seconds 2"});
     command->callback([options, &code] { code = report_accuracy(*options); });
 }
 
@@ -143,6 +146,7 @@ void add_cloth(CLI::App& report, int& code) {
     command->add_option("--layers-nodes", options->layers_nodes, "of its layers, as in --nodes")
         ->check(CLI::Range(2u, 10000u));
     command->add_option("--seed", options->seed, "of the sheet's turn")->capture_default_str();
+    add_examples(*command, {"pierce report cloth --out cloth --parts accuracy --seconds 1"});
     command->callback([options, &code] { code = report_cloth(*options); });
 }
 
@@ -152,6 +156,7 @@ void add_report(CLI::App& app, int& code) {
     CLI::App* report = app.add_subcommand("report",
                                           "run a set of experiments and write a page about them");
     report->require_subcommand(1);
+    add_examples(*report, {"pierce report paper --out report --quick"});
     add_paper(*report, code);
     add_accuracy(*report, code);
     add_cloth(*report, code);

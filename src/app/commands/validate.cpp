@@ -1,18 +1,22 @@
 #include "app/commands/validate.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <optional>
 
 #include "app/commands/commands.hpp"
 #include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
+#include "app/measure/recording_files.hpp"
 #include "app/output/detection_json.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
+#include "app/output/waiting.hpp"
 #include "pierce/error.hpp"
 #include "scenes/measure/validation.hpp"
 #include "scenes/simulate/simulation.hpp"
@@ -36,7 +40,9 @@ scenes::Recording simulate(const ValidateOptions& options) {
     const RunOptions defaults;
     const scenes::SceneSetup scene = scenes::make_scene(
         options.input, {options.count.value_or(defaults.count), options.soft, defaults.seed});
-    scenes::Simulation simulation(scene, scenes::Method::rays);
+    scenes::RaySettings rays;
+    rays.mesh_progress = show_meshes();
+    scenes::Simulation simulation(scene, scenes::Method::rays, rays);
     scenes::Recording recording = scenes::start_recording(scene, dt);
     const auto steps = static_cast<std::uint32_t>(
         std::max(1.0, options.seconds.value_or(defaults.seconds) / dt + 0.5));
@@ -58,7 +64,7 @@ scenes::Recording frames_of(const ValidateOptions& options) {
                          "' is neither a scene, see 'pierce scenes', nor a recording's folder");
     if (options.count || options.soft || options.seconds)
         throw InputError("--count, --soft and --seconds are for scenes, not for recordings");
-    return scenes::read_recording(options.input);
+    return load_recording(options.input);
 }
 
 bool is_small(const scenes::Recording& recording) {
@@ -237,16 +243,25 @@ int validate(const ValidateOptions& options) {
     const scenes::Recording recording = frames_of(options);
     std::vector<std::string> left_out;
     std::vector<ModeResult> results;
-    for (const std::string& mode : options.modes) {
-        left_out.clear();
-        std::vector<scenes::Candidate> candidates = options.backends.empty()
-                                                        ? all_for(recording, left_out)
-                                                        : asked_for(options.backends);
-        Progress progress("validating " + mode, recording.frame_count);
-        results.push_back(
-            {mode, scenes::validate(recording, std::move(candidates), settings_of(options, mode),
-                                    options.every, [&](std::uint32_t n) { progress.show(n); })});
-    }
+    const auto stop = until_interrupted([&] {
+        for (const std::string& mode : options.modes) {
+            left_out.clear();
+            std::vector<scenes::Candidate> candidates = options.backends.empty()
+                                                            ? all_for(recording, left_out)
+                                                            : asked_for(options.backends);
+            Progress progress("validating " + mode, recording.frame_count);
+            std::optional<Waiting> making("validating " + mode + ": making meshes");
+            results.push_back({mode, scenes::validate(recording, std::move(candidates),
+                                                      settings_of(options, mode), options.every,
+                                                      [&](std::uint32_t n) {
+                                                          making.reset();
+                                                          progress.show(n);
+                                                      })});
+        }
+    });
+    if (stop && results.empty()) throw *stop;
+    const std::vector<std::string> missing(
+        options.modes.begin() + static_cast<std::ptrdiff_t>(results.size()), options.modes.end());
     fmt::print("{}: {} bodies, {} of {} frames\n", options.input, recording.bodies.size(),
                results.front().validation.frames, recording.frame_count);
     for (const ModeResult& result : results) {
@@ -258,6 +273,7 @@ int validate(const ValidateOptions& options) {
     json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
     for (const char* of_mode : {"backend", "temporal", "predict"}) settings.erase(of_mode);
     settings.update({{"command", "validate"}, {"input", options.input}, {"every", options.every}});
+    if (stop) settings["missing_modes"] = missing;
     if (!options.json.empty()) {
         json modes = json::array();
         for (const ModeResult& result : results) modes.push_back(to_json(result));
@@ -267,6 +283,12 @@ int validate(const ValidateOptions& options) {
                                        {"settings", settings},
                                        {"left_out", left_out},
                                        {"verdict", verdict(results)}});
+    }
+    if (stop) {
+        fmt::print(stderr, "pierce: {}: missing are the modes {}{}\n", stop->what(),
+                   fmt::join(missing, ", "),
+                   options.page.file.empty() ? "" : ", and " + options.page.file.string());
+        return 1;
     }
     write_page_of(recording, options.page, {.world = options.world}, options.input,
                   frames_json(results, options.every), options.every, settings,

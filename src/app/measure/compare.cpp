@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "app/output/frame_log.hpp"
 #include "app/output/progress.hpp"
+#include "app/output/waiting.hpp"
 #include "pierce/error.hpp"
 #include "scenes/detect/detector.hpp"
 
@@ -58,6 +60,7 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
     scenes::SceneSetup scene = scenes::scene_of(recording);
     add_convex_pieces(scene);
     std::vector<Comparison> results;
+    std::optional<Waiting> making(what + ": making meshes");
     std::vector<std::unique_ptr<scenes::Detector>> detectors;
     std::vector<scenes::AccuracyCount> counts;
     for (const ComparedMethod& m : methods) {
@@ -92,6 +95,7 @@ std::vector<Comparison> compare(const scenes::Recording& recording,
                                                                  : 0);
         }
         if (known) ++next;
+        making.reset();
         progress.show(f + 1);
     }
     for (std::size_t m = 0; m < results.size(); ++m) results[m].accuracy = counts[m].accuracy();

@@ -2,11 +2,13 @@
 
 #include <fmt/core.h>
 #include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <string>
 
+#include "app/measure/recording_files.hpp"
+#include "app/output/child.hpp"
+#include "app/output/waiting.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::app {
@@ -28,9 +30,8 @@ void run_truth_program(std::vector<std::string> arguments) {
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     pid_t child = 0;
-    int status = 0;
     if (posix_spawn(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0 ||
-        waitpid(child, &status, 0) != child || status != 0)
+        wait_for(child, "making the truth") != 0)
         throw InputError("pierce_truth failed");
 }
 
@@ -59,8 +60,10 @@ private:
 
 }  // namespace
 
+bool has_truth_program() { return fs::exists(truth_program()); }
+
 void check_truth_program() {
-    if (!fs::exists(truth_program()))
+    if (!has_truth_program())
         throw InputError(
             "the truth is made by pierce_truth, which is not beside this program: build with "
             "PIERCE_BENCH=ON");
@@ -74,21 +77,23 @@ std::vector<scenes::TrueFrame> truth_of(const fs::path& folder, std::uint32_t ev
         if (pairs_only) arguments.emplace_back("--pairs-only");
         run_truth_program(std::move(arguments));
     }
+    const Waiting waiting("reading " + file.string());
     return scenes::read_truth(file);
 }
 
 std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every,
                                         bool pairs_only) {
     const TemporaryFolder folder;
-    scenes::write_recording(recording, folder.path());
+    save_recording(recording, folder.path());
     return truth_of(folder.path(), every, pairs_only);
 }
 
 std::vector<scenes::TrueSheetFrame> sheet_truth_of(const scenes::Recording& recording,
                                                    std::uint32_t every) {
     const TemporaryFolder folder;
-    scenes::write_recording(recording, folder.path());
+    save_recording(recording, folder.path());
     run_truth_program({folder.path().string(), "--sheets", "--every", std::to_string(every)});
+    const Waiting waiting("reading the truth");
     return scenes::read_sheet_truth(folder.path() / "sheets.json");
 }
 

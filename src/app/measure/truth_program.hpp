@@ -10,6 +10,9 @@
 
 namespace pierce::app {
 
+/// True if the program that makes truths, pierce_truth, was built beside this one.
+bool has_truth_program();
+
 /// Throws InputError unless the program that makes truths, pierce_truth, was built beside this one.
 void check_truth_program();
 

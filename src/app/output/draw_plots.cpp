@@ -1,5 +1,6 @@
 #include "app/output/draw_plots.hpp"
 
+#include <fmt/core.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,7 +10,9 @@
 #include <memory>
 #include <optional>
 
+#include "app/output/child.hpp"
 #include "app/output/plot_scripts.hpp"
+#include "app/output/waiting.hpp"
 
 namespace pierce::app {
 namespace {
@@ -38,8 +41,8 @@ std::optional<int> run_script(const std::string& python, std::FILE* input) {
     const int failed = posix_spawnp(&child, python.c_str(), &actions, nullptr,
                                     const_cast<char**>(arguments), environ);
     posix_spawn_file_actions_destroy(&actions);
-    int status = 0;
-    if (failed != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
+    if (failed != 0) return std::nullopt;
+    const int status = wait_for(child, "drawing plots");
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
@@ -51,15 +54,16 @@ std::vector<std::string> drawing_pythons() {
     return {"python3", "/usr/bin/python3"};
 }
 
-std::string draw_plots(std::span<const std::string> descriptions) {
-    if (descriptions.empty()) return "";
+namespace {
+
+std::string draw(std::span<const std::string> descriptions) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> input(std::tmpfile(), std::fclose);
     if (input == nullptr) return "there is no room for a temporary file";
     for (std::size_t i = 0; i < descriptions.size(); ++i) {
         std::fputs(i == 0 ? "[" : ",", input.get());
         std::fputs(descriptions[i].c_str(), input.get());
     }
-    std::fputs("]", input.get());
+    std::fputs(descriptions.empty() ? "[]" : "]", input.get());
     if (std::fflush(input.get()) != 0) return "there is no room for a temporary file";
     for (const std::string& python : drawing_pythons()) {
         const std::optional<int> code = run_script(python, input.get());
@@ -67,6 +71,16 @@ std::string draw_plots(std::span<const std::string> descriptions) {
         if (code && *code != no_matplotlib) return "Python could not draw it";
     }
     return "matplotlib is not installed";
+}
+
+}  // namespace
+
+std::string drawing_problem() { return draw({}); }
+
+std::string draw_plots(std::span<const std::string> descriptions) {
+    if (descriptions.empty()) return "";
+    const Waiting waiting(fmt::format("drawing {} plots", descriptions.size()));
+    return draw(descriptions);
 }
 
 }  // namespace pierce::app

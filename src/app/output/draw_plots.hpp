@@ -10,6 +10,9 @@ namespace pierce::app {
 /// PIERCE_PYTHON names, and no other; without it, `python3` and the system's own.
 std::vector<std::string> drawing_pythons();
 
+/// Why plots cannot be drawn here; empty if they can.
+std::string drawing_problem();
+
 /// Draws plots with matplotlib, all in one run of Python: draw_plots.py, which this program has
 /// inside. `descriptions`: of description_of(). Returns why there are no pictures; empty if all
 /// are drawn.

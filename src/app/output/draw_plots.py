@@ -7,6 +7,7 @@ gives them to Python. Ends with NO_MATPLOTLIB where matplotlib is missing.
 import itertools
 import json
 import math
+import os
 import sys
 import textwrap
 import warnings
@@ -374,16 +375,18 @@ def style_sheet() -> str:
 
 
 def write(figure: Figure, file: Path, title: str) -> None:
-    """Writes a figure as SVG, the same bytes for the same figure."""
+    """Writes a figure as SVG, the same bytes for the same figure; whole, or not at all."""
+    part = file.with_name(f"{file.name}.part-{os.getpid()}")
     figure.savefig(
-        file,
+        part,
         format="svg",
         bbox_inches="tight",
         pad_inches=0.1,
         metadata={"Title": title, "Date": None, "Creator": None},
     )
-    head, end, rest = file.read_text(encoding="utf-8").partition("<defs>")
-    file.write_text(head + style_sheet() + end + rest, encoding="utf-8")
+    head, end, rest = part.read_text(encoding="utf-8").partition("<defs>")
+    part.write_text(head + style_sheet() + end + rest, encoding="utf-8")
+    part.replace(file)
 
 
 def main() -> None:

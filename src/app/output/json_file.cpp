@@ -4,6 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/output/waiting.hpp"
+#include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::app {
@@ -11,9 +13,18 @@ namespace pierce::app {
 namespace fs = std::filesystem;
 
 void write_json_file(const fs::path& file, const nlohmann::json& content) {
-    std::ofstream out(file);
-    out << content.dump(1) << '\n';
-    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+    const Waiting waiting("writing " + file.string());
+    write_text_file(file, content.dump(1) + '\n');
+}
+
+void write_text_file(const fs::path& file, const std::string& text) {
+    WholeFile whole(file);
+    {
+        std::ofstream out(whole.part(), std::ios::binary);
+        out << text;
+        if (!out.flush()) refuse_to_write(file);
+    }
+    whole.keep();
 }
 
 void check_writable(const fs::path& file) {

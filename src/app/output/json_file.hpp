@@ -2,11 +2,13 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 namespace pierce::app {
 
-/// Throws InputError if the file cannot be written.
+/// Files are there as a whole or not at all. Throws InputError if the file cannot be written.
 void write_json_file(const std::filesystem::path& file, const nlohmann::json& content);
+void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Throws InputError if a file that is to be written at the end, empty for none, cannot be: a long
 /// run shall not end so.

@@ -1,10 +1,11 @@
 #include "app/output/page.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ranges>
 
 #include "app/output/draw_plots.hpp"
+#include "app/output/interrupt.hpp"
+#include "app/output/json_file.hpp"
 #include "app/output/provenance.hpp"
 #include "app/output/self_contained.hpp"
 #include "pierce/error.hpp"
@@ -12,16 +13,6 @@
 namespace pierce::app {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-void write_text(const fs::path& file, const std::string& text) {
-    std::ofstream out(file);
-    out << text;
-    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
-}
-
-}  // namespace
 
 Page::Page(const fs::path& folder, const std::string& title, const nlohmann::json& settings)
     : folder_(folder), title_(title) {
@@ -38,7 +29,7 @@ Page::Page(const fs::path& folder, const std::string& title, const nlohmann::jso
             line("| {} | {} |", key, value.is_string() ? value.get<std::string>() : value.dump());
     line("");
     // A long run shall not end with a page that cannot be written.
-    write_text(folder_ / "report.md", text_);
+    write_text_file(folder_ / "report.md", text_);
 }
 
 void Page::csv(const Table& table, const std::string& name) const {
@@ -49,11 +40,34 @@ void Page::picture(const std::string& name, const std::string& caption) {
     line("\n![{}]({})\n", caption, name);
 }
 
+void Page::write(std::span<const Part> parts) {
+    const InterruptDelay delay;
+    std::size_t done = 0;
+    const auto stop = until_interrupted([&] {
+        for (const Part& part : parts) {
+            part.write();
+            ++done;
+            if (should_stop() && done < parts.size())
+                throw Interrupted("stopped after the part " + part.name);
+        }
+    });
+    if (stop) {
+        std::string missing;
+        for (const Part& part : parts.subspan(done))
+            missing += (missing.empty() ? "" : ", ") + part.name;
+        const std::string line = fmt::format("{}: these parts are missing, or not complete: {}",
+                                             stop->what(), missing);
+        fmt::print(stderr, "pierce: {}\n", line);
+        this->line("\n**This report was {}.**", line);
+    }
+    close();
+}
+
 void Page::close() {
     show_plots();
     const fs::path markdown = folder_ / "report.md", html = folder_ / "report.html";
-    write_text(markdown, text_);
-    write_text(html, self_contained_html(title_, text_, folder_));
+    write_text_file(markdown, text_);
+    write_text_file(html, self_contained_html(title_, text_, folder_));
     fmt::print("report: {}\n", fs::absolute(markdown).string());
     fmt::print("in one file: {}\n", fs::absolute(html).string());
 }

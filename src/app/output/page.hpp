@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,14 @@ public:
     void picture(const std::string& name, const std::string& caption);
     /// Where pictures go.
     const std::filesystem::path& folder() const { return folder_; }
+    /// A part of a report, and what writes it.
+    struct Part {
+        std::string name;
+        std::function<void()> write;
+    };
+    /// Writes parts in their order, and closes the page. If a signal stops one, the page says which
+    /// parts are missing.
+    void write(std::span<const Part> parts);
     /// Draws the plots, writes report.md and report.html, and says where they are. Without
     /// matplotlib the page says that there are no pictures.
     void close();

@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::app {
@@ -132,8 +133,10 @@ void write_picture(World& world, std::span<const BodyId> ground, const Shot& sho
     image.width = width;
     image.height = height;
     image.format = PNG_FORMAT_RGB;
-    if (png_image_write_to_file(&image, file.c_str(), 0, pixels.data(), 0, nullptr) == 0)
+    WholeFile whole(file);
+    if (png_image_write_to_file(&image, whole.part().c_str(), 0, pixels.data(), 0, nullptr) == 0)
         throw InputError("cannot write '" + file.string() + "': " + image.message);
+    whole.keep();
 }
 
 }  // namespace pierce::app

@@ -1,58 +1,74 @@
 #include "app/output/progress.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <utility>
 
+#include "app/output/terminal.hpp"
+
 namespace pierce::app {
+namespace {
+
+constexpr std::uint32_t bar_width = 30;  // [letters]
+constexpr std::chrono::milliseconds between_bars{100};
+constexpr std::uint32_t percent = 100;
+
+}  // namespace
+
+std::string minutes_and_seconds(double seconds) {
+    const auto whole = std::lround(seconds);
+    return fmt::format("{:d}:{:02d}", whole / 60, whole % 60);
+}
 
 Progress::Progress(std::string what, std::uint32_t total)
-    : what_(std::move(what)),
-      total_(total),
-      visible_(isatty(STDERR_FILENO) != 0),
-      begin_(Clock::now()) {}
+    : what_(std::move(what)), total_(total), visible_(shows_progress()), begin_(Clock::now()) {}
 
 Progress::~Progress() {
-    if (visible_) fmt::print(stderr, "\r\033[K");
+    if (drawn_ != Clock::time_point()) clear_line();
 }
 
 void Progress::one_more() {
     const std::lock_guard lock(mutex_);
-    show(++done_);
+    draw(++done_);
 }
 
 void Progress::show(std::uint32_t done) {
-    using namespace std::chrono_literals;
-    if (!visible_ || done == 0) return;
+    draw(done);
+    if (done < total_ && should_stop()) throw Interrupted(what_, done, total_);
+}
+
+void Progress::draw(std::uint32_t done) {
+    if (!visible_ || done == 0 || done > total_) return;
     const Clock::time_point now = Clock::now();
-    if (now - drawn_ < 100ms && done != total_) return;
+    if (now - begin_ < patience_before_bars) return;
+    if (now - drawn_ < between_bars && done != total_) return;
     drawn_ = now;
-    constexpr std::uint32_t width = 30;
-    const auto filled = static_cast<std::uint32_t>(std::uint64_t{width} * done / total_);
+    const auto filled = static_cast<std::uint32_t>(std::uint64_t{bar_width} * done / total_);
     const double elapsed = std::chrono::duration<double>(now - begin_).count();
-    const auto left = std::lround(elapsed / done * (total_ - done));
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {:d}:{:02d} left", what_, "", filled, "",
-               width - filled, done, total_, left / 60, left % 60);
+    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {}/{}  {} left", what_, "", filled, "",
+               bar_width - filled, done, total_,
+               minutes_and_seconds(elapsed / done * (total_ - done)));
     std::fflush(stderr);
 }
 
-namespace {
-
-constexpr std::uint32_t all_of_mesh = 100;  ///< percent
-
-}  // namespace
+std::function<void(double)> show_share(const std::string& what) {
+    return [bar = std::make_shared<Progress>(what, percent)](double share) {
+        bar->draw(static_cast<std::uint32_t>(share * percent));
+    };
+}
 
 std::function<void(std::string_view, double)> show_meshes() {
     return [bar = std::shared_ptr<Progress>(), shown = std::string()](std::string_view what,
                                                                       double share) mutable {
         if (!bar || shown != what) {
-            bar = std::make_shared<Progress>(fmt::format("meshes, {}", what), all_of_mesh);
+            bar = std::make_shared<Progress>(fmt::format("meshes, {}", what), percent);
             shown = what;
         }
-        bar->show(static_cast<std::uint32_t>(share * all_of_mesh));
+        // Threads that make meshes do not stop in between.
+        bar->draw(static_cast<std::uint32_t>(share * percent));
         if (share >= 1) bar.reset();
     };
 }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::app {
@@ -31,7 +32,8 @@ std::string as_cell(std::string name) {
 }  // namespace
 
 void Table::write_csv(const fs::path& file, const std::string& made_with_now) const {
-    std::ofstream out(file);
+    WholeFile whole(file);
+    std::ofstream out(whole.part());
     if (!made_with_now.empty()) out << "# " << made_with_now << '\n';
     if (!labels.empty()) out << label_name << ',';
     for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << as_cell(names[c]);
@@ -42,7 +44,9 @@ void Table::write_csv(const fs::path& file, const std::string& made_with_now) co
             out << (c > 0 ? "," : "") << fmt::format("{:.6g}", rows[r][c]);
         out << '\n';
     }
-    if (!out.flush()) throw InputError("cannot write '" + file.string() + "'");
+    if (!out.flush()) refuse_to_write(file);
+    out.close();
+    whole.keep();
 }
 
 double Table::number(std::size_t row, const std::string& name) const {

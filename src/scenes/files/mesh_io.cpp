@@ -13,6 +13,7 @@
 #include <locale>
 #include <sstream>
 
+#include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::scenes {
@@ -257,10 +258,13 @@ MeshData read_mesh(const std::filesystem::path& file) {
 
 void write_obj(const std::filesystem::path& file, const MeshData& mesh) {
     try {
-        auto out = fmt::output_file(file.string());
+        WholeFile whole(file);
+        auto out = fmt::output_file(whole.part().string());
         for (Vec3f p : mesh.positions) out.print("v {} {} {}\n", p.x, p.y, p.z);
         for (const Triangle& t : mesh.triangles)
             out.print("f {} {} {}\n", t.vertex[0] + 1, t.vertex[1] + 1, t.vertex[2] + 1);
+        out.close();
+        whole.keep();
     } catch (const std::system_error& error) {
         throw InputError("cannot write '" + file.string() + "': " + error.what());
     }

@@ -6,6 +6,7 @@
 #include <xtensor/xarray.hpp>
 #include <xtensor/xnpy.hpp>
 
+#include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::scenes {
@@ -66,8 +67,10 @@ void write_npy(const std::filesystem::path& file, std::span<const std::size_t> s
                std::span<const float> values) {
     const std::vector<std::size_t> dimensions(shape.begin(), shape.end());
     try {
-        xt::dump_npy(file.string(),
+        WholeFile whole(file);
+        xt::dump_npy(whole.part().string(),
                      xt::adapt(values.data(), values.size(), xt::no_ownership(), dimensions));
+        whole.keep();
     } catch (const std::exception& error) {
         throw InputError("cannot write '" + file.string() + "': " + error.what());
     }

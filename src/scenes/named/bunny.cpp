@@ -10,15 +10,11 @@
 #include "scenes/named/mass_properties.hpp"
 
 namespace pierce::scenes {
-namespace {
 
-/// The folder of generated data: the build's folder, or PIERCE_DATA_DIR of the environment.
 std::filesystem::path data_folder() {
     if (const char* given = std::getenv("PIERCE_DATA_DIR")) return given;
     return PIERCE_DEFAULT_DATA_DIR;
 }
-
-}  // namespace
 
 SceneMesh bunny_mesh() {
     const std::filesystem::path mesh_file = data_folder() / "bunny.off",

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/base/whole_file.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "scenes/files/mesh_io.hpp"
@@ -167,6 +168,10 @@ RecordedBody read_body(const json& entry, const fs::path& folder, Recording& rec
     return body;
 }
 
+double share(std::size_t done, std::size_t total) {
+    return static_cast<double>(done) / static_cast<double>(total);
+}
+
 }  // namespace
 
 Pose Recording::pose(std::uint32_t body, std::uint32_t frame) const {
@@ -232,9 +237,13 @@ Recording start_recording(const SceneSetup& scene, double dt) {
     return recording;
 }
 
-void write_recording(const Recording& recording, const fs::path& folder) {
+void write_recording(const Recording& recording, const fs::path& folder,
+                     const std::function<void(double)>& progress) {
+    const fs::path scene_file = folder / "scene.json";
     std::error_code failed;
     fs::create_directories(folder, failed);
+    // Without this file, which comes last, the folder is no recording.
+    fs::remove(scene_file, failed);
     const bool changes = std::ranges::any_of(
         recording.bodies, [](const RecordedBody& b) { return !b.mesh_changes.empty(); });
     json scene{{"format", format_name},
@@ -270,13 +279,17 @@ void write_recording(const Recording& recording, const fs::path& folder) {
         if (body.ground) scene["bodies"].back()["ground"] = true;
         if (body.collision != Collision{})
             scene["bodies"].back()["collision"] = collision_json(body.collision);
+        if (progress) progress(share(b + 1, recording.bodies.size()));
     }
-    std::ofstream out(folder / "scene.json");
+    WholeFile whole(scene_file);
+    std::ofstream out(whole.part());
     out << scene.dump(2) << '\n';
-    if (!out.flush()) throw InputError("cannot write '" + (folder / "scene.json").string() + "'");
+    if (!out.flush()) refuse_to_write(scene_file);
+    out.close();
+    whole.keep();
 }
 
-Recording read_recording(const fs::path& folder) {
+Recording read_recording(const fs::path& folder, const std::function<void(double)>& progress) {
     const fs::path file = folder / "scene.json";
     const std::string where = "'" + file.string() + "'";
     std::ifstream in(file);
@@ -292,8 +305,10 @@ Recording read_recording(const fs::path& folder) {
         if (!(recording.dt > 0)) throw InputError(where + ": dt must be positive");
         for (const json& entry : scene.at("meshes"))
             recording.meshes.push_back(read_scene_mesh(entry, folder, where));
-        for (const json& entry : scene.at("bodies"))
+        for (const json& entry : scene.at("bodies")) {
             recording.bodies.push_back(read_body(entry, folder, recording, where));
+            if (progress) progress(share(recording.bodies.size(), scene.at("bodies").size()));
+        }
     } catch (const json::exception& error) {
         throw InputError(where + ": " + error.what());
     }

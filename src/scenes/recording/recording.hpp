@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,11 +61,15 @@ SceneSetup scene_of(const Recording& recording);
 /// A recording without frames of a scene's meshes and bodies.
 Recording start_recording(const SceneSetup& scene, double dt);
 
-/// Throws InputError, naming the file, if the folder cannot be written.
-void write_recording(const Recording& recording, const std::filesystem::path& folder);
+/// `progress` is told the share that is done. A folder that is not written to the end is no
+/// recording. Throws InputError, naming the file, if the folder cannot be written.
+void write_recording(const Recording& recording, const std::filesystem::path& folder,
+                     const std::function<void(double share)>& progress = {});
 
-/// Throws InputError, naming the file and what is wrong in it, for anything but a sound recording.
-Recording read_recording(const std::filesystem::path& folder);
+/// `progress` is told the share that is done. Throws InputError, naming the file and what is wrong
+/// in it, for anything but a sound recording.
+Recording read_recording(const std::filesystem::path& folder,
+                         const std::function<void(double share)>& progress = {});
 
 /// `count` frames of a recording, from `first` on.
 Recording excerpt(const Recording& recording, std::uint32_t first, std::uint32_t count);

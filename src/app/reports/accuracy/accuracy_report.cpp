@@ -101,17 +101,20 @@ int report_accuracy(const AccuracyReportOptions& options) {
     page.line("## Speed against error\n");
     page.line("{:g} s at {:g} s a step; the truth is known of one frame in {}.\n",
               options.timing.seconds, options.timing.dt, options.every);
-    falling_bodies("tori", false, options, page);
-    falling_bodies("bunnies", false, options, page);
-    falling_bodies("tori", true, options, page);
-    torn_bodies(options, page);
-    leaks_figure(options, page);
-    resolution_figure(options, page);
-    depth_figure(options, page);
-    damaged_meshes(options, page);
-    page.line("## The hard cases\n");
-    hard_case_table(page);
-    page.close();
+    const Page::Part parts[] = {
+        {"tori", [&] { falling_bodies("tori", false, options, page); }},
+        {"bunnies", [&] { falling_bodies("bunnies", false, options, page); }},
+        {"soft tori", [&] { falling_bodies("tori", true, options, page); }},
+        {"tear", [&] { torn_bodies(options, page); }},
+        {"leaks", [&] { leaks_figure(options, page); }},
+        {"resolution", [&] { resolution_figure(options, page); }},
+        {"depth", [&] { depth_figure(options, page); }},
+        {"damaged meshes", [&] { damaged_meshes(options, page); }},
+        {"hard cases", [&] {
+             page.line("## The hard cases\n");
+             hard_case_table(page);
+         }}};
+    page.write(parts);
     return 0;
 }
 

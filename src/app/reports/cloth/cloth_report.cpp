@@ -4,6 +4,7 @@
 #include <chrono>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "app/measure/truth_program.hpp"
 #include "app/output/frame_log.hpp"
@@ -19,23 +20,25 @@ int report_cloth(const ClothReportOptions& options) {
               {{"seed", options.seed}, {"threads for detection", options.threads}});
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
-    const auto wanted = [&](const char* part) {
-        return std::ranges::find(options.parts, part) != options.parts.end();
-    };
-    if (wanted("accuracy")) cloth_accuracy_figure(options, page);
-    if (wanted("penetration")) {
+    const auto penetration = [&] {
         cloth_penetration_figure(options, page);
         cloth_variants_figure(options, page);
-    }
-    if (wanted("size")) cloth_size_figure(options, page);
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    page.line(
-        "\nAll this took {:.0f} s, {:.0f} s of them this process' own; the rest waited for the "
-        "truth and for other work, "
-        "which",
-        wall.count(), static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC);
-    page.line("makes frames longer.");
-    page.close();
+    };
+    const auto times = [&] {
+        const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+        page.line(
+            "\nAll this took {:.0f} s, {:.0f} s of them this process' own; the rest waited for the "
+            "truth and for other work, which makes frames longer.",
+            wall.count(), static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC);
+    };
+    std::vector<Page::Part> parts{{"accuracy", [&] { cloth_accuracy_figure(options, page); }},
+                                  {"penetration", penetration},
+                                  {"size", [&] { cloth_size_figure(options, page); }}};
+    std::erase_if(parts, [&](const Page::Part& part) {
+        return std::ranges::find(options.parts, part.name) == options.parts.end();
+    });
+    parts.push_back({"time that all this took", times});
+    page.write(parts);
     return 0;
 }
 

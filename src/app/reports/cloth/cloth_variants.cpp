@@ -95,7 +95,7 @@ void cloth_variants_figure(const ClothReportOptions& options, Page& page) {
         readings.push_back({.name = fmt::format("{0} x {0} vertices", nodes), .nodes = nodes});
     std::vector<Depths> depths(readings.size());
     Progress progress("figure 16, readings", static_cast<std::uint32_t>(readings.size()));
-    in_parallel(readings.size(), [&](std::size_t i) {
+    in_parallel("making figure 16", readings.size(), [&](std::size_t i) {
         depths[i] = fall(readings[i], options);
         progress.one_more();
     });

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pierce/error.hpp"
+#include "core/base/whole_file.hpp"
 #include "scenes/detect/method.hpp"
 
 namespace pierce::app {
@@ -35,8 +35,11 @@ std::optional<Table> on_gpu(const PaperReportOptions& options, Page& page, const
     Table table = Table::read_csv(from);
     // Names in CSV files have no commas.
     for (std::string& label : table.labels) std::ranges::replace(label, ';', ',');
-    if (!fs::exists(page.folder() / file) || !fs::equivalent(from, page.folder() / file))
-        fs::copy_file(from, page.folder() / file, fs::copy_options::overwrite_existing);
+    if (!fs::exists(page.folder() / file) || !fs::equivalent(from, page.folder() / file)) {
+        WholeFile copy(page.folder() / file);
+        fs::copy_file(from, copy.part(), fs::copy_options::overwrite_existing);
+        copy.keep();
+    }
     page.line("\n*Measured elsewhere, and merged from a folder of results:* `{}`\n",
               table.made_with);
     return table;

@@ -20,7 +20,7 @@ void figure_9(const Pile& pile, const PaperReportOptions& options, Page& page) {
     double deepest[3] = {};
     std::vector<TimeColumn> columns;
     for (std::uint32_t i = 0; i < timing.steps(); ++i) time.push_back(i * timing.dt);
-    in_parallel(3, [&](std::size_t k) {
+    in_parallel("making figure 9", 3, [&](std::size_t k) {
         // Steps that remember nothing have the contacts of certified ones, and so their motion.
         const bool known = settings[k].temporal == Temporal::off;
         ClosedLoop made;

@@ -132,7 +132,7 @@ Quality measure_quality(const scenes::SceneSetup& scene, bool soft, const Closed
     scenes::SceneSetup near = scene;
     near.baseline_margin = small_margin;
     std::vector<Judged> usual, small;
-    in_parallel(2, [&](std::size_t i) {
+    in_parallel("closing the loop by other methods", 2, [&](std::size_t i) {
         if (i == 0)
             usual = close_loop(scene, "GJK/EPA", Stroke::dashed, timing, truth_every);
         else

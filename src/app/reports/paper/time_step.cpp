@@ -109,7 +109,7 @@ void figure_14(const Pile& pile, const PaperReportOptions& options, Page& page) 
     Progress progress("figure 14, " + pile.name, (most_step - least_step + 1) * runs);
     for (int k = least_step; k <= most_step; ++k) dts.push_back(k / 120.0);
     std::vector<Run> all(dts.size() * runs);
-    in_parallel(all.size(), [&](std::size_t i) {
+    in_parallel("making figure 14", all.size(), [&](std::size_t i) {
         const auto seed = options.seed + static_cast<std::uint32_t>(i % runs);
         all[i] = run(scenes::make_scene(pile.scene.name, {bodies, pile.soft, seed}),
                      options.landing_seconds, dts[i / runs]);

@@ -1,0 +1,65 @@
+#include "core/base/whole_file.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "pierce/error.hpp"
+
+namespace pierce {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// False for what has no place of its own in a folder: another file cannot take that.
+bool can_be_replaced(const fs::path& file) {
+    const std::string name = fs::absolute(file).lexically_normal().string();
+    if (name.starts_with("/dev/") || name.starts_with("/proc/")) return false;
+    std::error_code failed;
+    const fs::file_status status = fs::status(file, failed);
+    return !fs::exists(status) || fs::is_regular_file(status);
+}
+
+/// The file itself, if `file` is a link to it.
+fs::path behind_links(const fs::path& file) {
+    std::error_code failed;
+    if (!fs::is_symlink(file, failed)) return file;
+    const fs::path real = fs::weakly_canonical(file, failed);
+    return failed ? file : real;
+}
+
+}  // namespace
+
+WholeFile::WholeFile(fs::path file) : file_(std::move(file)), part_(file_) {
+    if (!can_be_replaced(file_)) return;
+    file_ = behind_links(file_);
+    part_ = file_;
+    part_ += ".part-" + std::to_string(::getpid());
+    if (!std::ofstream(part_)) part_ = file_;
+}
+
+WholeFile::~WholeFile() {
+    std::error_code ignored;
+    if (!kept_ && part_ != file_) fs::remove(part_, ignored);
+}
+
+void WholeFile::keep() {
+    std::error_code failed;
+    if (part_ != file_) {
+        const fs::file_status before = fs::status(file_, failed);
+        if (fs::exists(before)) fs::permissions(part_, before.permissions(), failed);
+        fs::rename(part_, file_, failed);
+        if (failed) refuse_to_write(file_);
+    }
+    kept_ = true;
+}
+
+void refuse_to_write(const fs::path& file) {
+    throw InputError("cannot write '" + file.string() + "'");
+}
+
+}  // namespace pierce

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+
+namespace pierce {
+
+/// A file that is there as a whole or not at all: it is written under another name beside its own,
+/// and takes its own when it is kept. What was there before stays until then. Devices and pipes,
+/// and files in folders that nothing can be added to, are written as they are.
+class WholeFile {
+public:
+    explicit WholeFile(std::filesystem::path file);
+    /// Removes what was not kept.
+    ~WholeFile();
+    WholeFile(const WholeFile&) = delete;
+    WholeFile& operator=(const WholeFile&) = delete;
+
+    /// Where to write.
+    const std::filesystem::path& part() const { return part_; }
+    /// All is written, and closed. Throws InputError if it cannot be put in its place.
+    void keep();
+
+private:
+    std::filesystem::path file_, part_;
+    bool kept_ = false;
+};
+
+/// Throws InputError that says that a file cannot be written.
+[[noreturn]] void refuse_to_write(const std::filesystem::path& file);
+
+}  // namespace pierce
