@@ -23,8 +23,10 @@ std::string minutes_and_seconds(double seconds) {
     return fmt::format("{:d}:{:02d}", whole / 60, whole % 60);
 }
 
-Progress::Progress(std::string what, std::uint32_t total)
-    : what_(std::move(what)), total_(total), visible_(shows_progress()), begin_(Clock::now()) {}
+Progress::Progress(std::string what, std::uint32_t total, bool can_stop)
+    : what_(std::move(what)), total_(total), visible_(shows_progress()), begin_(Clock::now()) {
+    if (can_stop) delay_.emplace();
+}
 
 Progress::~Progress() {
     if (drawn_ != Clock::time_point()) clear_line();
@@ -55,7 +57,7 @@ void Progress::draw(std::uint32_t done) {
 }
 
 std::function<void(double)> show_share(const std::string& what) {
-    return [bar = std::make_shared<Progress>(what, percent)](double share) {
+    return [bar = std::make_shared<Progress>(what, percent, false)](double share) {
         bar->draw(static_cast<std::uint32_t>(share * percent));
     };
 }
@@ -64,7 +66,7 @@ std::function<void(std::string_view, double)> show_meshes() {
     return [bar = std::shared_ptr<Progress>(), shown = std::string()](std::string_view what,
                                                                       double share) mutable {
         if (!bar || shown != what) {
-            bar = std::make_shared<Progress>(fmt::format("meshes, {}", what), percent);
+            bar = std::make_shared<Progress>(fmt::format("meshes, {}", what), percent, false);
             shown = what;
         }
         // Threads that make meshes do not stop in between.

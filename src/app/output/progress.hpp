@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,10 +19,11 @@ inline constexpr std::chrono::milliseconds patience_before_bars{500};
 std::string minutes_and_seconds(double seconds);
 
 /// A bar with the time left on the terminal's last line; silent if shows_progress() is false.
-/// Signals are delayed while there is one.
+/// Signals are delayed while there is one that can stop.
 class Progress {
 public:
-    Progress(std::string what, std::uint32_t total);
+    /// `can_stop`: show() is called, not draw() alone.
+    Progress(std::string what, std::uint32_t total, bool can_stop = true);
     ~Progress();
 
     /// `done` of the total are done. Redraws a few times a second at most. Throws Interrupted if
@@ -35,7 +37,7 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    InterruptDelay delay_;
+    std::optional<InterruptDelay> delay_;
     std::string what_;
     std::uint32_t total_;
     bool visible_;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -33,7 +34,7 @@ void Waiting::draw_until(const std::stop_token& stop) const {
         stopped_.wait_for(lock, stop, pause, [] { return false; });
         if (stop.stop_requested()) break;
         const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
-        fmt::print(stderr, "\r\033[K{}, {}", what_, minutes_and_seconds(elapsed));
+        fmt::print(stderr, "\r\033[K{}, {}", what_, minutes_and_seconds(std::floor(elapsed)));
         std::fflush(stderr);
         drawn = true;
     }
