@@ -121,6 +121,7 @@ int run(const RunOptions& options) {
     scenes::Simulation simulation(scene, scenes::method_named(options.detection.method),
                                   options.detection.rays);
     require_rays(simulation.world(), options.png);
+    check_folder_writable(options.record);
     check_writable(options.png);
     check_writable(options.detection.json);
     DetectionPage page(options.detection.page, simulation.world(), options.scene, names_of(scene),

@@ -188,7 +188,8 @@ void add_fish_command(const TreeCommand& command, std::vector<std::string>& path
         script += where;
         for (const std::string& name : option.names)
             script += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-        if (option.takes != Takes::nothing) script += " -r" + fish_value(option);
+        if (option.takes != Takes::nothing)
+            script += (option.takes == Takes::file ? " -r" : " -x") + fish_value(option);
         script += " -d " + in_quotes(option.description) + "\n";
     }
     for (const TreeCommand& inner : command.commands) {

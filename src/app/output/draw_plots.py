@@ -377,13 +377,8 @@ def style_sheet() -> str:
 def write(figure: Figure, file: Path, title: str) -> None:
     """Writes a figure as SVG, the same bytes for the same figure; whole, or not at all."""
     part = file.with_name(f"{file.name}.part-{os.getpid()}")
-    figure.savefig(
-        part,
-        format="svg",
-        bbox_inches="tight",
-        pad_inches=0.1,
-        metadata={"Title": title, "Date": None, "Creator": None},
-    )
+    metadata = {"Title": title, "Date": None, "Creator": None}
+    figure.savefig(part, format="svg", bbox_inches="tight", pad_inches=0.1, metadata=metadata)
     head, end, rest = part.read_text(encoding="utf-8").partition("<defs>")
     part.write_text(head + style_sheet() + end + rest, encoding="utf-8")
     part.replace(file)

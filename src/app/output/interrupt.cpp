@@ -28,7 +28,7 @@ void on_signal(int signal) {
     const int error = errno;
     int none = 0;
     if (delays > 0 && first_signal.compare_exchange_strong(none, signal)) {
-        say("pierce: stopping, and writing what is done; once more ends it at once\n");
+        say("pierce: stopping where it can; once more ends it at once\n");
         errno = error;
         return;
     }

@@ -27,6 +27,13 @@ void write_text_file(const fs::path& file, const std::string& text) {
     whole.keep();
 }
 
+void check_folder_writable(const fs::path& folder) {
+    if (folder.empty()) return;
+    std::error_code failed;
+    fs::create_directories(folder, failed);
+    check_writable(folder / "scene.json");
+}
+
 void check_writable(const fs::path& file) {
     if (file.empty()) return;
     const bool existed = fs::exists(file);

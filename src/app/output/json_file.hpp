@@ -13,5 +13,7 @@ void write_text_file(const std::filesystem::path& file, const std::string& text)
 /// Throws InputError if a file that is to be written at the end, empty for none, cannot be: a long
 /// run shall not end so.
 void check_writable(const std::filesystem::path& file);
+/// The same for a recording's folder, which is made.
+void check_folder_writable(const std::filesystem::path& folder);
 
 }  // namespace pierce::app

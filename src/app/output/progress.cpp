@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/output/terminal.hpp"
+#include "app/output/waiting.hpp"
 
 namespace pierce::app {
 namespace {
@@ -57,7 +58,10 @@ void Progress::draw(std::uint32_t done) {
 }
 
 std::function<void(double)> show_share(const std::string& what) {
-    return [bar = std::make_shared<Progress>(what, percent, false)](double share) {
+    return [what, waiting = std::make_shared<Waiting>(what),
+            bar = std::shared_ptr<Progress>()](double share) mutable {
+        waiting.reset();
+        if (!bar) bar = std::make_shared<Progress>(what, percent, false);
         bar->draw(static_cast<std::uint32_t>(share * percent));
     };
 }

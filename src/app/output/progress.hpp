@@ -46,7 +46,8 @@ private:
     std::uint32_t done_ = 0;
 };
 
-/// Shows a bar of work that tells its share, from 0 to 1, and does not stop.
+/// Shows a bar of work that tells its share, from 0 to 1, and does not stop. Until it first does,
+/// says what is going on.
 std::function<void(double share)> show_share(const std::string& what);
 
 /// Shows a bar of what is being made of meshes, for MeshOptions::progress.

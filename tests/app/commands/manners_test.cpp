@@ -222,6 +222,7 @@ TEST_F(MannersTest, QuietPrintsErrorsOnly) {
         EXPECT_EQ(quiet.text, "") << line;
         EXPECT_EQ(read("run.json")["frames"].size(), 6u);
     }
+    expect_refused("-q run tori --count 2 --record /proc/nowhere", "/proc/nowhere/scene.json");
     EXPECT_THAT(pierce("-q run torus", folder).text, HasSubstr("unknown scene"));
     setenv("PIERCE_QUIET", "1", 1);
     const Outcome by_environment = pierce("scenes", folder);

@@ -10,6 +10,7 @@
 #include "app/measure/compare.hpp"
 #include "app/output/frame_log.hpp"
 #include "app/output/progress.hpp"
+#include "app/output/waiting.hpp"
 #include "app/reports/accuracy/random_poses.hpp"
 #include "scenes/measure/leaks.hpp"
 #include "scenes/named/shapes.hpp"
@@ -81,6 +82,7 @@ void leaks_figure(const AccuracyReportOptions& options, Page& page) {
     page.line("| the library's tracer (Embree), offset | at | rays | leaks |\n|---|---|---|---|");
     for (double offset : {0.0, 1e5})
         for (Aim aim : {Aim::vertices, Aim::edges}) {
+            const Waiting waiting("leaks of the tracers");
             const scenes::LeakCount count = scenes::count_tracer_leaks(offset, aim,
                                                                        options.rays / 4);
             page.line("| {:g} | {} | {} | {} |", offset,

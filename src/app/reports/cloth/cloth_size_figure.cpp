@@ -10,6 +10,7 @@
 #include "app/output/json_file.hpp"
 #include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
+#include "app/output/waiting.hpp"
 #include "scenes/detect/detector.hpp"
 #include "scenes/measure/sheet_accuracy.hpp"
 #include "scenes/named/layers.hpp"
@@ -90,6 +91,7 @@ Motion capsule_motion(std::uint32_t nodes, const ClothReportOptions& options) {
 }
 
 Motion layers_motion(std::uint32_t nodes) {
+    const Waiting waiting("making layers");
     const scenes::Layers layers = scenes::layers_with(nodes);
     const scenes::SceneSetup scene = layers.scene();
     Motion motion{.name = "layers",

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <optional>
 
 #include "app/output/progress.hpp"
 #include "app/output/statistics.hpp"
+#include "app/output/waiting.hpp"
 #include "app/reports/paper/gpu_results.hpp"
 #include "app/reports/paper/modes.hpp"
 #include "app/reports/paper/sections.hpp"
@@ -60,7 +62,10 @@ Table measure_all(std::span<const Pile> piles, const PaperReportOptions& options
                                            std::pair{"resting lattice", LatticeMotion::rest},
                                            std::pair{"soft lattice", LatticeMotion::soft}}) {
             const std::uint32_t frames = motion == LatticeMotion::soft && count > 2000 ? 24 : 80;
-            add_row(table, name, scenes::lattice(count, frames, motion), keep);
+            std::optional<Waiting> making(fmt::format("making {} tori, {}", count, name));
+            const scenes::Recording recording = scenes::lattice(count, frames, motion);
+            making.reset();
+            add_row(table, name, recording, keep);
         }
     for (const Pile& pile : piles) {
         const scenes::Recording& all = pile.loop.recording;
