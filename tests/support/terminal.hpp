@@ -1,10 +1,12 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <string>
 
@@ -52,12 +54,23 @@ public:
 
 private:
     bool read_some() {
+        if (std::chrono::steady_clock::now() > deadline_) {
+            kill(child_, SIGKILL);
+            ADD_FAILURE() << "it takes too long; until now: " << text_;
+            return false;
+        }
+        pollfd readable{.fd = terminal_, .events = POLLIN, .revents = 0};
+        if (poll(&readable, 1, milliseconds_between_looks) == 0) return true;
         char buffer[4096];
         const ssize_t n = read(terminal_, buffer, sizeof buffer);
         if (n > 0) text_.append(buffer, static_cast<std::size_t>(n));
         return n > 0;
     }
 
+    static constexpr int milliseconds_between_looks = 100;
+    static constexpr std::chrono::seconds most{60};
+
+    std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::now() + most;
     int terminal_ = -1, code_ = -1;
     pid_t child_ = -1;
     std::string text_;

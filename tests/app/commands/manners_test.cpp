@@ -352,10 +352,12 @@ TEST_F(MannersTest, BashCompletesCommandsOptionsChoicesAndFiles) {
 
 TEST_F(MannersTest, ZshAndFishReadTheirScripts) {
     expect_refused("completion tcsh", "tcsh");
-    for (const std::string shell : {"zsh", "fish"}) {
+    for (const auto& [shell, reports] :
+         {std::pair<std::string, const char*>("zsh", "'1:command:(paper accuracy cloth)'"),
+          std::pair<std::string, const char*>("fish", " -a accuracy -d ")}) {
         ASSERT_EQ(pierce("completion " + shell + " > script", folder).code, 0);
         EXPECT_THAT(text_of(folder / "script"),
-                    AllOf(HasSubstr("validate"), HasSubstr("certified"), HasSubstr("accuracy")));
+                    AllOf(HasSubstr("validate"), HasSubstr("certified"), HasSubstr(reports)));
         if (std::system(("command -v " + shell + " > /dev/null").c_str()) != 0) continue;
         EXPECT_EQ(std::system((shell + " -n '" + path("script") + "'").c_str()), 0) << shell;
     }
