@@ -1,7 +1,7 @@
 #include "app/commands/completion.hpp"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -200,7 +200,7 @@ void add_fish_command(const TreeCommand& command, std::vector<std::string>& path
 }
 
 /// The program with the options of all commands in each of them.
-TreeCommand with_shared_options(TreeCommand command, std::vector<TreeOption> shared) {
+TreeCommand with_shared_options(TreeCommand command, const std::vector<TreeOption>& shared) {
     for (const TreeOption& option : shared) {
         const auto has = [&](const TreeOption& own) { return own.names == option.names; };
         if (std::ranges::none_of(command.options, has)) command.options.push_back(option);

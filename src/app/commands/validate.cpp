@@ -1,7 +1,7 @@
 #include "app/commands/validate.hpp"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

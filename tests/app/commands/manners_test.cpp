@@ -134,7 +134,7 @@ TEST_F(MannersTest, ValidateSaysWhichModesAreMissing) {
                                     HasSubstr("what was asked for is missing")));
     EXPECT_FALSE(fs::exists(folder / "early.json"));
 
-    ASSERT_EQ(pierce("run tori --count 60 --seconds 12 --record motion", folder).code, 0);
+    ASSERT_EQ(pierce("run tori --count 60 --seconds 30 --record motion", folder).code, 0);
     OnTerminal validate(
         "validate motion --backends embree,bvh --modes full,walk,certified "
         "--json modes.json --html modes.html",
