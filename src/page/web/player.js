@@ -255,13 +255,14 @@ class Player {
   toggle() { this.playing ? this.pause() : this.play(); }
   pause() {
     if (!this.playing) return;
-    this.playing = false;
+    this.playing = this.bodies.coarse = false;
     byId("play").textContent = "▶";
-    this.#writeHash();
+    this.refresh();
   }
   play() {
     if (this.data.frameCount < 2) return;
     this.playing = true;
+    this.bodies.coarse = this.stage.bySoftware;
     byId("play").textContent = "⏸";
     if (this.frame === this.data.frameCount - 1) this.go(0);
     let last = performance.now(), due = 0;
