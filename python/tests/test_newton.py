@@ -1,9 +1,10 @@
-"""pierce.newton against Newton's own pipeline, conventions and filters. All on the CPU."""
+"""pierce.newton against Newton's own pipeline, conventions and filters; and on a GPU, if any."""
 
 import itertools
 from types import SimpleNamespace
 
 import numpy as np
+import pierce
 import pytest
 from conftest import box, torus
 
@@ -39,8 +40,8 @@ def add(builder, position, look, shape="mesh", angle=0.0, mesh=BOX, xform=None, 
     return builder.add_shape_box(body, hx=0.25, hy=0.25, hz=0.25, cfg=look)
 
 
-def made(builder):
-    return builder.finalize(device="cpu")
+def made(builder, device="cpu"):
+    return builder.finalize(device=device)
 
 
 def rows_of(contacts):
@@ -85,7 +86,7 @@ def simulated(model, pipeline, seconds, rate=480, iterations=4, watch=None):
     return state
 
 
-def two_rings(height=1.0):
+def two_rings(height=1.0, device="cpu"):
     """Overlapping rings over the ground, turned on their bodies; the second one is scaled."""
     builder = newton.ModelBuilder()
     add(
@@ -105,11 +106,11 @@ def two_rings(height=1.0):
         scale=(1.2, 0.9, 1.0),
     )
     builder.add_ground_plane()
-    return made(builder)
+    return made(builder, device)
 
 
-def collided(model, **options):
-    pipeline = adapter.CollisionPipeline(model, "embree", threads=1, **options)
+def collided(model, backend="embree", **options):
+    pipeline = adapter.CollisionPipeline(model, backend, threads=1, **options)
     state, contacts = model.state(), pipeline.contacts()
     pipeline.collide(state, contacts)
     return pipeline, state, contacts
@@ -208,6 +209,28 @@ def test_contacts_of_a_device_are_written_after_newtons():
     pipeline.collide(state, again)
     for name, values in rows_of(again).items():
         np.testing.assert_array_equal(values, expected[name])
+
+
+@pytest.mark.skipif(
+    not (pierce.cuda_can_run() and wp.is_cuda_available()), reason="there is no GPU for both"
+)
+def test_contacts_on_a_gpu_are_those_of_the_host():
+    expected = rows_of(collided(two_rings(height=0.05))[2])
+    model = two_rings(height=0.05, device="cuda:0")
+    pipeline, _, contacts = collided(model, "cuda")
+    assert pipeline._stays and pipeline.world.on_device
+    found = rows_of(contacts)
+    assert len(found["normal"]) == len(expected["normal"]) > 20
+    orders = [
+        np.lexsort((*rows["point0"].T.round(5), rows["shape1"], rows["shape0"]))
+        for rows in (found, expected)
+    ]
+    for name, values in expected.items():
+        np.testing.assert_allclose(found[name][orders[0]], values[orders[1]], atol=1e-5)
+    model = two_rings(height=0.3, device="cuda:0")
+    pipeline = adapter.CollisionPipeline(model, "cuda")
+    heights = simulated(model, pipeline, 1.0).body_q.numpy()[:, 2]
+    assert (heights > 0).all() and (heights < 0.6).all()
 
 
 def test_nothing_is_dropped_in_silence():

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <boost/archive/iterators/base64_from_binary.hpp>
-#include <boost/archive/iterators/transform_width.hpp>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
+
+#include "page/base64.hpp"
 
 namespace pierce::page {
 namespace {
@@ -49,14 +49,6 @@ std::string deflated(std::vector<unsigned char> bytes,
     }
     deflateEnd(&stream);
     return result;
-}
-
-std::string base64(const std::string& bytes) {
-    using namespace boost::archive::iterators;
-    using Encoded = base64_from_binary<transform_width<std::string::const_iterator, 6, 8>>;
-    std::string text(Encoded(bytes.begin()), Encoded(bytes.end()));
-    text.append((3 - bytes.size() % 3) % 3, '=');
-    return text;
 }
 
 }  // namespace

@@ -76,13 +76,13 @@ TEST(DocsTest, FilesThatAreNamedAreThere) {
     for (const char* folder : {"src", "tests", "bench", "data", "docs", "cmake", "python"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder))
             if (entry.is_regular_file())
-                files.push_back("/" + fs::relative(entry.path(), root).string());
+                files.push_back((fs::path("/") / fs::relative(entry.path(), root)).string());
     std::size_t names = 0;
     for (const fs::path& page : pages())
         for (const std::string& name :
              matches(text_of(page), std::regex(R"(([\w/]+\.(?:hpp|cpp|cuh|cu|cmake))\b)"))) {
             ++names;
-            const std::string end = name.starts_with("/") ? name : "/" + name;
+            const std::string end = name.starts_with("/") ? name : std::string("/").append(name);
             const bool known = std::ranges::any_of(
                 files, [&](const std::string& file) { return file.ends_with(end); });
             EXPECT_TRUE(known) << page << " names " << name;

@@ -223,11 +223,17 @@ void add_validate(CLI::App& app, int& code) {
 
 void add_demo(CLI::App& app, int& code) {
     const auto png = std::make_shared<std::filesystem::path>("demo.png");
-    CLI::App* command = app.add_subcommand("demo",
-                                           "100 tori by rays and by GJK/EPA, with a picture");
-    command->add_option("--png", *png, "picture of the last frame")->capture_default_str();
-    add_examples(*command, {"pierce demo", "pierce demo --png tori.png"});
-    command->callback([png, &code] { code = demo(*png); });
+    const auto html = std::make_shared<std::filesystem::path>("demo.html");
+    CLI::App* command = app.add_subcommand(
+        "demo", "100 tori by rays and by GJK/EPA, with a picture and a page");
+    command->add_option("--png", *png, "picture of the last frame")
+        ->type_name("FILE")
+        ->capture_default_str();
+    command->add_option("--html", *html, "page that plays all frames")
+        ->type_name("FILE")
+        ->capture_default_str();
+    add_examples(*command, {"pierce demo", "pierce demo --png tori.png --html tori.html"});
+    command->callback([png, html, &code] { code = demo(*png, *html); });
 }
 
 void add_doctor(CLI::App& app, int& code) {

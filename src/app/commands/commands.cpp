@@ -282,7 +282,7 @@ int detect(const DetectOptions& options) {
     return 0;
 }
 
-int demo(const fs::path& png) {
+int demo(const fs::path& png, const fs::path& html) {
     const RunOptions options{.scene = "tori",
                              .count = 100,
                              .soft = false,
@@ -298,6 +298,7 @@ int demo(const fs::path& png) {
     scenes::Simulation simulation(scene, scenes::Method::rays, options.detection.rays);
     scenes::Recording recording = scenes::start_recording(scene, options.dt);
     const std::uint32_t steps = step_count(options.seconds, options.dt);
+    DetectionPage page({.file = html}, simulation.world(), "100 tori", names_of(scene), options.dt);
     fmt::print("100 tori of 600 triangles fall on a plane: {} steps, contacts by rays, {}\n", steps,
                simulation.world()->backend());
     FrameLog all, rays, gjk;
@@ -308,6 +309,7 @@ int demo(const fs::path& png) {
             simulation.record(recording);
             const FrameResult& result = simulation.step(options.dt);
             all.add(result);
+            page.add(all.last_json());
             if (i % demo_stride == 0) rays.add(result);
             progress.show(i + 1);
         }
@@ -327,6 +329,9 @@ int demo(const fs::path& png) {
     print_table_4(rays, gjk);
     write_last_picture(*simulation.world(), scene, png);
     fmt::print("\npicture: {}\n", fs::absolute(png).string());
+    json settings = detection_json(options.detection);
+    settings.update({{"command", "demo"}, {"seed", options.seed}, {"dt", options.dt}});
+    page.write(settings, {}, json::array());
     return 0;
 }
 

@@ -54,6 +54,7 @@ int show_plan(const RunOptions& options);
 int run(const RunOptions& options);
 int replay(const ReplayOptions& options);
 int detect(const DetectOptions& options);
-int demo(const std::filesystem::path& png);
+/// 100 tori by rays and by GJK/EPA, with a picture of the last frame and a page of all.
+int demo(const std::filesystem::path& png, const std::filesystem::path& html);
 
 }  // namespace pierce::app

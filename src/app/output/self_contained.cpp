@@ -2,12 +2,11 @@
 
 #include <md4c-html.h>
 
-#include <boost/archive/iterators/base64_from_binary.hpp>
-#include <boost/archive/iterators/transform_width.hpp>
 #include <fstream>
 #include <iterator>
 #include <regex>
 
+#include "page/base64.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce::app {
@@ -27,20 +26,12 @@ void append(const char* text, MD_SIZE size, void* to) {
     static_cast<std::string*>(to)->append(text, size);
 }
 
-std::string base64(const std::string& bytes) {
-    using namespace boost::archive::iterators;
-    using Encoded = base64_from_binary<transform_width<std::string::const_iterator, 6, 8>>;
-    std::string text(Encoded(bytes.begin()), Encoded(bytes.end()));
-    text.append((3 - bytes.size() % 3) % 3, '=');
-    return text;
-}
-
 std::string data_of(const fs::path& picture) {
     std::ifstream in(picture, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     if (bytes.empty()) throw InputError("cannot read '" + picture.string() + "'");
     const char* kind = picture.extension() == ".svg" ? "svg+xml" : "png";
-    return std::string("data:image/") + kind + ";base64," + base64(bytes);
+    return std::string("data:image/") + kind + ";base64," + page::base64(bytes);
 }
 
 }  // namespace

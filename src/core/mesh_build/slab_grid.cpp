@@ -41,10 +41,14 @@ public:
     bool is_empty() const { return count_ == 0; }
 
     /// What is within `reach` of the middle of these cells along an axis.
-    Polygon clipped(int axis, std::int32_t cell) const {
+    template <double Vec3d::*axis>
+    Polygon clipped(std::int32_t cell) const {
+        const double low = middle_of(cell) - reach, high = middle_of(cell) + reach;
+        const auto is_over = [&](Vec3d p) { return p.*axis < low || p.*axis > high; };
         Polygon polygon = *this;
-        for (const double side : {-1.0, 1.0})
-            polygon.clip(axis, side, side * middle_of(cell) + reach);
+        if (std::ranges::none_of(corners(), is_over)) return polygon;
+        polygon.clip<axis>(-1, -low);
+        polygon.clip<axis>(1, high);
         return polygon;
     }
 
@@ -57,12 +61,13 @@ public:
     }
 
 private:
-    void clip(int axis, double side, double limit) {
+    template <double Vec3d::*axis>
+    void clip(double side, double limit) {
         std::array<Vec3d, 9> kept;
         std::size_t count = 0;
         for (std::size_t k = 0; k < count_; ++k) {
             const Vec3d p = corner_[k], q = corner_[k + 1 < count_ ? k + 1 : 0];
-            const double over_p = side * p[axis] - limit, over_q = side * q[axis] - limit;
+            const double over_p = side * p.*axis - limit, over_q = side * q.*axis - limit;
             if (over_p <= 0) kept[count++] = p;
             if ((over_p < 0 && over_q > 0) || (over_p > 0 && over_q < 0))
                 kept[count++] = p + (over_p / (over_p - over_q)) * (q - p);
@@ -107,15 +112,8 @@ public:
         area_ += area;
         is_empty_ = false;
     }
-    /// Likewise, and keeps the polygon for later.
-    void add_and_keep(Vec3d normal, const Polygon& polygon, Vec3d middle) {
-        add(polygon.area());
-        normals_.push_back(normal);
-        for (const Vec3d p : polygon.corners()) corners_.push_back(p - middle);
-    }
     bool is_empty() const { return is_empty_; }
 
-    /// Finds the normal; then the slab holds what was kept.
     void choose_normal() {
         const Vec3d along = normalized(area_);
         for (int i = 0; i < 3; ++i) {
@@ -123,8 +121,6 @@ public:
             stored_[i] = slab_.normal[i] / constants::slab_normal_unit;
         }
         axis_ = normalized(stored_);
-        for (const Vec3d p : corners_) hold(p);
-        for (const Vec3d n : normals_) face(n);
     }
     /// Makes the slab hold a polygon around `middle`.
     void hold(Vec3d normal, std::span<const Vec3d> corners, Vec3d middle) {
@@ -156,8 +152,6 @@ private:
     bool is_empty_ = true;
     double low_ = INFINITY, high_ = -INFINITY, cosine_ = 1, sine_ = 0;
     CellSlab slab_;
-    std::vector<Vec3d> corners_;  ///< from the middle
-    std::vector<Vec3d> normals_;
 };
 
 /// The slabs of a layer of cells.
@@ -175,9 +169,14 @@ public:
                 for_each_cell(
                     t, [area = Polygon(t).area()](SlabBuilder& cell, Vec3d) { cell.add(area); });
             else
-                clip(t);
+                clip(t, i);
         }
-        for (SlabBuilder& cell : cells_) cell.choose_normal();
+        for (SlabBuilder& cell : cells_)
+            if (!cell.is_empty()) cell.choose_normal();
+        for (const Piece& piece : pieces_)
+            cells_[piece.cell].hold(
+                triangles[piece.triangle].normal,
+                std::span(corners_).subspan(piece.first_corner, piece.corner_count), piece.middle);
         for (const std::uint32_t i : of_layer) {
             const GridTriangle& t = triangles[i];
             if (t.is_small)
@@ -191,6 +190,15 @@ public:
     std::span<const SlabBuilder> cells() const { return cells_; }
 
 private:
+    /// What of a triangle is in a cell.
+    struct Piece {
+        std::size_t cell;
+        std::uint32_t triangle;
+        std::uint32_t corner_count;
+        std::size_t first_corner;
+        Vec3d middle;
+    };
+
     static bool is_near(const GridTriangle& t, Vec3d middle) {
         const double span = reach *
                             (std::abs(t.normal.x) + std::abs(t.normal.y) + std::abs(t.normal.z));
@@ -207,17 +215,25 @@ private:
             }
     }
 
-    /// Clips the triangle to the layer, each row of the layer and each cell of the row.
-    void clip(const GridTriangle& t) {
-        const Polygon in_layer = Polygon(t).clipped(2, z_);
+    /// Clips the triangle to the layer, each row of the layer and each cell of the row, and keeps
+    /// the pieces.
+    void clip(const GridTriangle& t, std::uint32_t number) {
+        const Polygon in_layer = Polygon(t).clipped<&Vec3d::z>(z_);
         for (std::int32_t y = t.first[1]; y <= t.last[1] && !in_layer.is_empty(); ++y) {
-            const Polygon in_row = in_layer.clipped(1, y);
+            const Polygon in_row = in_layer.clipped<&Vec3d::y>(y);
             for (std::int32_t x = t.first[0]; x <= t.last[0] && !in_row.is_empty(); ++x) {
                 const Vec3d middle{middle_of(x), middle_of(y), middle_of(z_)};
                 if (!is_near(t, middle)) continue;
-                const Polygon in_cell = in_row.clipped(0, x);
-                if (!in_cell.is_empty())
-                    cells_[grid_.index_of(x, y, 0)].add_and_keep(t.normal, in_cell, middle);
+                const Polygon in_cell = in_row.clipped<&Vec3d::x>(x);
+                if (in_cell.is_empty()) continue;
+                const std::span<const Vec3d> corners = in_cell.corners();
+                pieces_.push_back({.cell = grid_.index_of(x, y, 0),
+                                   .triangle = number,
+                                   .corner_count = static_cast<std::uint32_t>(corners.size()),
+                                   .first_corner = corners_.size(),
+                                   .middle = middle});
+                corners_.insert(corners_.end(), corners.begin(), corners.end());
+                cells_[pieces_.back().cell].add(in_cell.area());
             }
         }
     }
@@ -225,6 +241,8 @@ private:
     const ClearanceGridLayout& grid_;
     std::int32_t z_;
     std::vector<SlabBuilder> cells_;
+    std::vector<Piece> pieces_;
+    std::vector<Vec3d> corners_;  ///< of the pieces
 };
 
 }  // namespace

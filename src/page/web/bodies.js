@@ -35,7 +35,9 @@ function bodyMaterial(opacity, side) {
 class Instances {
   constructor(mesh, room, material) {
     const geometry = new THREE.InstancedBufferGeometry();
-    geometry.setIndex(new THREE.BufferAttribute(mesh.triangles, 1));
+    this.fine = new THREE.BufferAttribute(mesh.triangles, 1);
+    this.mesh = mesh;
+    geometry.setIndex(this.fine);
     this.positions = new THREE.BufferAttribute(mesh.vertices, 3);
     geometry.setAttribute("position", this.positions);
     const attribute = (name, width) => {
@@ -50,6 +52,11 @@ class Instances {
     this.object = new THREE.Mesh(geometry, material);
     this.object.frustumCulled = false;
     this.clear();
+  }
+  /** Draws fewer triangles, or all. */
+  set coarse(is) {
+    if (is) this.few ??= new THREE.BufferAttribute(coarseTriangles(this.mesh), 1);
+    this.object.geometry.setIndex(is ? this.few : this.fine);
   }
   clear() { this.count = 0; }
   add(pose, color) {
@@ -80,6 +87,7 @@ class Bodies {
     this.ofBody = new Map();
     this.ghosts = new Map();
     this.showGhosts = false;
+    this.coarse = false;
   }
 
   set opacity(value) {
@@ -107,6 +115,7 @@ class Bodies {
       }
     });
     for (const instances of this.ofMesh.values()) instances.finish();
+    for (const map of [this.ofMesh, this.ofBody]) for (const drawn of map.values()) drawn.coarse = this.coarse;
   }
 
   #materialOf(mesh) { return this.materials[mesh.closed ? 1 : 0]; }
@@ -123,10 +132,10 @@ class Bodies {
   #showDeformed(map, material, frame, b, color) {
     const mesh = this.data.meshOf(frame, b), positions = this.data.positionsOf(frame, b);
     let drawn = map.get(b);
-    if (!drawn || drawn.mesh !== mesh) {
+    if (!drawn || drawn.of !== mesh) {
       if (drawn) this.scene.remove(drawn.object);
       drawn = new Instances({ triangles: mesh.triangles, vertices: new Float32Array(positions) }, 1, material);
-      drawn.mesh = mesh;
+      drawn.of = mesh;
       map.set(b, drawn);
       this.scene.add(drawn.object);
     }

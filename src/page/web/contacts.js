@@ -51,7 +51,7 @@ function needleCorners(from, way, radius, out, at) {
 
 function flatMaterial(vertexShader, fragmentShader, uniforms) {
   return new THREE.ShaderMaterial({
-    vertexShader, fragmentShader, uniforms, side: THREE.DoubleSide, depthTest: false, transparent: true,
+    vertexShader, fragmentShader, uniforms, side: THREE.DoubleSide, depthTest: false, transparent: true, blending: THREE.NoBlending,
   });
 }
 

@@ -9,7 +9,8 @@ const KEYS = [
 ];
 const FRAMES_PER_SECOND = 30;  // of pages that do not know the time
 const USUAL_SHARE = 0.95;
-const ARROW_SHARE = 0.3;       // the longest arrow, of a usual body
+const ARROW_SHARE = 0.3;        // the longest arrow, of a usual body
+const NEAR_ARROW_SHARE = 0.03;  // the same where nothing is deep, and all arrows are much the same
 const byId = (id) => document.getElementById(id);
 
 class Player {
@@ -21,7 +22,7 @@ class Player {
     this.deepest = this.#usualDepth();
     const unit = this.#usualSize();
     const longest = this.deepest || data.columns.contact_distance.reduce((most, d) => Math.max(most, Math.abs(d)), 0);
-    this.arrowUnit = longest > 0 ? (ARROW_SHARE * unit) / longest : 1;
+    this.arrowUnit = longest > 0 ? ((this.deepest > 0 ? ARROW_SHARE : NEAR_ARROW_SHARE) * unit) / longest : 1;
     this.bodies = new Bodies(data, this.stage.scene);
     this.contacts = new Contacts(data, this.stage.scene, unit);
     this.contacts.inFront = true;
@@ -255,13 +256,14 @@ class Player {
   toggle() { this.playing ? this.pause() : this.play(); }
   pause() {
     if (!this.playing) return;
-    this.playing = false;
+    this.playing = this.bodies.coarse = false;
     byId("play").textContent = "▶";
-    this.#writeHash();
+    this.refresh();
   }
   play() {
     if (this.data.frameCount < 2) return;
     this.playing = true;
+    this.bodies.coarse = this.stage.bySoftware;
     byId("play").textContent = "⏸";
     if (this.frame === this.data.frameCount - 1) this.go(0);
     let last = performance.now(), due = 0;

@@ -15,7 +15,8 @@ class Stage {
   constructor(canvas, data) {
     this.canvas = canvas;
     this.data = data;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawsBySoftware() });
+    this.bySoftware = drawsBySoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.bySoftware });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.1, 1000);

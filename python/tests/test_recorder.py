@@ -1,0 +1,52 @@
+"""Recorders, and the bar of loops."""
+
+import io
+
+import numpy as np
+import pierce
+import pytest
+from conftest import box
+
+
+def test_a_recording_is_what_the_world_did(two_tori, tmp_path):
+    world, rigid, soft, positions = two_tori
+    recorder = pierce.Recorder(world, dt=0.5, names={soft: "soft"})
+    hashes = []
+    for k in range(5):
+        world.set_pose(rigid, [0.125 * k, 0, 0, 0, 0, 0, 1])
+        world.set_positions(soft, positions + np.float32(0.0625 * k))
+        hashes.append(world.detect().hash)
+        recorder.add()
+    recording = recorder.recording()
+    assert recording.frame_count == 5 and recording.dt == 0.5
+    assert recording.body_names == ["torus", "soft"]
+    recording.write(str(tmp_path / "motion"))
+    again = pierce.Recording.read(str(tmp_path / "motion"))
+    replay = pierce.Replay(again, threads=1, coverage="complete")
+    assert [replay.step(k).hash for k in range(5)] == hashes and len(set(hashes)) == 5
+    assert repr(recorder) == "Recorder(2 bodies, 5 frames)"
+
+
+def test_a_body_with_another_mesh_is_refused(two_tori):
+    world, rigid, _, _ = two_tori
+    recorder = pierce.Recorder(world)
+    world.set_mesh(rigid, world.add_mesh(box()))
+    with pytest.raises(ValueError, match="another mesh"):
+        recorder.add()
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_track_shows_a_bar_on_terminals_only(monkeypatch):
+    from pierce import progress
+
+    monkeypatch.setattr(progress, "_REDRAW", 0)
+    terminal, file = Terminal(), io.StringIO()
+    assert list(pierce.track(range(4), "steps", out=terminal)) == [0, 1, 2, 3]
+    assert "steps [" in terminal.getvalue() and "3/4" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\r\033[K")
+    assert list(pierce.track((k for k in range(3)), out=terminal)) == [0, 1, 2]
+    assert list(pierce.track(range(4), out=file)) == [0, 1, 2, 3] and file.getvalue() == ""
