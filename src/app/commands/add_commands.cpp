@@ -14,6 +14,7 @@
 #include "app/commands/doctor.hpp"
 #include "app/commands/explain.hpp"
 #include "app/commands/report_command.hpp"
+#include "app/commands/sweep.hpp"
 #include "app/commands/validate.hpp"
 
 namespace pierce::app {
@@ -221,6 +222,24 @@ void add_validate(CLI::App& app, int& code) {
     command->callback([options, &code] { code = validate(*options); });
 }
 
+void add_sweep(CLI::App& app, int& code) {
+    const auto options = std::make_shared<SweepOptions>();
+    CLI::App* command = app.add_subcommand(
+        "sweep", "run a command with every combination of parameters, and gather one table");
+    command->add_option("file", options->file, "JSON file with the command and the parameters")
+        ->required();
+    command->add_option("--jobs", options->jobs, "runs at the same time")
+        ->capture_default_str()
+        ->check(CLI::Range(1u, 1024u));
+    command->add_option("--only", options->only, "the number of one run");
+    command->add_flag("--list", options->list, "print the runs that are missing, and run nothing");
+    command->add_flag("--slurm", options->slurm,
+                      "print a script for Slurm that runs what is missing, and run nothing");
+    add_examples(*command, {"pierce sweep sweep.json --jobs 2", "pierce sweep sweep.json --list",
+                            "pierce sweep sweep.json --slurm"});
+    command->callback([options, &code] { code = sweep(*options); });
+}
+
 void add_demo(CLI::App& app, int& code) {
     const auto png = std::make_shared<std::filesystem::path>("demo.png");
     const auto html = std::make_shared<std::filesystem::path>("demo.html");
@@ -277,6 +296,7 @@ void add_commands(CLI::App& app, int& code) {
     add_check(app, code);
     add_compare(app, code);
     add_validate(app, code);
+    add_sweep(app, code);
     add_demo(app, code);
     add_report(app, code);
     add_doctor(app, code);

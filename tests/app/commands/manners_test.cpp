@@ -382,6 +382,9 @@ TEST_F(MannersTest, ExamplesOfEveryHelpRun) {
         listed = listed || line.starts_with("Subcommands:");
     }
     ASSERT_GE(commands.size(), 17u);
+    std::ofstream(folder / "sweep.json")
+        << R"({"format": "pierce-sweep", "version": 1, "command": ["run", "tori", "--count", "2"],
+               "parameters": {"--seconds": [0.1, 0.2]}})";
     fs::create_directories(folder / "home/.local/share/bash-completion/completions");
     fs::create_directories(folder / "home/.zsh/completions");
     fs::create_directories(folder / "home/.config/fish/completions");
