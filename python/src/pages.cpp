@@ -56,6 +56,7 @@ void write(const PyPage& self, const std::string& file, const nb::kwargs& made_w
     {
         const Use world(*self.world);
         about["backend"] = {{"name", world->backend()}};
+        about["plan"] = page::plan_figures(world->plan());
         about["notes"] = world->plan().notes;
     }
     about.update(json_of(made_with));

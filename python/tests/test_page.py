@@ -222,7 +222,7 @@ def test_hostile_names_are_text_and_nothing_is_fetched(browser, tmp_path):
     assert browser.text("title") == HOSTILE and browser.driver.title == HOSTILE
     assert HOSTILE in browser.text("details")
     browser.run("player.showTab('about')")
-    assert HOSTILE in browser.text("about")
+    assert HOSTILE in browser.text("about") and "vertex_cull" in browser.text("about")
     assert browser.run("return document.querySelectorAll('#about b, #details b').length") == 0
     fetched = browser.run("return performance.getEntriesByType('resource').map((r) => r.name)")
     assert [name for name in fetched if not name.startswith("data:")] == []

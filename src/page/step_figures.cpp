@@ -1,6 +1,7 @@
 #include "page/step_figures.hpp"
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace pierce::page {
 
@@ -22,6 +23,18 @@ nlohmann::json step_figures(const StepStats& stats) {
             {"status", stats.status},
             {"penetration_mean", stats.penetration_mean},
             {"penetration_max", stats.penetration_max}};
+}
+
+nlohmann::json plan_figures(const Plan& plan) {
+    std::string stages;
+    for (StageId stage : plan.stages)
+        stages.append(stages.empty() ? "" : ", ").append(name_of(stage));
+    return {{"fixed_bodies", plan.fixed_bodies},
+            {"rigid_bodies", plan.rigid_bodies},
+            {"deforming_bodies", plan.deforming_bodies},
+            {"open_bodies", plan.open_bodies},
+            {"sheets", plan.sheets},
+            {"stages", stages}};
 }
 
 }  // namespace pierce::page

@@ -8,6 +8,7 @@
 #include "app/output/json_file.hpp"
 #include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
+#include "page/step_figures.hpp"
 #include "pierce/error.hpp"
 #include "scenes/detect/detector.hpp"
 
@@ -32,9 +33,14 @@ void DetectionPage::add(const json& figures) {
 void DetectionPage::write(const json& settings, const std::filesystem::path& recording,
                           const json& tables) const {
     if (!page_) return;
-    json made_with{{"settings", settings},          {"machine", machine_json()},
-                   {"versions", versions_json()},   {"backend", {{"name", world_->backend()}}},
-                   {"notes", world_->plan().notes}, {"tables", tables}};
+    const Plan& plan = world_->plan();
+    json made_with{{"settings", settings},
+                   {"plan", page::plan_figures(plan)},
+                   {"machine", machine_json()},
+                   {"versions", versions_json()},
+                   {"backend", {{"name", world_->backend()}}},
+                   {"notes", plan.notes},
+                   {"tables", tables}};
     if (!recording.empty()) made_with["recording"] = recording.string();
     page_->write(options_.file, made_with, show_share("writing " + options_.file.string()));
     fmt::print("page: {}\n", std::filesystem::absolute(options_.file).string());

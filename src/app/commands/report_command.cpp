@@ -10,13 +10,22 @@
 namespace pierce::app {
 namespace {
 
+/// Where a report goes.
+void add_places(CLI::App& command, std::filesystem::path& out, std::filesystem::path& html) {
+    command.add_option("--out", out, "folder for the page, its pictures and CSV files")
+        ->required()
+        ->type_name("DIR");
+    command
+        .add_option("--html", html,
+                    "write the page that holds all of it to FILE; DIR/report.html if not given")
+        ->type_name("FILE");
+}
+
 void add_paper(CLI::App& report, int& code) {
     const auto options = std::make_shared<PaperReportOptions>();
     CLI::App* command = report.add_subcommand(
         "paper", "the paper's experiments, with its figures beside ours");
-    command->add_option("--out", options->out, "folder for the page, its pictures and CSV files")
-        ->required()
-        ->type_name("DIR");
+    add_places(*command, options->out, options->html);
     command->add_option("--count", options->count, "falling bodies")
         ->capture_default_str()
         ->check(CLI::Range(1u, 1000000u));
@@ -83,9 +92,7 @@ void add_accuracy(CLI::App& report, int& code) {
     CLI::App* command = report.add_subcommand(
         "accuracy",
         "time and error of all methods against exact truth, and their answers to the hard cases");
-    command->add_option("--out", options->out, "folder for the page, its pictures and CSV files")
-        ->required()
-        ->type_name("DIR");
+    add_places(*command, options->out, options->html);
     const auto add_size = [&](const char* name, std::uint32_t& size, const char* what) {
         command->add_option(name, size, what)
             ->capture_default_str()
@@ -113,9 +120,7 @@ void add_cloth(CLI::App& report, int& code) {
         "cloth",
         "which crossings of cloth each method misses or invents, and how deep cloth goes through "
         "itself");
-    command->add_option("--out", options->out, "folder for the page, its pictures and CSV files")
-        ->required()
-        ->type_name("DIR");
+    add_places(*command, options->out, options->html);
     command
         ->add_option("--seconds", options->timing.seconds,
                      "simulated time of the motions compared on")

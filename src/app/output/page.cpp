@@ -14,8 +14,9 @@ namespace pierce::app {
 
 namespace fs = std::filesystem;
 
-Page::Page(const fs::path& folder, const std::string& title, const nlohmann::json& settings)
-    : folder_(folder), title_(title) {
+Page::Page(const fs::path& folder, const std::string& title, const nlohmann::json& settings,
+           const fs::path& html)
+    : folder_(folder), html_(html.empty() ? folder / "report.html" : html), title_(title) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) throw InputError("cannot make folder '" + folder.string() + "': " + error.message());
@@ -30,6 +31,7 @@ Page::Page(const fs::path& folder, const std::string& title, const nlohmann::jso
     line("");
     // A long run shall not end with a page that cannot be written.
     write_text_file(folder_ / "report.md", text_);
+    check_writable(html_);
 }
 
 void Page::csv(const Table& table, const std::string& name) const {
@@ -65,11 +67,11 @@ void Page::write(std::span<const Part> parts) {
 
 void Page::close() {
     show_plots();
-    const fs::path markdown = folder_ / "report.md", html = folder_ / "report.html";
+    const fs::path markdown = folder_ / "report.md";
     write_text_file(markdown, text_);
-    write_text_file(html, self_contained_html(title_, text_, folder_));
+    write_text_file(html_, self_contained_html(title_, text_, folder_));
     fmt::print("report: {}\n", fs::absolute(markdown).string());
-    fmt::print("in one file: {}\n", fs::absolute(html).string());
+    fmt::print("in one file: {}\n", fs::absolute(html_).string());
 }
 
 void Page::show_plots() {

@@ -18,10 +18,10 @@ namespace pierce::app {
 class Page {
 public:
     /// Makes the folder, and begins the page with its title and what it is made with: machine,
-    /// versions, commit, and `settings`. Throws InputError if a file cannot be written, here and
-    /// later.
+    /// versions, commit, and `settings`. `html`: the one file, in place of the folder's
+    /// report.html; empty: none. Throws InputError if a file cannot be written, here and later.
     Page(const std::filesystem::path& folder, const std::string& title,
-         const nlohmann::json& settings);
+         const nlohmann::json& settings, const std::filesystem::path& html);
 
     template <class... T>
     void line(fmt::format_string<T...> format, T&&... values) {
@@ -61,7 +61,7 @@ private:
         std::size_t at;  ///< in the text
     };
 
-    std::filesystem::path folder_;
+    std::filesystem::path folder_, html_;
     std::string title_, made_with_, text_;
     std::vector<Shown> plots_;
     std::vector<std::string> descriptions_;

@@ -9,6 +9,7 @@ namespace pierce::app {
 
 struct AccuracyReportOptions {
     std::filesystem::path out;
+    std::filesystem::path html;      ///< the one file; empty: report.html in that folder
     std::uint32_t count = 100;       ///< falling bodies of the scenes
     Timing timing{9, 1.0 / 60};      ///< of the scenes
     std::uint32_t every = 9;         ///< the scenes' truth is made for every Nth frame

@@ -17,7 +17,7 @@ namespace pierce::app {
 int report_cloth(const ClothReportOptions& options) {
     check_truth_program();
     Page page(options.out, "Cloth: time and error, measured here",
-              {{"seed", options.seed}, {"threads for detection", options.threads}});
+              {{"seed", options.seed}, {"threads for detection", options.threads}}, options.html);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
     const auto penetration = [&] {

@@ -11,6 +11,7 @@ namespace pierce::app {
 
 struct ClothReportOptions {
     std::filesystem::path out;
+    std::filesystem::path html;    ///< the one file; empty: report.html in that folder
     Timing timing{4, 1.0 / 60};    ///< of the motions that methods are compared on
     Timing falling{12, 1.0 / 60};  ///< of the cloth on the capsule, figure 16
     std::uint32_t nodes = 0;  ///< of a sheet, along a side; 0: as many as the scene was made for

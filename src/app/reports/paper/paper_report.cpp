@@ -92,7 +92,8 @@ void write_cloth(const PaperReportOptions& options, Page& page) {
 
 int report_paper(const PaperReportOptions& options) {
     check_truth_program();
-    Page page(options.out, "The paper's experiments, measured here", settings_of(options));
+    Page page(options.out, "The paper's experiments, measured here", settings_of(options),
+              options.html);
     std::vector<Pile> piles;  // tori, bunnies; soft tori, soft bunnies
     const auto rigid = [&] { return std::span(piles).first(2); };
     const auto make_piles = [&] {

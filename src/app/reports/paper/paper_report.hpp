@@ -11,6 +11,7 @@ namespace pierce::app {
 
 struct PaperReportOptions {
     std::filesystem::path out;
+    std::filesystem::path html;         ///< the one file; empty: report.html in that folder
     std::filesystem::path gpu_results;  ///< folder from which parts that need a GPU are merged, if
                                         ///< there is none here; empty: they are left out
     std::uint32_t count = 100;          ///< falling bodies

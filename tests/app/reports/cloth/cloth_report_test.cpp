@@ -50,13 +50,15 @@ TEST_F(ClothReportTest, ShowsTimeBesideErrorForEverySize) {
 }
 
 TEST_F(ClothReportTest, DrawsWhatItMeasures) {
-    const Outcome report = pierce("report cloth --parts accuracy --nodes 8 --seconds 1 --out " +
-                                  path("report"));
+    const Outcome report = pierce("report cloth --parts accuracy --nodes 8 --seconds 1 --html " +
+                                  path("one.html") + " --out " + path("report"));
     ASSERT_EQ(report.code, 0) << report.text;
     std::ifstream in(folder / "report" / "report.md");
     const std::string page = (std::stringstream() << in.rdbuf()).str();
     EXPECT_THAT(page, HasSubstr("(f8_ray_length_cloth-twist.")) << "a picture, or a table";
     EXPECT_THAT(page, testing::Not(HasSubstr("could not draw")));
+    EXPECT_TRUE(std::filesystem::exists(path("one.html")));
+    EXPECT_FALSE(std::filesystem::exists(folder / "report" / "report.html"));
 }
 
 TEST_F(ClothReportTest, RefusesPartsThereAreNot) {
