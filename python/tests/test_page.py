@@ -254,6 +254,20 @@ def test_many_contacts_are_rounded_as_the_page_says(browser, tmp_path):
     assert browser.complaints() == []
 
 
+@pytest.mark.parametrize("reasons", [True, False])
+def test_places_and_contacts_are_of_one_step(two_tori, reasons):
+    world, rigid, _, _ = two_tori
+    page = pierce.Page(world, reasons=reasons)
+    with pytest.raises(pierce.InputError, match="after detect"):
+        page.add()
+    world.detect()
+    page.add()
+    world.set_pose(rigid, [0.1, 0, 0, 0, 0, 0, 1])
+    with pytest.raises(pierce.InputError, match="moved"):
+        page.add()
+    assert page.frame_count == 1
+
+
 def test_sheets_and_bodies_that_come_and_go(browser, tmp_path):
     world = pierce.World(threads=1)
     solid = world.add_mesh(box())

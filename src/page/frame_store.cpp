@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/mesh/patch.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::page {
 namespace {
@@ -19,6 +20,17 @@ std::vector<std::uint32_t> patches_of(const Mesh& mesh) {
         for (std::uint32_t i = 0; i < patch_length(view, p); ++i)
             result[view.patch_vertices[patch_begin(p) + i]] = p;
     return result;
+}
+
+/// Throws InputError unless places and contacts are of the same step.
+void require_step(const World& world) {
+    try {
+        (void)world.world_offsets();
+    } catch (const InputError&) {
+        throw InputError(
+            "a page shows a world after detect(), and bodies were added, removed, moved or changed "
+            "since");
+    }
 }
 
 /// Handles of all bodies there are.
@@ -64,6 +76,7 @@ std::uint32_t FrameStore::number_of(const World& world, BodyId body,
 }
 
 void FrameStore::add(World& world, const std::vector<std::string>& names, bool reasons) {
+    require_step(world);
     Frame frame;
     for (BodyId body : bodies_of(world)) {
         Place place{.body = number_of(world, body, names),

@@ -30,7 +30,8 @@ public:
 
     /// Keeps the world's bodies and contacts as the last detect() saw them, as the next frame.
     /// `figures`: what charts show of the frame; of objects in it, such as times by stage, each
-    /// member. Throws InputError if bodies were moved or changed since.
+    /// member. Throws InputError if bodies were added, removed, moved or changed since, or have
+    /// their places in device memory.
     void add(World& world, const nlohmann::json& figures);
     std::uint32_t frame_count() const;
 
