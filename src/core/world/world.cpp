@@ -132,8 +132,7 @@ std::vector<Vec3d> World::vertex_positions(BodyId body) const {
     const Frame frame = frame_of(entry.pose);
     std::vector<Vec3d> result;
     result.reserve(local.size());
-    for (Vec3f p : local)
-        result.push_back(deforms ? to_double(p) : frame.to_parent(to_double(p)));
+    for (Vec3f p : local) result.push_back(deforms ? to_double(p) : frame.to_parent(to_double(p)));
     return result;
 }
 

@@ -81,7 +81,8 @@ void write_quality(std::span<const Pile> piles, const PaperReportOptions& option
 
 void write_cloth(const PaperReportOptions& options, Page& page) {
     figure_15(options, page);
-    ClothReportOptions cloth{.out = options.out};
+    ClothReportOptions cloth;
+    cloth.out = options.out;
     cloth.falling.seconds = options.cloth_seconds;
     cloth.seed = options.seed;
     cloth_penetration_figure(cloth, page);
