@@ -8,6 +8,7 @@ const KEYS = [
   ["t", "light or dark"], ["Esc", "select nothing"], ["?", "these keys"],
 ];
 const FRAMES_PER_SECOND = 30;  // of pages that do not know the time
+const PATIENCE = 200;          // [ms] numbers that change faster cannot be read
 const USUAL_SHARE = 0.95;
 const ARROW_SHARE = 0.3;        // the longest arrow, of a usual body
 const NEAR_ARROW_SHARE = 0.03;  // the same where nothing is deep, and all arrows are much the same
@@ -17,6 +18,7 @@ class Player {
   constructor(data) {
     this.data = data;
     this.frame = -1;
+    this.told = 0;  // when details were last shown
     this.selection = {};
     this.stage = new Stage(byId("canvas"), data);
     this.deepest = this.#usualDepth();
@@ -163,7 +165,11 @@ class Player {
     });
     this.contacts.show(frame, (i) => filters.keeps(i), ofContact, selection.contact);
     this.overlays.show(frame, this.#selectedBody(), selection.vertex);
-    this.details.show(frame, selection);
+    const now = performance.now();
+    if (!this.playing || now - this.told > PATIENCE) {
+      this.details.show(frame, selection);
+      this.told = now;
+    }
     this.charts.show(frame);
     this.stage.draw();
     const [begin, end] = data.contactRange(frame);
