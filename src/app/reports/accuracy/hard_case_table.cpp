@@ -7,6 +7,7 @@
 
 #include "app/measure/compare.hpp"
 #include "app/output/plot.hpp"
+#include "app/output/progress.hpp"
 #include "pierce/box.hpp"
 #include "pierce/error.hpp"
 #include "scenes/detect/detector.hpp"
@@ -120,7 +121,10 @@ void hard_case_table(Page& page) {
     };
     std::map<std::string, Score> scores;
     scenes::RayProbe probe(scenes::make_backend({"embree", 1, {}}));
-    for (const HardCase& hard : scenes::hard_cases()) {
+    const std::vector<HardCase> cases = scenes::hard_cases();
+    Progress progress("hard cases", static_cast<std::uint32_t>(cases.size()));
+    std::uint32_t done = 0;
+    for (const HardCase& hard : cases) {
         double question = 0;
         const auto begin_row = [&](const std::string& situation) {
             row = fmt::format("| {} | {}{}{} |", hard.number, hard.name,
@@ -157,6 +161,7 @@ void hard_case_table(Page& page) {
         }
         if (!hard.differs.empty())
             notes += fmt::format("* {} {}: {}.\n", hard.number, hard.name, hard.differs);
+        progress.show(++done);
     }
     page.line(
         "\n| | asked | right | in contact, at another depth | wrong |\n|---|---|---|---|---|");
