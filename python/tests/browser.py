@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+# Containers have little shared memory, and no user of their own.
+CONTAINERS = ["--no-sandbox", "--disable-dev-shm-usage"]
 SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE = 60  # [s]
 
@@ -15,16 +17,20 @@ class Browser:
 
     def __init__(self):
         webdriver = pytest.importorskip("selenium.webdriver")
+        exceptions = pytest.importorskip("selenium.common.exceptions")
         program, driver = shutil.which("chromium"), shutil.which("chromedriver")
         if program is None or driver is None:
             pytest.skip("Chromium and its driver (chromium, chromium-driver) are not installed")
         options = webdriver.ChromeOptions()
         options.binary_location = program
-        for argument in ["--headless=new", "--no-sandbox", "--hide-scrollbars", *SOFTWARE_GL]:
+        for argument in ["--headless=new", "--hide-scrollbars", *CONTAINERS, *SOFTWARE_GL]:
             options.add_argument(argument)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         service = webdriver.ChromeService(driver)
-        self.driver = webdriver.Chrome(options=options, service=service)
+        try:
+            self.driver = webdriver.Chrome(options=options, service=service)
+        except exceptions.WebDriverException as error:
+            pytest.skip(f"Chromium does not start here: {error.msg}")
         self.driver.set_script_timeout(PATIENCE)
 
     def __enter__(self):
