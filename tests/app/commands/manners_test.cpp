@@ -76,15 +76,17 @@ TEST_F(MannersTest, CtrlCLeavesWholeFilesOfTheFramesThatAreDone) {
     EXPECT_EQ(read("replay.json")["frames"].size(), frames);
     EXPECT_THAT(parts(), testing::IsEmpty());
 
+    // Brute force takes its time: the motion must not end before the signal comes.
+    ASSERT_EQ(pierce("run tori --count 30 --seconds 3 --record long", folder).code, 0);
     OnTerminal again(
-        "replay motion --backend reference --json again.json --html again.html "
+        "replay long --backend reference --json again.json --html again.html "
         "--coverage complete --temporal off",
         folder);
     ASSERT_TRUE(again.wait_for("replaying [")) << again.text();
     again.press_ctrl_c();
     EXPECT_EQ(again.end(), 130);
     EXPECT_THAT(again.text(), HasSubstr("again.json, again.html hold these frames only"));
-    EXPECT_LT(read("again.json")["frames"].size(), frames);
+    EXPECT_LT(read("again.json")["frames"].size(), 180u);
     EXPECT_TRUE(text_of(folder / "again.html").ends_with("</html>\n"));
 }
 
