@@ -7,6 +7,7 @@ const CIVIDIS = [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [
 const KINDS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8f7a00", "#7f7f7f"];
 const PLAIN = [0.72, 0.74, 0.76];
 const SELECTED = [0.84, 0.37, 0];
+const SELECTED_BODY = [0.93, 0.64, 0.42];
 
 /** The colour of a share from 0 to 1. */
 function cividis(share) {

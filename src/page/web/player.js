@@ -159,6 +159,7 @@ class Player {
     const { contact_distance: distance, contact_found: found } = data.columns;
     const ofContact = (i) => this.deepest > 0 ? cividis(-distance[i] / this.deepest) : channels(KINDS[found[i] % KINDS.length]);
     this.bodies.show(frame, (b) => {
+      if (b === selection.body) return SELECTED_BODY;
       if (filters.colors === "body") return channels(KINDS[b % KINDS.length]);
       const colored = filters.colors === "depth" && depths[b] > 0 && data.bodies[b].motion !== "fixed";
       return colored ? bodyColor(depths[b] / this.deepest) : PLAIN;
