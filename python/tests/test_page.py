@@ -293,4 +293,8 @@ def test_sheets_and_bodies_that_come_and_go(browser, tmp_path):
     assert [browser.run(there, k) for k in range(3)] == [False, True, False]
     browser.run("player.bodies.showGhosts = true; player.go(1); player.go(2)")
     assert len(contacts_on_page(browser, 0)) > 0
+    browser.run("player.go(0); player.select({body: 1, vertex: 0})")
+    said = browser.text("details")
+    assert "Why it has no contact" in said or "Its contacts" in said
+    assert "not on this page" not in said
     assert browser.complaints() == []

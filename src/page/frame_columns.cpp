@@ -237,6 +237,7 @@ void FrameStore::pack_reasons(PackedArrays& arrays, json& description, bool roun
     other.pack(arrays, "reason_other", 1);
     text.pack(arrays, "reason_text");
     description["reason_texts"] = texts;
+    description["has_all_reasons"] = has_all_reasons_;
 }
 
 }  // namespace pierce::page

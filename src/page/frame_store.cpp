@@ -92,7 +92,11 @@ void FrameStore::add(World& world, const std::vector<std::string>& names, bool r
     }
     const std::span<const Contact> contacts = world.contacts();
     frame.contacts.assign(contacts.begin(), contacts.end());
-    if (reasons) frame.reasons = reasons_of(world);
+    if (reasons) {
+        Reasons found = reasons_of(world);
+        frame.reasons = std::move(found.list);
+        has_all_reasons_ = has_all_reasons_ && found.has_all;
+    }
     frames_.push_back(std::move(frame));
 }
 

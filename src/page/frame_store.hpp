@@ -63,6 +63,7 @@ private:
     std::unordered_map<BodyId, std::uint32_t> body_numbers_;
     std::unordered_map<MeshId, std::uint32_t> mesh_numbers_;
     std::vector<Frame> frames_;
+    bool has_all_reasons_ = true;
 };
 
 }  // namespace pierce::page

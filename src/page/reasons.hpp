@@ -14,9 +14,14 @@ struct VertexReason {
     Explanation explanation;
 };
 
-/// The reasons of all vertices of solids that stand in another body's box and have no contact with
-/// it, after a step. Vertices that are not in the list, and not in contact, are outside of all
-/// boxes, or in those of sheets only.
-std::vector<VertexReason> reasons_of(World& world);
+/// The reasons of all vertices that stand in another body's box, or belong to a sheet and may meet
+/// it, and have no contact there, after a step. Vertices that are not in the list, and not in
+/// contact, are outside of all other boxes.
+struct Reasons {
+    std::vector<VertexReason> list;
+    bool has_all = true;  ///< false: large sheets are left out, of which every vertex is compared
+                          ///< with every triangle
+};
+Reasons reasons_of(World& world);
 
 }  // namespace pierce::page

@@ -75,12 +75,13 @@ class Details {
       const of = c.contact_flags[i] & 1 ? c.contact_b[i] : c.contact_a[i];
       if (of === body && (c.contact_vertex[i] === vertex || c.contact_edge_end[i] === vertex + 1)) own.push(i - begin);
     }
-    const reasons = data.reasonsOf(frame, body, vertex), sheet = data.bodies[body].sheet;
+    const reasons = data.reasonsOf(frame, body, vertex);
     let why;
     if (reasons.length) why = reasons.map(({ other, text }) => element("p", { class: "reason" }, "Against ", this.body(other), ": ", text));
     else if (!data.has_reasons) why = [element("p", {}, "This page was made without reasons.")];
-    else if (sheet) why = [element("p", {}, "Reasons about sheets are not on this page.")];
     else if (own.length) why = [];
+    else if (!data.has_all_reasons && data.bodies.some((one) => one.sheet))
+      why = [element("p", {}, "Reasons about sheets of this size are not on this page.")];
     else why = [element("p", { class: "reason" }, "No contact: the vertex is outside of the boxes of all other bodies.")];
     const place = data.meshOf(frame, body) ? keyTable([["position", data.vertexAt(frame, body, vertex)],
       ["patch", data.meshOf(frame, body).patches[vertex]]]) : element("p", {}, "The body is not there in this frame.");
