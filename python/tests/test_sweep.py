@@ -3,8 +3,10 @@
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -110,6 +112,17 @@ def test_tasks_of_ray(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", like_ray)
     assert "2 of 2 runs are done" in pierce.sweep.run_with_ray(file)
     assert calls == [(str(file), 0), (str(file), 1)]
+
+
+def test_the_pages_example_is_a_sweep(tmp_path):
+    page = (Path(__file__).parents[2] / "docs/sweeps.md").read_text()
+    file = tmp_path / "sweep.json"
+    file.write_text(re.search(r"```json\n(.*?)```", page, re.DOTALL).group(1))
+    assert pierce.sweep.missing(file) == list(range(12))
+    listed = pierce_sweep(file, "--list").stdout.splitlines()
+    assert listed[3] == "3: pierce run tori --seconds 2 --threads 1 --count 10 --seed 2 --soft"
+    program = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
+    compile(program, "docs/sweeps.md", "exec")
 
 
 @pytest.mark.parametrize(
