@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import BodyId, MeshId, Motion, Recording, World, all_worlds
+from ._bodies import bodies_of
+from ._core import BodyId, MeshId, Motion, Recording, World
 
 
 class Recorder:
@@ -24,9 +25,7 @@ class Recorder:
         self.world = world
         self.dt = dt
         self.names = dict(names or {})
-        self.bodies = sorted(
-            body for number in (all_worlds, *world.worlds()) for body in world.bodies_of(number)
-        )
+        self.bodies = sorted(bodies_of(world))
         self._meshes = [world.mesh_of(body) for body in self.bodies]
         self._frames: list[list[NDArray[np.float32]]] = [[] for _ in self.bodies]
 
@@ -58,7 +57,7 @@ class Recorder:
         return [*pose.position, *pose.rotation]
 
     def _name(self, body: BodyId) -> str:
-        return self.names.get(body, f"{self.world.mesh(self.world.mesh_of(body)).name}")
+        return self.names.get(body, self.world.mesh(self.world.mesh_of(body)).name)
 
     def __repr__(self) -> str:
         frames = len(self._frames[0]) if self._frames else 0

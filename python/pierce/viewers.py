@@ -13,14 +13,16 @@ tell apart.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import BodyId, Contacts, MeshId, Motion, World, all_worlds
+from ._bodies import bodies_of
+from ._core import BodyId, Contacts, MeshId, Motion, World
+from ._poses import rotations_of
 
 Floats = NDArray[np.float64]
 
@@ -67,7 +69,7 @@ class Viewer:
         contacts: those to show; None: all of the last step.
         """
         self._set_time(step, seconds)
-        bodies = _bodies(self.world)
+        bodies = bodies_of(self.world)
         for body in self._shown.keys() - set(bodies):
             self._remove_body(self._name(body))
             del self._shown[body]
@@ -88,7 +90,8 @@ class Viewer:
             if body not in self._shown or self._shown[body] != mesh:
                 self._set_mesh(name, np.asarray(self.world.mesh(mesh).vertices), triangles)
             pose = self.world.pose_of(body)
-            self._set_place(name, _rotation(pose.rotation), np.array(pose.position))
+            rotation = rotations_of(np.array([pose.rotation]))[0]
+            self._set_place(name, rotation, np.array(pose.position))
         self._shown[body] = mesh
 
     def _log_contacts(self, contacts: Any) -> None:
@@ -320,16 +323,3 @@ def _need(module: str, package: str) -> Any:
         return import_module(module)
     except ImportError as error:
         raise ImportError(f"this viewer needs {module}: pip install {package}") from error
-
-
-def _bodies(world: World) -> list[BodyId]:
-    numbers = [all_worlds, *world.worlds()]
-    return [body for number in numbers for body in world.bodies_of(number)]
-
-
-def _rotation(turned: Sequence[float]) -> Floats:
-    """The matrix (3, 3) of a quaternion x, y, z, w of any length."""
-    vector, w = np.array(turned[:3], np.float64), turned[3]
-    doubled = 2 / (vector @ vector + w * w)
-    across = np.cross(np.eye(3), vector)
-    return np.asarray(np.eye(3) + doubled * (w * across + across @ across))

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <string>
@@ -15,11 +16,19 @@ using nlohmann::json;
 
 /// Bytes of exact numbers of contacts and positions that a page holds before numbers are rounded.
 constexpr double most_exact_bytes = 12e6;
-/// Of an exact contact: its 14 numbers in float64.
-constexpr double exact_contact_bytes = 14 * sizeof(double);
+/// The numbers of a contact, as float64.
+constexpr const char* exact_names[] = {
+    "distance",  "along",    "point_a_x", "point_a_y", "point_a_z", "point_b_x", "point_b_y",
+    "point_b_z", "normal_x", "normal_y",  "normal_z",  "weight_0",  "weight_1",  "weight_2"};
+/// The same in 16 bits each, without the distance, which is a float32 then.
+constexpr const char* share_names[] = {"along", "time", "u", "v", "normal_u", "normal_v"};
+constexpr double exact_contact_bytes = std::size(exact_names) * sizeof(double);
 constexpr double steps_of_16_bits = 65535;
 constexpr float nowhere = std::numeric_limits<float>::quiet_NaN();
 constexpr std::uint32_t no_mesh = 0xffffffffu;
+
+// data.js has the names of Found, too.
+static_assert(static_cast<int>(Found::separation) == 8);
 
 constexpr const char* motion_names[] = {"fixed", "rigid", "deforming"};
 
@@ -156,9 +165,9 @@ void FrameStore::pack_places(PackedArrays& arrays, json& description, bool round
 void FrameStore::pack_contacts(PackedArrays& arrays, bool rounded) const {
     Column<std::uint32_t> begin, a, b, vertex, edge_end, triangle, age;
     Column<std::uint8_t> flags, found;
-    Column<double> exact[14];
+    Column<double> exact[std::size(exact_names)];
     Column<float> distance;
-    Column<std::uint16_t> shares[6];
+    Column<std::uint16_t> shares[std::size(share_names)];
     begin.add(0);
     for (const Frame& frame : frames_) {
         for (const Contact& c : frame.contacts) {
@@ -173,19 +182,20 @@ void FrameStore::pack_contacts(PackedArrays& arrays, bool rounded) const {
             if (rounded) {
                 distance.add(c.distance);
                 const auto [u, v] = unfolded(c.normal);
-                const std::uint16_t all[] = {share(c.along),
-                                             share(c.time),
-                                             share(c.barycentric[0]),
-                                             share(c.barycentric[1]),
-                                             u,
-                                             v};
-                for (int k = 0; k < 6; ++k) shares[k].add(all[k]);
+                const std::uint16_t all[std::size(share_names)] = {share(c.along),
+                                                                   share(c.time),
+                                                                   share(c.barycentric[0]),
+                                                                   share(c.barycentric[1]),
+                                                                   u,
+                                                                   v};
+                for (std::size_t k = 0; k < std::size(all); ++k) shares[k].add(all[k]);
             } else {
                 const Vec3d &p = c.point_a, &q = c.point_b, &n = c.normal;
                 const double* w = c.barycentric;
-                const double all[] = {c.distance, c.along, p.x, p.y, p.z,  q.x,  q.y,
-                                      q.z,        n.x,     n.y, n.z, w[0], w[1], w[2]};
-                for (int k = 0; k < 14; ++k) exact[k].add(all[k]);
+                const double all[std::size(exact_names)] = {c.distance, c.along, p.x,  p.y, p.z,
+                                                            q.x,        q.y,     q.z,  n.x, n.y,
+                                                            n.z,        w[0],    w[1], w[2]};
+                for (std::size_t k = 0; k < std::size(all); ++k) exact[k].add(all[k]);
             }
         }
         begin.add(static_cast<double>(a.numbers.size()));
@@ -199,15 +209,15 @@ void FrameStore::pack_contacts(PackedArrays& arrays, bool rounded) const {
     age.pack(arrays, "contact_age");
     flags.pack(arrays, "contact_flags");
     found.pack(arrays, "contact_found");
+    const auto pack_all = [&](const auto& columns, const auto& names) {
+        for (std::size_t k = 0; k < std::size(names); ++k)
+            columns[k].pack(arrays, std::string("contact_") + names[k]);
+    };
     if (rounded) {
         distance.pack(arrays, "contact_distance");
-        const char* names[] = {"along", "time", "u", "v", "normal_u", "normal_v"};
-        for (int k = 0; k < 6; ++k) shares[k].pack(arrays, std::string("contact_") + names[k]);
+        pack_all(shares, share_names);
     } else {
-        const char* names[] = {"distance",  "along",     "point_a_x", "point_a_y", "point_a_z",
-                               "point_b_x", "point_b_y", "point_b_z", "normal_x",  "normal_y",
-                               "normal_z",  "weight_0",  "weight_1",  "weight_2"};
-        for (int k = 0; k < 14; ++k) exact[k].pack(arrays, std::string("contact_") + names[k]);
+        pack_all(exact, exact_names);
     }
 }
 

@@ -83,6 +83,8 @@ std::vector<std::uint32_t> run_all(const Sweep& sweep, std::span<const SweepRun*
             } catch (const Interrupted&) {
                 stop = true;
                 break;
+            } catch (const std::exception& error) {
+                fmt::print(stderr, "pierce: run {}: {}\n", missing[k]->number, error.what());
             }
             const std::lock_guard lock(mutex);
             if (!good) failed.push_back(missing[k]->number);
