@@ -11,7 +11,7 @@ from browser import Browser
 from conftest import box, torus
 
 COMMAND = os.environ.get("PIERCE_COMMAND")
-HOSTILE = "</script><script>hacked = true</script><b>$'\"{}"
+HOSTILE = "</title></script><script>hacked = true</script><b>$'\"{}"
 
 
 def command(*arguments):

@@ -13,7 +13,7 @@ def test_a_recording_is_what_the_world_did(two_tori, tmp_path):
     recorder = pierce.Recorder(world, dt=0.5, names={soft: "soft"})
     hashes = []
     for k in range(5):
-        world.set_pose(rigid, [0.125 * k, 0, 0, 0, 0, 0, 1])
+        world.set_pose(rigid, [0.125 * k, 0, 0, 0.5, 0.5, 0.5, 0.5])
         world.set_positions(soft, positions + np.float32(0.0625 * k))
         hashes.append(world.detect().hash)
         recorder.add()
