@@ -25,8 +25,14 @@ What differs from FCL:
   It is the shortest one in the common cases, and never less than that (`World.parting`).
   It is 0 if one of the two has no inside.
   Of several pairs that overlap, the one that has to move furthest counts.
-* Contacts are those of Pierce (`Contacts`): `depth` is that of a point, `point` is half way
-  between the two surfaces, and `index()` is the face there, also of convex meshes.
+* Two convex meshes have one contact, as with FCL: its depth is the shortest way on which they come
+  apart, its normal the direction of that, and its point is half way between the two points that
+  touch afterwards.
+* Other pairs have all contacts of Pierce (`Contacts`): `depth` is that of a point, and `point` is
+  half way between the two surfaces.
+* `normal` points from the object of the manager to the other mesh or the other manager's object,
+  within a manager from the object added first to the other one.
+  `index()` is the face there, also of convex meshes.
 * Transforms have to be rigid: a scale or a mirror is applied to the mesh, not to its place.
 
 Lengths are in the unit of the meshes.
@@ -46,13 +52,11 @@ import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
 from trimesh.collision import ContactData, DistanceData
-from trimesh.triangles import closest_point
 
 from . import _core
+from ._surfaces import Floats, box, box_gaps, closest_points, vertex_distance
 
 __all__ = ["CollisionManager", "ContactData", "DistanceData", "scene_to_collision"]
-
-Floats = NDArray[np.float64]
 
 EXTERNAL = "__external"
 """The name of a mesh that is not in the manager, as trimesh has it."""
@@ -219,27 +223,30 @@ class CollisionManager:
         self, left: list[_Object], right: list[_Object] | None, all_contacts: bool
     ) -> tuple[list[tuple[_Object, _Object]], list[ContactData]]:
         """The pairs that collide, the left object first, and their contacts if asked for."""
-        pairs, data, first = [], [], set(left)
+        pairs: list[tuple[_Object, _Object]] = []
+        data: list[ContactData] = []
+        order = _places(left, right)
         with self._layers(left, right) as layers:
             for layer in layers:
                 contacts = layer.detect(left, right, 0.0)
-                for i in _deepest_of_pairs(contacts):
-                    pairs.append(_Meeting(layer, contacts, i).pair(first))
+                deepest = [layer.meeting(contacts, i, order) for i in _deepest_of_pairs(contacts)]
+                pairs += [(meeting.a, meeting.b) for meeting in deepest]
                 if all_contacts:
-                    rows = range(len(contacts))
-                    data += [_Meeting(layer, contacts, i).contact_data() for i in rows]
+                    data += [layer.part(each).contact_data() for each in deepest if each.is_convex]
+                    every = (layer.meeting(contacts, i, order) for i in range(len(contacts)))
+                    data += [each.contact_data() for each in every if not each.is_convex]
         return pairs, data
 
     def _closest(self, left: list[_Object], right: list[_Object] | None) -> _Nearest | None:
         """The pair with the least distance; None if there are no pairs."""
-        first = set(left)
+        order = _places(left, right)
         with self._layers(left, right) as layers:
             overlaps = []
             for layer in layers:
                 contacts = layer.detect(left, right, 0.0)
                 for i in _deepest_of_pairs(contacts):
-                    meeting = _Meeting(layer, contacts, i)
-                    overlaps.append(meeting.nearest(0.0 - layer.depth(meeting), first))
+                    meeting = layer.meeting(contacts, i, order)
+                    overlaps.append(meeting.nearest(0.0 - layer.depth(meeting)))
             if overlaps:
                 return min(overlaps, key=lambda overlap: overlap.distance)
             pairs = _pairs_by_gap(left, right)
@@ -247,9 +254,10 @@ class CollisionManager:
             contacts = self._solids.detect(left, right, bound)
             best: _Nearest | None = None
             if len(contacts):
-                meeting = _Meeting(self._solids, contacts, int(np.argmin(contacts.distance)))
-                bound = float(contacts.distance[meeting.row])
-                best = meeting.nearest(bound, first)
+                row = int(np.argmin(contacts.distance))
+                meeting = self._solids.meeting(contacts, row, order)
+                bound = meeting.distance
+                best = meeting.nearest(bound)
             for gap, a, b in pairs:
                 if gap <= bound and not (a.shape.is_solid and b.shape.is_solid):
                     found = _surface_distance(a, b, bound)
@@ -295,6 +303,7 @@ class _Shape:
         if self.solid.inside.exists and self.solid.traits.volume < 0:
             self.solid = _core.Mesh.make(self._data, inside="winding")
         self._sheet: _core.Mesh | None = None
+        self._is_convex = bool(mesh.is_convex)
         corners = self.faces[:, [0, 1, 2, 0, 1, 2]], self.faces[:, [0, 1, 2, 1, 2, 0]]
         keys = self._keys(*corners).ravel()
         order = np.argsort(keys, kind="stable")
@@ -303,6 +312,11 @@ class _Shape:
     @property
     def is_solid(self) -> bool:
         return self.solid.inside.exists
+
+    @property
+    def is_convex(self) -> bool:
+        """True for solids that trimesh calls convex."""
+        return self._is_convex and self.is_solid
 
     @property
     def sheet(self) -> _core.Mesh:
@@ -391,8 +405,27 @@ class _Bodies:
         found: _core.Contacts = self.world.detect()
         return found
 
+    def meeting(self, contacts: _core.Contacts, row: int, order: dict[_Object, int]) -> _Meeting:
+        """One contact of a list."""
+        c, i = contacts, row
+        a, b = self.objects[int(c.a[i])], self.objects[int(c.b[i])]
+        normal, points = c.normal[i].copy(), (c.point_a[i].copy(), c.point_b[i].copy())
+        from_a = bool(c.source[i] == _core.Side.a)
+        source, target = (a, b) if from_a else (b, a)
+        face = source.shape.face_at(int(c.vertex[i]), int(c.edge_end[i]))
+        faces = face, target.shape.face(int(c.triangle[i]))
+        if not from_a:
+            faces = faces[::-1]
+        if order[a] > order[b]:
+            a, b, normal, points, faces = b, a, -normal, points[::-1], faces[::-1]
+        return _Meeting(a, b, points, faces, normal, float(c.distance[i]))
+
     def depth(self, meeting: _Meeting) -> float:
         """How far a pair that collides has to move until it is apart."""
+        raise NotImplementedError
+
+    def part(self, meeting: _Meeting) -> _Meeting:
+        """The one contact of two convex objects: how far and which way they are apart."""
         raise NotImplementedError
 
     def _mesh(self, shape: _Shape) -> _core.Mesh:
@@ -413,6 +446,7 @@ class _Solids(_Bodies):
 
     def __init__(self, options: dict[str, Any]) -> None:
         super().__init__({"coverage": "complete", **options})
+        self._options = options
 
     def add(self, added: _Object) -> None:
         if added.shape.is_solid:
@@ -423,9 +457,36 @@ class _Solids(_Bodies):
             self.world.set_pose(self.bodies[moved], moved.transform)
 
     def depth(self, meeting: _Meeting) -> float:
-        a, b = (self.bodies[each] for each in meeting.pair())
-        parting = self.world.parting(a, b)
+        parting = self._parting(meeting)
         return parting.depth if parting else meeting.depth
+
+    def part(self, meeting: _Meeting) -> _Meeting:
+        parting = self._parting(meeting)
+        if parting is None:
+            return meeting
+        direction = np.array(parting.direction)
+        # What only touches is neither near nor in contact.
+        gap = 1e-5 * max(np.ptp(each.points(), axis=0).max() for each in (meeting.a, meeting.b))
+        way = (parting.depth + gap) * direction
+        parted = copy.copy(meeting.b)
+        parted.transform = parted.transform.copy()
+        parted.transform[:3, 3] += way
+        touching = _Solids(self._options)
+        touching.add(meeting.a)
+        touching.add(parted)
+        contacts = touching.detect([meeting.a], [parted], 2 * gap)
+        if len(contacts):
+            nearest = int(np.argmin(contacts.distance))
+            touch = touching.meeting(contacts, nearest, {meeting.a: 0, parted: 1})
+            points = touch.points[0], touch.points[1] - way
+            meeting = meeting._replace(points=points, faces=touch.faces)
+        return meeting._replace(normal=direction, distance=-parting.depth)
+
+    def _parting(self, meeting: _Meeting) -> _core.Parting | None:
+        """The shortest way known of the second object out of the first one."""
+        a, b = self.bodies[meeting.a], self.bodies[meeting.b]
+        found: _core.Parting | None = self.world.parting(a, b)
+        return found
 
     def _mesh(self, shape: _Shape) -> _core.Mesh:
         return shape.solid
@@ -446,6 +507,9 @@ class _Sheets(_Bodies):
     def depth(self, meeting: _Meeting) -> float:
         return 0.0
 
+    def part(self, meeting: _Meeting) -> _Meeting:
+        return meeting
+
     def _mesh(self, shape: _Shape) -> _core.Mesh:
         return shape.sheet
 
@@ -462,52 +526,38 @@ class _Sheets(_Bodies):
         return _core.Collision(sheet=True, thickness=reach)
 
 
-class _Meeting:
-    """One contact of a list."""
+class _Meeting(NamedTuple):
+    """One contact of two objects, the first one of `order` first."""
 
-    def __init__(self, layer: _Bodies, contacts: _core.Contacts, row: int) -> None:
-        self.row = row
-        self._contacts = contacts
-        self._a = layer.objects[int(contacts.a[row])]
-        self._b = layer.objects[int(contacts.b[row])]
+    a: _Object
+    b: _Object
+    points: tuple[Floats, Floats]
+    faces: tuple[int, int]
+    normal: Floats
+    distance: float
+
+    @property
+    def is_convex(self) -> bool:
+        return self.a.shape.is_convex and self.b.shape.is_convex
 
     @property
     def depth(self) -> float:
-        return max(-float(self._contacts.distance[self.row]), 0.0)
-
-    def pair(self, first: set[_Object] | None = None) -> tuple[_Object, _Object]:
-        """The two objects, in the contact's order, or one of a set first."""
-        in_order = first is None or self._a in first
-        return (self._a, self._b) if in_order else (self._b, self._a)
+        return max(-self.distance, 0.0)
 
     def contact_data(self) -> ContactData:
-        point_a, point_b = self._points()
-        face_a, face_b = self._faces()
         contact = SimpleNamespace(
-            b1=face_a,
-            b2=face_b,
-            normal=self._contacts.normal[self.row].copy(),
-            pos=(point_a + point_b) / 2,
+            b1=self.faces[0],
+            b2=self.faces[1],
+            normal=self.normal,
+            pos=(self.points[0] + self.points[1]) / 2,
             penetration_depth=self.depth,
         )
-        return ContactData((self._a.name, self._b.name), contact)  # type: ignore[no-untyped-call]
+        return ContactData((self.a.name, self.b.name), contact)  # type: ignore[no-untyped-call]
 
-    def nearest(self, distance: float, first: set[_Object]) -> _Nearest:
-        names = self._a.name, self._b.name
-        data = _distance_data(names, distance, self._points(), self._faces())
-        return _Nearest(distance, *self.pair(first), data)
-
-    def _points(self) -> tuple[Floats, Floats]:
-        c, i = self._contacts, self.row
-        return c.point_a[i].copy(), c.point_b[i].copy()
-
-    def _faces(self) -> tuple[int, int]:
-        c, i = self._contacts, self.row
-        from_a = bool(c.source[i] == _core.Side.a)
-        source, target = (self._a, self._b) if from_a else (self._b, self._a)
-        source_face = source.shape.face_at(int(c.vertex[i]), int(c.edge_end[i]))
-        target_face = target.shape.face(int(c.triangle[i]))
-        return (source_face, target_face) if from_a else (target_face, source_face)
+    def nearest(self, distance: float) -> _Nearest:
+        names = self.a.name, self.b.name
+        data = _distance_data(names, distance, self.points, self.faces)
+        return _Nearest(distance, self.a, self.b, data)
 
 
 class _Nearest(NamedTuple):
@@ -536,6 +586,11 @@ def _deepest_of_pairs(contacts: _core.Contacts) -> list[int]:
     return places
 
 
+def _places(left: list[_Object], right: list[_Object] | None) -> dict[_Object, int]:
+    """The place of each object: left ones first, then in the order in which they were added."""
+    return {each: place for place, each in reversed([*enumerate(left + (right or []))])}
+
+
 def _pairs_by_gap(
     left: list[_Object], right: list[_Object] | None
 ) -> list[tuple[float, _Object, _Object]]:
@@ -543,8 +598,8 @@ def _pairs_by_gap(
     others = left if right is None else right
     if not left or not others:
         return []
-    boxes, other_boxes = (np.array([_box(each.points()) for each in e]) for e in (left, others))
-    gaps = _box_gaps(boxes, other_boxes)
+    boxes, other_boxes = (np.array([box(each.points()) for each in e]) for e in (left, others))
+    gaps = box_gaps(boxes, other_boxes)
     if right is None:
         gaps[np.tril_indices(len(left))] = np.inf
     order = np.argsort(gaps, axis=None)[: np.isfinite(gaps).sum()]
@@ -562,38 +617,25 @@ def _upper_bound(pairs: list[tuple[float, _Object, _Object]]) -> float:
         if gap >= bound:
             break
         ours, theirs = a.points(), b.points()
-        bound = min(bound, _vertex_distance(ours, theirs))
+        bound = min(bound, vertex_distance(ours, theirs))
         extent = max(extent, np.abs(ours).max(), np.abs(theirs).max())
     return float(bound + 4e-7 * (extent + bound)) if pairs else 0.0
-
-
-def _vertex_distance(ours: Floats, theirs: Floats) -> float:
-    """The distance of two vertices that are near each other, mostly the nearest ones."""
-    point, best = theirs.mean(axis=0), np.inf
-    while True:
-        ours, theirs = theirs, ours
-        lengths = np.linalg.norm(theirs - point, axis=1)
-        nearest = int(np.argmin(lengths))
-        point = theirs[nearest]
-        if lengths[nearest] >= best:
-            return best
-        best = float(lengths[nearest])
 
 
 def _surface_distance(a: _Object, b: _Object, bound: float) -> _Nearest | None:
     """The distance of two surfaces that are apart, if it is not more than the bound."""
     ours, theirs = a.triangles(), b.triangles()
-    boxes, other_boxes = _box(ours, axis=1), _box(theirs, axis=1)
-    from_all = _box_gaps(boxes, _box(b.points())[None])[:, 0]
+    boxes, other_boxes = box(ours, axis=1), box(theirs, axis=1)
+    from_all = box_gaps(boxes, box(b.points())[None])[:, 0]
     best: _Nearest | None = None
     rows_at_once = max(1, 2**20 // len(theirs))
     order = np.argsort(from_all)
     for start in range(0, len(order), rows_at_once):
         rows = order[start : start + rows_at_once]
-        i, j = np.nonzero(_box_gaps(boxes[rows], other_boxes) <= bound)
+        i, j = np.nonzero(box_gaps(boxes[rows], other_boxes) <= bound)
         if len(i) == 0:
             continue
-        points, other_points = _closest_points(ours[rows[i]], theirs[j])
+        points, other_points = closest_points(ours[rows[i]], theirs[j])
         lengths = np.linalg.norm(points - other_points, axis=1)
         k = int(np.argmin(lengths))
         if lengths[k] <= bound:
@@ -602,46 +644,6 @@ def _surface_distance(a: _Object, b: _Object, bound: float) -> _Nearest | None:
             data = _distance_data((a.name, b.name), bound, (points[k], other_points[k]), faces)
             best = _Nearest(bound, a, b, data)
     return best
-
-
-def _closest_points(s: Floats, t: Floats) -> tuple[Floats, Floats]:
-    """Where triangles that are apart, (n, 3, 3) each, are closest to each other."""
-    on_triangles: Any = closest_point
-    candidates = [(s[:, k], on_triangles(t, s[:, k])) for k in range(3)]
-    candidates += [(on_triangles(s, t[:, k]), t[:, k]) for k in range(3)]
-    for k in range(3):
-        for m in range(3):
-            first = s[:, k], s[:, (k + 1) % 3]
-            candidates.append(_closest_on_segments(*first, t[:, m], t[:, (m + 1) % 3]))
-    ours, theirs = (np.array(points) for points in zip(*candidates, strict=True))
-    best = np.argmin(np.linalg.norm(ours - theirs, axis=2), axis=0)
-    each = np.arange(len(s))
-    return ours[best, each], theirs[best, each]
-
-
-def _closest_on_segments(
-    p: Floats, p_end: Floats, q: Floats, q_end: Floats
-) -> tuple[Floats, Floats]:
-    """Points of two segments, (n, 3), that are closest where both are within their segments."""
-    d, e, r = p_end - p, q_end - q, p - q
-    dd, ee, de = (np.einsum("ni,ni->n", *two) for two in ((d, d), (e, e), (d, e)))
-    dr, er = (np.einsum("ni,ni->n", *two) for two in ((d, r), (e, r)))
-    tiny = np.finfo(np.float64).tiny
-    along = np.clip((de * er - dr * ee) / np.maximum(dd * ee - de * de, tiny), 0, 1)
-    other = np.clip((de * along + er) / np.maximum(ee, tiny), 0, 1)
-    return p + along[:, None] * d, q + other[:, None] * e
-
-
-def _box(points: Floats, axis: int = 0) -> Floats:
-    """Lower and upper corners along an axis: (..., 2, 3)."""
-    return np.stack([points.min(axis=axis), points.max(axis=axis)], axis=-2)
-
-
-def _box_gaps(ours: Floats, theirs: Floats) -> Floats:
-    """How far boxes, (n, 2, 3) and (m, 2, 3), are apart: (n, m)."""
-    gaps = np.maximum(ours[:, None, 0] - theirs[:, 1], theirs[:, 0] - ours[:, None, 1])
-    lengths: Floats = np.linalg.norm(np.maximum(gaps, 0.0), axis=2)
-    return lengths
 
 
 def _rigid(transform: ArrayLike) -> Floats:

@@ -9,11 +9,11 @@ function(run)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK})
-set(options -G Ninja -DCMAKE_BUILD_TYPE=Release -DEXAMPLE=${SOURCE}/docs/examples/two_boxes.cpp
+set(options -G Ninja -DEXAMPLE=${SOURCE}/docs/examples/two_boxes.cpp
             -DEXAMPLE_IN_C=${SOURCE}/docs/examples/c_api.c)
 if(HOW STREQUAL install)
     run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-    list(APPEND options -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+    list(APPEND options -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK}/prefix)
     # What is public is listed; a header that is missing, or installed by accident, is named.
     file(GLOB_RECURSE installed RELATIVE ${WORK}/prefix/include ${WORK}/prefix/include/*)
     file(STRINGS ${SOURCE}/tests/package/headers.txt listed)
@@ -26,7 +26,8 @@ if(HOW STREQUAL install)
         message(FATAL_ERROR "installed: ${installed}\nlisted in tests/package/headers.txt: ${listed}")
     endif()
 else()
-    list(APPEND options -DPIERCE_SOURCE_DIR=${SOURCE})
+    # All of the library is compiled, soonest without optimization.
+    list(APPEND options -DCMAKE_BUILD_TYPE=Debug -DPIERCE_SOURCE_DIR=${SOURCE})
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package/consumer -B ${WORK}/build ${options})
 run(${CMAKE_COMMAND} --build ${WORK}/build)

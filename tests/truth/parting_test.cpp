@@ -54,12 +54,6 @@ struct Placed {
     }
 };
 
-/// The value that this part of all values does not exceed.
-double part_of(std::vector<double>& values, double part) {
-    std::ranges::sort(values);
-    return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
-}
-
 /// More than touch tolerances of these bodies, none of which is longer than eight.
 constexpr double little = 8 * 4 * constants::touch_tolerance;
 
@@ -79,10 +73,10 @@ TEST(PartingTest, HardCasesPartAsSoonAsTheyCan) {
     EXPECT_EQ(overlapping, 13);
 }
 
-TEST(PartingTest, ConvexBodiesMoveHardlyMoreThanTheyMust) {
+TEST(PartingTest, ConvexBodiesMoveAsFarAsTheyMust) {
     test::Random random(71);
     SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
-    std::vector<double> ratios;
+    int overlapping = 0;
     for (int i = 0; i < 150; ++i) {
         const auto shape = [&]() -> MeshData {
             switch (random.integer(0, 2)) {
@@ -116,12 +110,10 @@ TEST(PartingTest, ConvexBodiesMoveHardlyMoreThanTheyMust) {
         ASSERT_TRUE(parting) << i;
         EXPECT_GE(parting->depth, least - little) << i;
         EXPECT_FALSE(pair.overlap_after((parting->depth + little) * parting->direction)) << i;
-        ratios.push_back(parting->depth / least);
+        EXPECT_NEAR(parting->depth, least, 1e-9) << i;
+        ++overlapping;
     }
-    EXPECT_GT(ratios.size(), 60u);
-    EXPECT_LE(part_of(ratios, 0.5), 1.001);
-    EXPECT_LE(part_of(ratios, 0.9), 1.2);
-    EXPECT_LE(part_of(ratios, 1), 2);
+    EXPECT_GT(overlapping, 60);
 }
 
 TEST(PartingTest, AnyBodiesAreApartAfterwards) {

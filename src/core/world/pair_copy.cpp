@@ -60,6 +60,19 @@ void World::PairCopy::move(int body, Vec3d way) {
     world_.set_positions(ids_[body], moved_);
 }
 
+PlacedSurface World::PairCopy::placed(int body) const {
+    const Body& from = bodies_[body];
+    PlacedSurface surface{{}, from.mesh->triangles()};
+    if (from.motion == Motion::deforming) {
+        for (const Vec3f p : from.positions) surface.points.push_back(to_double(p));
+    } else {
+        const Frame frame = frame_of(from.pose);
+        for (const Vec3f p : from.mesh->positions())
+            surface.points.push_back(frame.to_parent(to_double(p)));
+    }
+    return surface;
+}
+
 double World::PairCopy::touch() const {
     const auto& views = world_.state_->views;
     const BodyView &a = views[ids_[0].index], &b = views[ids_[1].index];

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/overlap/convex_parting.hpp"
 #include "pierce/world.hpp"
 
 namespace pierce {
@@ -27,6 +28,9 @@ public:
 
     /// Moves body b by `way` from where it was set and returns the contacts.
     std::span<const Contact> contacts_after(Vec3d way);
+
+    /// One of the two, 0 or 1, as it was set.
+    PlacedSurface placed(int body) const;
 
     /// True if the contact's a and b are a and b as they were set.
     bool is_in_order(const Contact& contact) const { return contact.a == ids_[0]; }

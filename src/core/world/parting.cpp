@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/half_spaces.hpp"
+#include "core/overlap/convex_parting.hpp"
 #include "core/world/pair_copy.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/constants.hpp"
@@ -36,6 +37,8 @@ public:
     /// Nothing if the bodies do not overlap.
     std::optional<Parting> shortest() {
         if (!look({})) return std::nullopt;
+        if (const auto way = shortest_convex_parting(pair_.placed(0), pair_.placed(1)))
+            return parting_by(*way);
         const std::vector<Deep> at_first = deep_;
         double least = 0;  // no way is shorter: a point in contact has that far to go
         for (const Deep& d : at_first) least = std::max(least, d.demand.least - touch_);

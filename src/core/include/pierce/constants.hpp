@@ -155,14 +155,14 @@ inline constexpr double translation_rounding = 1.0 / (1 << 26);
 /// How often the search for a translation may go on after each contact has had its turn.
 inline constexpr std::size_t translation_rounds = 64;
 
-/// The search for a short translation that parts a pair: how often the pair is moved again by what
-/// its contacts demand; a way that is at most `parting_enough` times as long as the deepest contact
-/// is short enough; otherwise, along how many normals of contacts the pair is moved, from which
-/// cosine on two are one, which cosine to a contact's normal counts as this one when the way is
-/// guessed from the contact, and how often what was too far is halved.
+/// The search for a short translation that parts a pair: how many products of vectors a convex pair
+/// may take (0.1 s); how often others are moved again by what contacts demand; a way at most
+/// `parting_enough` times as long as the deepest contact is short enough; otherwise, along how many
+/// normals of contacts the pair is moved, from which cosine on two are one, which cosine to one's
+/// normal counts as this one in a guess, and how often what was too far is halved.
 inline constexpr std::uint32_t parting_rounds = 32, parting_halvings = 5;
 inline constexpr double parting_enough = 1.1, parting_same_direction = 0.98, parting_slope = 0.5;
-inline constexpr std::size_t parting_directions = 6;
+inline constexpr std::size_t parting_directions = 6, parting_products = 50'000'000;
 
 /// The direction in which edges that only touch are moved [1]. A mesh has edges or faces along it
 /// only by intent.

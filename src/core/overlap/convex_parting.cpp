@@ -1,0 +1,133 @@
+#include "core/overlap/convex_parting.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/mesh/half_edges.hpp"
+#include "pierce/box.hpp"
+#include "pierce/constants.hpp"
+
+namespace pierce {
+namespace {
+
+/// An edge of a convex surface and the outward normals of the two faces beside it. Seen from a
+/// direction between these two, the edge is in front of everything else.
+struct Ridge {
+    Vec3d point, normals[2], along;
+};
+
+struct ConvexSurface {
+    std::vector<Vec3d> normals;  ///< unit, outward, of faces
+    std::vector<Ridge> ridges;
+};
+
+/// Nothing if the surface is open, or not convex by more than the rounding of its positions.
+/// A closed surface is convex if it is at each edge.
+std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
+    const auto& [points, triangles] = surface;
+    Box box;
+    for (const Vec3d p : points) box.extend(p);
+    const double tolerance = constants::touch_tolerance * box.extent();
+    std::vector<Vec3d> normals;
+    for (const Triangle& t : triangles) {
+        const Vec3d p = points[t.vertex[0]];
+        const Vec3d n = cross(points[t.vertex[1]] - p, points[t.vertex[2]] - p);
+        if (length(n) == 0) return std::nullopt;
+        normals.push_back(normalized(n));
+    }
+    ConvexSurface convex;
+    bool is_convex = true;
+    HalfEdges(triangles, points.size()).for_each_edge([&](std::span<const HalfEdge> sides) {
+        is_convex = is_convex && sides.size() == 2 && is_balanced(sides);
+        if (!is_convex) return;
+        const Vec3d p = points[sides[0].low];
+        const Vec3d n = normals[sides[0].triangle], m = normals[sides[1].triangle];
+        const auto opposite = [&](const HalfEdge& side) {
+            return points[triangles[side.triangle].vertex[side.opposite]];
+        };
+        is_convex = dot(n, opposite(sides[1]) - p) <= tolerance &&
+                    dot(m, opposite(sides[0]) - p) <= tolerance;
+        if (length(cross(n, m)) > constants::touch_tolerance)
+            convex.ridges.push_back(
+                {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
+    });
+    if (!is_convex) return std::nullopt;
+    const auto less = [](Vec3d a, Vec3d b) {
+        return std::lexicographical_compare(&a.x, &a.x + 3, &b.x, &b.x + 3);
+    };
+    std::ranges::stable_sort(normals, less);
+    const auto same = std::ranges::unique(normals,
+                                          [](Vec3d a, Vec3d b) { return length(a - b) == 0; });
+    normals.erase(same.begin(), same.end());
+    convex.normals = std::move(normals);
+    return convex;
+}
+
+/// How far the first points reach along `n` beyond where the second ones begin.
+double reach_along(Vec3d n, const std::vector<Vec3d>& first, const std::vector<Vec3d>& second) {
+    double high = -INFINITY, low = INFINITY;
+    for (const Vec3d p : first) high = std::max(high, dot(n, p));
+    for (const Vec3d p : second) low = std::min(low, dot(n, p));
+    return high - low;
+}
+
+/// True if there is a direction seen from which an edge of the first surface is in front, and
+/// against which one of the second is: the arcs of their normals cross on the sphere.
+bool face_each_other(const Ridge& first, const Ridge& second) {
+    const Vec3d a = first.normals[0], b = first.normals[1], c = -second.normals[0],
+                d = -second.normals[1];
+    const Vec3d ba = cross(b, a), dc = cross(d, c);
+    const double cba = dot(c, ba), dba = dot(d, ba), adc = dot(a, dc), bdc = dot(b, dc);
+    return cba * dba < 0 && adc * bdc < 0 && cba * bdc > 0;
+}
+
+/// The direction with the shortest way so far.
+struct Shortest {
+    Vec3d direction;
+    double way = INFINITY;
+
+    void offer(Vec3d along, double length) {
+        if (length < way) *this = {along, length};
+    }
+};
+
+}  // namespace
+
+std::optional<Vec3d> shortest_convex_parting(const PlacedSurface& first,
+                                             const PlacedSurface& second) {
+    const auto product = [](std::size_t n, std::size_t m) {
+        return static_cast<double>(n) * static_cast<double>(m);
+    };
+    const std::size_t points = first.points.size() + second.points.size();
+    // A closed surface has three edges for every two triangles.
+    if (product(points, first.triangles.size() + second.triangles.size()) +
+            2.25 * product(first.triangles.size(), second.triangles.size()) >
+        static_cast<double>(constants::parting_products))
+        return std::nullopt;
+    const auto a = convex_surface(first);
+    const auto b = a ? convex_surface(second) : std::nullopt;
+    if (!b) return std::nullopt;
+
+    Shortest shortest;
+    for (const Vec3d n : a->normals) shortest.offer(n, reach_along(n, first.points, second.points));
+    for (const Vec3d n : b->normals)
+        shortest.offer(-n, reach_along(-n, first.points, second.points));
+    Shortest of_edges;
+    for (const Ridge& edge : a->ridges)
+        for (const Ridge& other : b->ridges) {
+            if (!face_each_other(edge, other)) continue;
+            const Vec3d n = cross(edge.along, other.along);
+            if (length(n) == 0) continue;
+            const Vec3d outward = normalized(dot(n, edge.normals[0] + edge.normals[1]) < 0 ? -n
+                                                                                           : n);
+            of_edges.offer(outward, dot(outward, edge.point - other.point));
+        }
+    if (of_edges.way < shortest.way)
+        shortest.offer(of_edges.direction,
+                       reach_along(of_edges.direction, first.points, second.points));
+    if (!(shortest.way > 0)) return std::nullopt;
+    return shortest.way * shortest.direction;
+}
+
+}  // namespace pierce
