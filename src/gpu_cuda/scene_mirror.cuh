@@ -36,6 +36,7 @@ public:
             plan_ = *host.plan;
         }
         scene_.plan = host.plan;
+        scene_.part = host.part;
         places_.send(host, view_of(bodies_));
         if (change == Change::all || sent_forgets_ != host.forgets_sides[0]) {
             sent_forgets_ = host.forgets_sides[0];
@@ -93,13 +94,14 @@ private:
         Motion motion = Motion::fixed;
         Collision collision;
         Filter filter;
-        std::uint32_t world_place = 0;
+        std::uint32_t world_place = 0, part = 0;
         double range = 0;
         std::uint32_t seen = 0;  ///< patches whose shape of the last step is kept
 
         bool is_same(const BodyView& body) const {
             return mesh_key == body.mesh_key && collision == body.collision &&
-                   filter == body.filter && world_place == body.world_place && range == body.range;
+                   filter == body.filter && world_place == body.world_place &&
+                   part == body.part && range == body.range;
         }
     };
 
@@ -223,6 +225,7 @@ private:
                      .collision = view.collision,
                      .filter = view.filter,
                      .world_place = view.world_place,
+                     .part = view.part,
                      .range = view.range,
                      .seen = host.seen[b].size};
         if (view.mesh_key == 0) {

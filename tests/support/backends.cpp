@@ -1,6 +1,9 @@
 #include "support/backends.hpp"
 
+#include <utility>
+
 #include "pierce/embree_backend.hpp"
+#include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #if PIERCE_HAS_TEST_EXECUTORS
 #include "support/executor_backends.hpp"
@@ -10,12 +13,30 @@
 #endif
 
 namespace pierce::test {
+namespace {
+
+std::unique_ptr<Backend> two_parts() {
+    std::vector<Part> parts;
+    parts.push_back({.backend = bvh_backend()});
+    parts.push_back({.backend = embree_backend(1), .share = 2});
+    return partitioned_backend(std::move(parts));
+}
+
+std::unique_ptr<Backend> three_parts() {
+    std::vector<Part> parts;
+    for (int k = 0; k < 3; ++k) parts.push_back({.backend = bvh_backend()});
+    return partitioned_backend(std::move(parts));
+}
+
+}  // namespace
 
 std::vector<NamedBackend> backends() {
     std::vector<NamedBackend> all = {{"reference", [] { return reference_backend(); }},
                                      {"bvh", [] { return bvh_backend(); }},
                                      {"embree_1", [] { return embree_backend(1); }},
-                                     {"embree_3", [] { return embree_backend(3); }}};
+                                     {"embree_3", [] { return embree_backend(3); }},
+                                     {"two_parts", two_parts},
+                                     {"three_parts", three_parts}};
 #if PIERCE_HAS_TEST_EXECUTORS
     all.push_back({"shuffled", [] { return shuffled_backend(); }});
     all.push_back({"parallel", [] { return parallel_backend(); }});

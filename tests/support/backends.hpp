@@ -18,7 +18,7 @@ struct NamedBackend {
 };
 
 /// Every backend that can run here: the reference, our own trees, Embree with one thread and with
-/// several, and CUDA.
+/// several, several backends that share a world, and CUDA.
 std::vector<NamedBackend> backends();
 
 /// True if a backend of this name can run here.

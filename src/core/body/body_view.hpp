@@ -26,6 +26,7 @@ struct BodyShape {
     std::uint32_t world_place = 0;  ///< of the body's world among all worlds; bodies that are in
                                     ///< all of them have the last place
     Motion motion = Motion::fixed;
+    std::uint32_t part = 0;  ///< which of the backends that share a scene owns the body
 };
 
 /// Seven numbers in device memory in which the caller keeps a pose: the position and the quaternion
@@ -98,6 +99,12 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
                 .triangles = mesh.triangles,
                 .touch = touch,
                 .covered = collision.sheet ? View<const Cover>{} : mesh.covered};
+    }
+
+    /// Which of the backends that share a scene looks at the pair of this body and a later one, or
+    /// itself: the one that owns the first body that moves.
+    PIERCE_HD std::uint32_t part_of_pair(const BodyView& later) const {
+        return motion == Motion::fixed ? later.part : part;
     }
 
     /// How far beyond its box and its touch tolerance another body may matter to this one.

@@ -320,7 +320,8 @@ private:
         const stages::WantedPairs wanted{.bodies = scene.bodies,
                                          .ids = scene.ids,
                                          .excluded = scene.excluded,
-                                         .filter = scene.pair_filter};
+                                         .filter = scene.pair_filter,
+                                         .part = scene.part};
         if (bodies <= E::traits.bodies_at_once && !link.as_keys.by_world)
             return executor_.emit(ListId::pairs, Count{bodies * bodies},
                                   stages::FindPairs{link, wanted}, now_.pair_keys, pairs_.pairs,

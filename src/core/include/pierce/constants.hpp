@@ -61,10 +61,9 @@ inline constexpr std::uint32_t treelet_crowd = std::uint32_t{1} << 14;
 inline constexpr std::uint32_t cluster_radius = 8;
 /// Leading Morton bits of the grid whose cells an HLBVH starts from: 16 cells a side.
 inline constexpr std::uint32_t cell_bits = 12;
-/// Bins along each axis between which a split of cells is tried (Wald 2007).
-inline constexpr std::uint32_t split_bins = 16;
-/// A range of so few cells is split by looking at every cell: less work than bins, and more exact.
-inline constexpr std::uint32_t few_cells = 8;
+/// Bins along each axis between which a split of cells is tried (Wald 2007), except for few cells:
+/// looking at each of them is less work, and more exact.
+inline constexpr std::uint32_t split_bins = 16, few_cells = 8;
 /// A range of at most so many cells is split down to its cells at once. With more, the halves of a
 /// range would wait for each other; with less, there would be more launches.
 inline constexpr std::uint32_t split_alone_bits = 6,
@@ -87,7 +86,6 @@ inline constexpr double vanishing_normal = float_ulp;
 /// one point are added up. It is finer than the rounding of angles and leaves room for 2^23
 /// triangles.
 inline constexpr std::int64_t half_turn = std::int64_t{1} << 40;
-
 /// Smallest net sum that counts as a crossing. Exact sums of closed fans are zero or two half
 /// turns; the angles of open fans lie in between.
 inline constexpr std::int64_t crossing_weight = half_turn / 2;
@@ -123,17 +121,19 @@ inline constexpr double edge_tolerance = 4;
 inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_skin_most = 0.25,
                         edge_skin_wait = 2;
 
+/// The parts of a scene that several backends share: how much more than its share of the work a
+/// part may have until space is cut anew [1]; how much further than bodies reach the residents of a
+/// part are chosen [mean extent]; how large a body is whose reach counts by itself [mean extent].
+inline constexpr double uneven_parts = 1.2, spare_reach = 0.5, large_body = 4;
+
 /// For how many steps a pair that has contacts without its edges keeps them.
 inline constexpr std::uint32_t edge_unasked_steps = 16;
 
 /// A proof that an edge crosses one triangle at most looks as far as the bodies move in
 /// `edge_look_steps`, but not less far than `edge_look_least` [mean edge length]: looking further
-/// meets more triangles.
-inline constexpr double edge_look_steps = 2, edge_look_least = 1.0 / 16;
-
-/// The triangles near an edge are looked for again once those that were found are known to be all
-/// there are only up to this part of the distance that a look covers [1].
-inline constexpr double edge_look_again = 0.25;
+/// meets more triangles. The triangles near an edge are looked for again once those that were found
+/// are known to be all only up to `edge_look_again` of the distance that a look covers [1].
+inline constexpr double edge_look_steps = 2, edge_look_least = 1.0 / 16, edge_look_again = 0.25;
 
 /// It is noted that an edge crosses a surface once at most, instead of how far away it is, if that
 /// holds so many times longer.

@@ -260,10 +260,11 @@ public:
     /// both where the last set_pose or set_positions left them; nothing if they do not overlap by
     /// more than the touch tolerance. The move was tried: afterwards complete coverage sees no
     /// contact that is deeper; or it puts a plane between the two. So but for that tolerance the
-    /// depth is never less than the shortest translation that parts them; docs/contacts.md says how
-    /// near it comes to that. Nothing of the last step is used or changed; the pair is moved and
-    /// looked at some ten to a hundred times, on one thread of the host. Throws InputError for a
-    /// body and itself, for a sheet, and for places in device memory.
+    /// depth is never less than the shortest translation that parts them. It is that of two convex
+    /// meshes that are not large; docs/contacts.md says how near others come to it. Nothing of the
+    /// last step is used or changed; the pair is moved and looked at some ten to a hundred times,
+    /// on one thread of the host. Throws InputError for a body and itself, for a sheet, and for
+    /// places in device memory.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
     /// What two solids have in common, with both where the last set_pose or set_positions left

@@ -157,6 +157,11 @@ struct WantedPairs {
     View<const BodyId> ids;
     View<const Pair> excluded;           ///< sorted
     const PairFilter* filter = nullptr;  ///< none on a device
+    std::uint32_t part = 0;              ///< pairs of other parts are looked at elsewhere
+
+    PIERCE_HD bool is_here(Pair pair) const {
+        return bodies[pair.a].part_of_pair(bodies[pair.b]) == part;
+    }
 
     /// True unless a rule leaves the pair out.
     PIERCE_HD bool allows(Pair pair) const {
@@ -187,8 +192,8 @@ struct TestPair {
 
     PIERCE_HD bool find(std::uint32_t i) const {
         const Pair pair = as_keys.pair(keys[i]);
-        return wanted.allows(pair) && fits_overlap(wanted.bodies[pair.a], wanted.bodies[pair.b]) &&
-               wanted.wants(pair);
+        return wanted.is_here(pair) && wanted.allows(pair) &&
+               fits_overlap(wanted.bodies[pair.a], wanted.bodies[pair.b]) && wanted.wants(pair);
     }
     PIERCE_HD static std::uint32_t count(bool overlap) { return overlap; }
     PIERCE_HD void write(std::uint32_t i, bool overlap, std::uint32_t place,
@@ -263,9 +268,9 @@ struct FindPairs {
         const std::uint32_t a = i / bodies.size, b = i % bodies.size;
         if (b < a) return false;
         const SweepItem first(bodies[a], a), second(bodies[b], b);
-        if (a == b) return first.meets_itself;
+        if (a == b) return first.meets_itself && wanted.is_here({a, b});
         if (!(second.lower.x <= first.upper.x) || !(first.lower.x <= second.upper.x)) return false;
-        return first.may_meet(second) && wanted.allows({a, b}) &&
+        return first.may_meet(second) && wanted.is_here({a, b}) && wanted.allows({a, b}) &&
                fits_overlap(bodies[a], bodies[b]) && wanted.wants({a, b});
     }
     PIERCE_HD static std::uint32_t count(bool is_pair) { return is_pair; }

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pierce/backend.hpp"
+
+namespace pierce {
+
+/// One of the backends that share a world's bodies.
+struct Part {
+    std::unique_ptr<Backend> backend;
+    double share = 1;  ///< of the work, relative to the other parts' shares
+};
+
+/// A backend that spreads a world over several others, each of which steps in its own thread: the
+/// space that bodies fill is cut into parts with the wanted shares of all triangles, and is cut
+/// anew when bodies have mixed. Each part sees its own bodies and those that are near, and looks at
+/// the pairs whose first moving body it owns. Contacts are those of one backend, bit for bit
+/// (docs/scale.md). Throws InputError if there are no parts, if a share is not positive, or if some
+/// parts run on a device and some do not.
+std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts);
+
+}  // namespace pierce

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/device/view.hpp"
+#include "core/mesh/box_nodes.hpp"
+#include "core/mesh/patch.hpp"
+#include "pierce/plan.hpp"
+
+namespace pierce {
+
+/// What one part sees of a scene: the bodies that it owns, and those of other parts that are near,
+/// its *ghosts*. Every body keeps its number, so that pairs have the same keys in all parts; of
+/// bodies that are not resident, the place is empty. A resident ghost that is not near takes no
+/// part in a step.
+class PartScene {
+public:
+    explicit PartScene(std::uint32_t part) : part_(part) {}
+
+    /// Makes bodies resident, and forgets all others. `owners`: each body's part.
+    void settle(const Scene& whole, std::span<const std::uint32_t> owners,
+                std::vector<bool> resident);
+
+    bool is_resident(std::uint32_t body) const {
+        return body < resident_.size() && resident_[body];
+    }
+
+    /// Brings the residents up to date; ghosts take part if they are near. `changed`: bodies whose
+    /// input may differ since the last call or settle().
+    void update(const Scene& whole, std::span<const std::uint32_t> changed,
+                const std::vector<bool>& near);
+
+    /// Takes over what the owners of ghosts that have arrived know of their shapes in the last
+    /// step.
+    void copy_seen(const Scene& whole);
+
+    /// For the part's step.
+    Scene scene(const Scene& whole);
+
+    View<BodyView> bodies() { return view_of(views_); }
+    View<const BodyId> ids() const { return view_of(ids_); }
+    View<const View<SeenPatch>> seen() const { return view_of(seen_); }
+    /// Ghosts that take part since the last update().
+    const std::vector<std::uint32_t>& arrived() const { return arrived_; }
+    /// How many ghosts took part in the last update().
+    std::uint32_t ghosts() const { return ghosts_; }
+
+private:
+    /// Where a ghost's shape is kept while the part measures it.
+    struct GhostShape {
+        std::vector<PatchBlock> blocks;
+        std::vector<Offsets> patches;
+        std::vector<BoxNode> box_nodes;
+        std::vector<SeenPatch> seen;
+    };
+
+    bool is_own(std::uint32_t body) const { return views_[body].part == part_; }
+    void place(const Scene& whole, std::uint32_t body, std::uint32_t owner);
+    void list_items(const Scene& whole);
+    void arrange_worlds(const Scene& whole);
+
+    std::uint32_t part_;
+    std::uint64_t revision_ = 0;
+    std::vector<bool> resident_, takes_part_;
+    std::vector<std::uint32_t> arrived_, changed_;
+    std::uint32_t ghosts_ = 0;
+    Plan plan_;
+    std::vector<BodyView> views_;
+    std::vector<BodyId> ids_;
+    std::vector<GhostShape> shapes_;
+    std::vector<BlockItem> block_items_;
+    std::vector<BlockRange> ranges_;
+    std::vector<View<PatchBlock>> blocks_;
+    std::vector<View<Offsets>> patches_;
+    std::vector<View<SeenPatch>> seen_;
+    std::vector<NodeItem> node_items_;
+    LevelBegins level_begin_{};
+    std::vector<View<BoxNode>> box_nodes_;
+    std::vector<std::uint32_t> world_begins_;
+};
+
+}  // namespace pierce

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <span>
+
+#include "pierce/step_stats.hpp"
+
+namespace pierce {
+
+/// Adds what parts that ran at the same time did and found: counts are added up, a time is that of
+/// the slowest part.
+void add_parts(std::span<const StepStats> parts, StepStats& whole);
+
+}  // namespace pierce

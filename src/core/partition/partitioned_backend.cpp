@@ -1,0 +1,295 @@
+#include "pierce/partitioned_backend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/body/body_view.hpp"
+#include "core/body/scene.hpp"
+#include "core/device/view.hpp"
+#include "core/partition/memory_parts.hpp"
+#include "core/partition/part_scene.hpp"
+#include "core/partition/part_stats.hpp"
+#include "core/partition/partition.hpp"
+#include "core/step/common/pairs.hpp"
+#include "core/step/common/step_memory.hpp"
+#include "core/trace/ray.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/error.hpp"
+#include "pierce/explain.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/step_stats.hpp"
+
+namespace pierce {
+namespace {
+
+std::vector<double> shares_of(const std::vector<Part>& parts) {
+    std::vector<double> shares;
+    for (const Part& part : parts) shares.push_back(part.share);
+    return shares;
+}
+
+class PartitionedBackend : public Backend {
+public:
+    explicit PartitionedBackend(std::vector<Part> parts) : partition_(shares_of(parts)) {
+        for (Part& part : parts)
+            parts_.push_back({std::move(part.backend),
+                              PartScene(static_cast<std::uint32_t>(parts_.size())),
+                              {}});
+    }
+
+    std::string description() const override {
+        std::string text = std::to_string(parts_.size()) + " parts";
+        for (const Share& part : parts_) text += "; " + part.backend->description();
+        return text;
+    }
+    bool runs_on_device() const override { return parts_[0].backend->runs_on_device(); }
+    bool certificates_pay() const override {
+        return std::ranges::all_of(
+            parts_, [](const Share& part) { return part.backend->certificates_pay(); });
+    }
+
+    void step(const Scene& whole, StepStats& stats) override {
+        // If a part fails, there are no contacts.
+        merged_ = true;
+        contacts_.clear();
+        pairs_.clear();
+        const bool anew = revision_ != whole.plan->revision;
+        revision_ = whole.plan->revision;
+        keys_ = {whole.world_begins.size > 0};
+        arrange(whole, anew);
+        for_each_part([&](Share& part) {
+            part.stats = {};
+            part.backend->step(part.scene.scene(whole), part.stats);
+        });
+        std::vector<StepStats> of_parts;
+        for (const Share& part : parts_) of_parts.push_back(part.stats);
+        add_parts(of_parts, stats);
+        merged_ = false;
+    }
+
+    bool step_at_rest() override {
+        if (runs_on_device()) return false;
+        for (Share& part : parts_)
+            if (!part.backend->step_at_rest()) return false;
+        merged_ = false;
+        return true;
+    }
+
+    View<const Contact> contacts() const override {
+        merge();
+        return view_of(contacts_);
+    }
+    View<const Pair> pairs() const override {
+        merge();
+        return view_of(pairs_);
+    }
+
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const override {
+        return parts_[part_of(bodies, pair)].backend->certificate(bodies, pair, side, vertex);
+    }
+
+    void fetch_bodies(View<BodyView> bodies) const override {
+        for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+            const View<BodyView> here = parts_[p].scene.bodies();
+            parts_[p].backend->fetch_bodies(here);
+            for (std::uint32_t b = 0; b < here.size && b < bodies.size; ++b) {
+                if (partition_.owners()[b] != p) continue;
+                static_cast<BodyBounds&>(bodies[b]) = here[b];
+                bodies[b].space = here[b].space;
+                bodies[b].active = here[b].active;
+            }
+        }
+    }
+    void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override {
+        fetch_seen_of(partition_.owners(), ids, seen);
+    }
+
+    StepMemory memory() const override {
+        return given_ ? *given_ : join_memory(memories(), partition_.owners());
+    }
+    void remember(const StepMemory& memory) override { given_ = memory; }
+
+    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
+        outside_->closest_hits(bodies, rays, hits);
+    }
+
+private:
+    struct Share {
+        std::unique_ptr<Backend> backend;
+        mutable PartScene scene;
+        StepStats stats;
+    };
+
+    std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
+        const std::span<const std::uint32_t> owners = partition_.owners();
+        return owners[bodies[pair.a].motion == Motion::fixed ? pair.b : pair.a];
+    }
+
+    /// Gives every part what it has to see. What is remembered goes with the pairs.
+    void arrange(const Scene& whole, bool anew) {
+        const std::vector<std::uint32_t> before(partition_.owners().begin(),
+                                                partition_.owners().end());
+        std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
+        const bool moved = partition_.update(whole, anew);
+        if (moved && !memory && !before.empty()) {
+            memory = join_memory(memories(), before);
+            fetch_seen_of(before, whole.ids, whole.seen);
+        }
+        std::vector<std::uint32_t> all_bodies;
+        for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+            PartScene& scene = parts_[p].scene;
+            const std::vector<bool>& near = partition_.near(p);
+            const bool settles = anew || moved || !is_within(near, scene);
+            if (settles) {
+                scene.settle(whole, partition_.owners(), partition_.residents(whole, p));
+                all_bodies.resize(whole.bodies.size);
+                std::iota(all_bodies.begin(), all_bodies.end(), 0u);
+            }
+            scene.update(
+                whole,
+                settles ? std::span<const std::uint32_t>(all_bodies)
+                        : std::span<const std::uint32_t>(whole.changed.data, whole.changed.size),
+                near);
+        }
+        // How far predictions look depends on where bodies were in the last step, also ghosts.
+        const bool predicts = whole.plan->settings.temporal == Temporal::paper;
+        const bool arrivals = std::ranges::any_of(
+            parts_, [](const Share& part) { return !part.scene.arrived().empty(); });
+        if (predicts && arrivals && !memory) {
+            memory = join_memory(memories(), partition_.owners());
+            fetch_seen_of(partition_.owners(), whole.ids, whole.seen);
+        }
+        if (!memory) return;
+        for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+            parts_[p].backend->remember(part_of_memory(*memory, [&](std::uint64_t key) {
+                const Pair pair = keys_.pair(key);
+                return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
+                       part_of(whole.bodies, pair) == p;
+            }));
+            parts_[p].scene.copy_seen(whole);
+        }
+    }
+
+    static bool is_within(const std::vector<bool>& near, const PartScene& scene) {
+        for (std::uint32_t b = 0; b < near.size(); ++b)
+            if (near[b] && !scene.is_resident(b)) return false;
+        return true;
+    }
+
+    std::vector<StepMemory> memories() const {
+        std::vector<StepMemory> all;
+        for (const Share& part : parts_) all.push_back(part.backend->memory());
+        return all;
+    }
+
+    void fetch_seen_of(std::span<const std::uint32_t> owners, View<const BodyId> ids,
+                       View<const View<SeenPatch>> seen) const {
+        for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+            std::vector<BodyId> own(ids.begin(), ids.end());
+            for (std::size_t b = 0; b < own.size(); ++b)
+                if (b >= owners.size() || owners[b] != p) own[b] = {};
+            parts_[p].backend->fetch_seen(view_of(std::as_const(own)), seen);
+        }
+    }
+
+    /// Runs all parts at once, and throws what the first of them has thrown.
+    template <class Run>
+    void for_each_part(const Run& run) {
+        std::vector<std::exception_ptr> failures(parts_.size());
+        const auto try_one = [&](std::size_t p) {
+            try {
+                run(parts_[p]);
+            } catch (...) {
+                failures[p] = std::current_exception();
+            }
+        };
+        {
+            std::vector<std::jthread> others;
+            for (std::size_t p = 1; p < parts_.size(); ++p) others.emplace_back(try_one, p);
+            try_one(0);
+        }
+        for (const std::exception_ptr& failure : failures)
+            if (failure) std::rethrow_exception(failure);
+    }
+
+    /// Joins the parts' lists, each of which is sorted by pair.
+    void merge() const {
+        if (merged_) return;
+        merged_ = true;
+        contacts_.clear();
+        pairs_.clear();
+        std::vector<View<const Contact>> solids, sheets;
+        std::vector<View<const Pair>> pairs;
+        for (const Share& part : parts_) {
+            const View<const Contact> all = part.backend->contacts();
+            const auto first_of_sheet = static_cast<std::uint32_t>(
+                std::partition_point(all.begin(), all.end(),
+                                     [](const Contact& c) { return !c.of_sheet; }) -
+                all.begin());
+            solids.push_back({all.data, first_of_sheet});
+            sheets.push_back({all.data + first_of_sheet, all.size - first_of_sheet});
+            pairs.push_back(part.backend->pairs());
+        }
+        const auto pair_of = [](const Contact& c) { return Pair{c.a.index, c.b.index}; };
+        append_merged(solids, pair_of, contacts_);
+        append_merged(sheets, pair_of, contacts_);
+        append_merged(
+            pairs, [](const Pair& pair) { return pair; }, pairs_);
+    }
+
+    template <class Item, class PairOf>
+    void append_merged(const std::vector<View<const Item>>& lists, const PairOf& pair_of,
+                       std::vector<Item>& merged) const {
+        constexpr std::uint64_t none = ~std::uint64_t{0};
+        std::vector<std::uint32_t> next(lists.size(), 0);
+        const auto key = [&](std::size_t p) {
+            if (next[p] == lists[p].size) return none;
+            const Pair pair = pair_of(lists[p][next[p]]);
+            return keys_.key(parts_[p].scene.bodies(), pair.a, pair.b);
+        };
+        for (;;) {
+            std::size_t first = 0;
+            for (std::size_t p = 1; p < lists.size(); ++p)
+                if (key(p) < key(first)) first = p;
+            const std::uint64_t its_key = key(first);
+            if (its_key == none) return;
+            for (; key(first) == its_key; ++next[first])
+                merged.push_back(lists[first][next[first]]);
+        }
+    }
+
+    Partition partition_;
+    std::vector<Share> parts_;
+    std::unique_ptr<Backend> outside_ = bvh_backend();
+    std::uint64_t revision_ = 0;
+    stages::PairKeys keys_;
+    std::optional<StepMemory> given_;  ///< for the next step
+    mutable bool merged_ = true;
+    mutable std::vector<Contact> contacts_;
+    mutable std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
+    if (parts.empty()) throw InputError("a partitioned backend needs at least one part");
+    for (const Part& part : parts) {
+        if (!part.backend) throw InputError("a part of a partitioned backend has no backend");
+        if (!(part.share > 0) || std::isinf(part.share))
+            throw InputError("the share of a part must be positive and finite");
+        if (part.backend->runs_on_device() != parts[0].backend->runs_on_device())
+            throw InputError("either all parts run on a device, or none");
+    }
+    return std::make_unique<PartitionedBackend>(std::move(parts));
+}
+
+}  // namespace pierce
