@@ -3,21 +3,28 @@
 //   pierce_gpu_steps
 //   RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT|tori:COUNT|hand:COUNT|nut:COUNT...
 //       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
-//       [--coverage vertices|overlaps|complete] [--reproject on|off]
+//       [--coverage vertices|overlaps|complete] [--reproject on|off] [--devices N]
 // A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
 // wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. The last
 // three are COUNT small worlds (scenes/recording/small_worlds.hpp). Places are named once and then
 // only written, so that the host does nothing per body. MODE is what rays remember of the last
-// step: full (nothing), walk, walk-predict or certified. Prints CSV.
+// step: full (nothing), walk, walk-predict or certified. With several devices, each has the places
+// of the bodies that it owns. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "gpu_cuda/device_buffer.hpp"
+#include "core/partition/space_partition.hpp"
+#include "gpu_cuda/cuda_check.hpp"
+#include "gpu_cuda/on_device.hpp"
+#include "pierce/box.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/embree_backend.hpp"
@@ -79,30 +86,51 @@ struct Player {
     }
 };
 
-/// The places of all bodies that move, in device memory.
+/// An array on the current device that other devices may read.
+template <class T>
+class ReadableArray {
+public:
+    explicit ReadableArray(std::size_t count) {
+        cuda::check(cudaMalloc(&data_, std::max<std::size_t>(count, 1) * sizeof(T)),
+                    "an array of places");
+    }
+    ReadableArray(ReadableArray&& other) noexcept : data_(std::exchange(other.data_, nullptr)) {}
+    ~ReadableArray() { cudaFree(data_); }
+
+    T* data() const { return data_; }
+    void write(const std::vector<T>& values) {
+        cuda::check(
+            cudaMemcpy(data_, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice),
+            "a frame's places");
+    }
+
+private:
+    T* data_ = nullptr;
+};
+
+/// The places of the moving bodies of one device, in its memory.
 class DevicePlaces {
 public:
-    explicit DevicePlaces(Player& player) : player_(player) {
-        for (std::uint32_t b = 0; b < player.bodies.size(); ++b) {
+    DevicePlaces(Player& player, int device, const std::vector<std::uint32_t>& bodies)
+        : player_(player) {
+        const cuda::OnDevice here(device);
+        for (std::uint32_t b : bodies) {
             if (player.deforms(b))
                 deforming_.push_back(b);
             else if (player.recording.bodies[b].motion == Motion::rigid)
                 rigid_.push_back(b);
         }
         stage(0);
-        device_positions_.resize(static_cast<std::uint32_t>(positions_.size()));
-        device_poses_.resize(static_cast<std::uint32_t>(poses_.size()));
-        player.world.set_device_positions(ids_of(deforming_), device_positions_.data());
-        player.world.set_device_poses(ids_of(rigid_), std::as_const(device_poses_).data());
+        device_positions_.emplace(positions_.size());
+        device_poses_.emplace(poses_.size());
+        player.world.set_device_positions(ids_of(deforming_), device_positions_->data());
+        player.world.set_device_poses(ids_of(rigid_),
+                                      static_cast<const double*>(device_poses_->data()));
     }
     void write(std::uint32_t frame) {
         stage(frame);
-        cuda::check(cudaMemcpy(device_positions_.data(), positions_.data(),
-                               positions_.size() * sizeof(Vec3f), cudaMemcpyHostToDevice),
-                    "a frame's positions");
-        cuda::check(cudaMemcpy(device_poses_.data(), poses_.data(), poses_.size() * sizeof(double),
-                               cudaMemcpyHostToDevice),
-                    "a frame's poses");
+        device_positions_->write(positions_);
+        device_poses_->write(poses_);
     }
 
 private:
@@ -129,12 +157,31 @@ private:
     std::vector<std::uint32_t> deforming_, rigid_;
     std::vector<Vec3f> positions_;
     std::vector<double> poses_;
-    cuda::DeviceBuffer<Vec3f> device_positions_;
-    cuda::DeviceBuffer<double> device_poses_;
+    std::optional<ReadableArray<Vec3f>> device_positions_;
+    std::optional<ReadableArray<double>> device_poses_;
 };
 
+/// The bodies of each device: those that it will own.
+std::vector<std::vector<std::uint32_t>> bodies_of_devices(const scenes::Recording& recording,
+                                                          std::uint32_t devices) {
+    std::vector<WeightedPoint> points;
+    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
+        Box box;
+        if (recording.bodies[b].motion == Motion::deforming)
+            for (const Vec3f p : recording.positions(b, 0)) box.extend(to_double(p));
+        else
+            box.extend(recording.pose(b, 0).position);
+        points.push_back({box.center(), 1});
+    }
+    const std::vector<std::uint32_t> parts = divide_space(points,
+                                                          std::vector<double>(devices, 1.0));
+    std::vector<std::vector<std::uint32_t>> bodies(devices);
+    for (std::uint32_t b = 0; b < parts.size(); ++b) bodies[parts[b]].push_back(b);
+    return bodies;
+}
+
 struct Options {
-    std::uint32_t steps = 64, checks = 8;
+    std::uint32_t steps = 64, checks = 8, devices = 1;
     bool stages = false;
     std::string builder = "trbvh", memory = "certified";
     Coverage coverage = Settings{}.coverage;
@@ -170,14 +217,17 @@ TreeBuilder builder_named(const std::string& name) {
 
 void run(const std::string& name, const scenes::Recording& recording, const Options& options,
          const std::vector<Filter>& filters = {}) {
-    const auto& [steps, checks, stages, builder, memory, coverage, reproject] = options;
-    Player gpu(recording, filters,
-               cuda_backend({.builder = builder_named(builder), .graph = !stages}),
-               settings_of(options));
+    const auto& [steps, checks, devices, stages, builder, memory, coverage, reproject] = options;
+    CudaOptions cuda{.builder = builder_named(builder), .graph = !stages};
+    for (std::uint32_t d = 0; d < devices; ++d) cuda.devices.push_back(static_cast<int>(d));
+    Player gpu(recording, filters, cuda_backend(cuda), settings_of(options));
     std::size_t triangles = 0;
     for (const auto& body : recording.bodies)
         triangles += recording.meshes[body.mesh].data.triangles.size();
-    DevicePlaces places(gpu);
+    std::vector<std::unique_ptr<DevicePlaces>> places;
+    for (const auto& bodies : bodies_of_devices(recording, devices))
+        places.push_back(
+            std::make_unique<DevicePlaces>(gpu, static_cast<int>(places.size()), bodies));
 
     std::vector<double> wall, on_device, full_rays, walks, lost;
     std::map<std::string, std::vector<double>> by_stage;
@@ -186,7 +236,7 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     StepStats last;
     const auto frame_of_step = [&](std::uint32_t i) { return i % recording.frame_count; };
     for (std::uint32_t i = 0; i < steps; ++i) {
-        places.write(frame_of_step(i));
+        for (const auto& of_device : places) of_device->write(frame_of_step(i));
         last = gpu.world.detect();
         if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
@@ -213,12 +263,12 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     }
     std::printf(
         "%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f,%s,"
-        "%s\n",
+        "%s,%u\n",
         name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
         stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
         last.touching_pairs, median(on_device), median(wall), median(embree), checks, differ,
         memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks), mean(lost),
-        name_of(coverage), reproject ? "on" : "off");
+        name_of(coverage), reproject ? "on" : "off", devices);
     if (stages)
         for (const std::string& stage : order)
             std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
@@ -245,6 +295,8 @@ int main(int argc, char** argv) {
             options.coverage = pierce::coverage_named(argv[++i]);
         else if (argument == "--reproject" && i + 1 < argc)
             options.reproject = std::string(argv[++i]) == "on";
+        else if (argument == "--devices" && i + 1 < argc)
+            options.devices = static_cast<std::uint32_t>(std::stoul(argv[++i]));
         else if (argument == "--stages")
             options.stages = true;
         else
@@ -254,7 +306,7 @@ int main(int argc, char** argv) {
     std::puts(
         "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,"
         "embree_ms,checked,differ,memory,device_mean_ms,wall_mean_ms,mean_full_rays,mean_walks,"
-        "mean_lost,coverage,reproject");
+        "mean_lost,coverage,reproject,devices");
     for (const std::string& scene : scenes) {
         using pierce::scenes::LatticeMotion;
         const std::size_t colon = scene.find(':');

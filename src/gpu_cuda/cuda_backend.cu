@@ -1,6 +1,10 @@
 #include <cuda_runtime.h>
 
 #include <array>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
@@ -10,11 +14,14 @@
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "gpu_cuda/contact_arrays.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
+#include "gpu_cuda/on_device.hpp"
+#include "gpu_cuda/place_boxes.cuh"
 #include "gpu_cuda/scene_mirror.cuh"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
+#include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 
 namespace pierce {
@@ -22,24 +29,27 @@ namespace {
 
 using cuda::check;
 
-std::string device_name() {
+std::string device_name(int device) {
     cudaDeviceProp properties;
-    check(cudaGetDeviceProperties(&properties, 0), "the device's properties");
+    check(cudaGetDeviceProperties(&properties, device), "the device's properties");
     return properties.name;
 }
 
 class CudaBackend : public Backend {
 public:
+    /// On the current device.
     explicit CudaBackend(CudaOptions options)
-        : options_(options),
-          name_(device_name()),
-          tracer_({options.builder, options.rebuild}),
+        : options_(std::move(options)),
+          name_(device_name(device_)),
+          tracer_({options_.builder, options_.rebuild}),
           mirror_(executor_),
           pipeline_(executor_, tracer_) {
         for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
         check(cudaEventCreateWithFlags(&handover_, cudaEventDisableTiming), "an event");
     }
     ~CudaBackend() override {
+        // What is freed after this body needs the device, too.
+        current_at_end_.emplace(device_);
         drop_graphs();
         for (cudaEvent_t event : events_) cudaEventDestroy(event);
         cudaEventDestroy(handover_);
@@ -54,12 +64,14 @@ public:
     }
 
     void step(const Scene& host, StepStats& stats) override {
+        const cuda::OnDevice here(device_);
         wait_for_caller();
         find_contacts(host, stats);
         let_caller_go_on();
     }
 
     DeviceContacts device_contacts(std::uint32_t worlds) override {
+        const cuda::OnDevice here(device_);
         const View<const BodyView> bodies = mirror_.scene().bodies;
         DeviceContacts contacts;
         contacts.solids = solids_.fill(executor_, pipeline_.contacts(), bodies, worlds);
@@ -83,13 +95,29 @@ public:
         return {};
     }
 
-    void fetch_bodies(View<BodyView> bodies) const override { mirror_.fetch(bodies); }
+    void measure_places(View<const BodyView> bodies, View<const std::uint32_t> some,
+                        View<PlacedBox> places) override {
+        const cuda::OnDevice here(device_);
+        place_boxes_.measure(bodies, some, places, executor_.stream());
+    }
+
+    void fetch_bodies(View<BodyView> bodies) const override {
+        const cuda::OnDevice here(device_);
+        mirror_.fetch(bodies);
+    }
 
     void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override {
+        const cuda::OnDevice here(device_);
         mirror_.fetch_seen(ids, seen);
     }
-    StepMemory memory() const override { return pipeline_.memory(); }
-    void remember(const StepMemory& memory) override { pipeline_.remember(memory); }
+    StepMemory memory() const override {
+        const cuda::OnDevice here(device_);
+        return pipeline_.memory();
+    }
+    void remember(const StepMemory& memory) override {
+        const cuda::OnDevice here(device_);
+        pipeline_.remember(memory);
+    }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         outside_->closest_hits(bodies, rays, hits);
@@ -202,6 +230,7 @@ private:
 
     void fetch() const {
         if (fetched_) return;
+        const cuda::OnDevice here(device_);
         fetched_ = true;
         const std::uint32_t others = executor_.number(count_of(pipeline_.contacts()));
         const std::uint32_t of_sheets = mirror_.scene().plan->sheets
@@ -216,6 +245,9 @@ private:
         executor_.wait();
     }
 
+    // The first member is the last one to end.
+    std::optional<cuda::OnDevice> current_at_end_;
+    int device_ = cuda::current_device();
     CudaOptions options_;
     std::string name_;
     CudaExecutor executor_;
@@ -229,6 +261,7 @@ private:
     cudaStream_t stream_of_caller_ = nullptr;
     cudaEvent_t handover_ = nullptr;  ///< between that stream and ours
     cuda::ContactArrays solids_, sheets_;
+    cuda::PlaceBoxes place_boxes_;
     mutable bool fetched_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;
@@ -247,10 +280,53 @@ std::string cuda_problem() {
     return pools == 0 ? "the device has no memory pools" : "";
 }
 
+namespace {
+
+/// Lets kernels of each device read what another one has.
+void connect(std::span<const int> devices) {
+    for (const int device : devices)
+        for (const int other : devices) {
+            if (device == other) continue;
+            int can = 0;
+            check(cudaDeviceCanAccessPeer(&can, device, other), "access to another device");
+            if (can == 0)
+                throw InputError("device " + std::to_string(device) +
+                                 " cannot read the memory of device " + std::to_string(other));
+            const cuda::OnDevice here(device);
+            const cudaError_t error = cudaDeviceEnablePeerAccess(other, 0);
+            if (error == cudaErrorPeerAccessAlreadyEnabled)
+                cudaGetLastError();
+            else
+                check(error, "access to another device");
+            // That is for cudaMalloc; what comes from the other device's pool is opened here.
+            cudaMemPool_t pool = nullptr;
+            check(cudaDeviceGetMemPool(&pool, other), "a device's memory pool");
+            cudaMemAccessDesc access{};
+            access.location = {.type = cudaMemLocationTypeDevice, .id = device};
+            access.flags = cudaMemAccessFlagsProtReadWrite;
+            check(cudaMemPoolSetAccess(pool, &access, 1), "access to another device's pool");
+        }
+}
+
+}  // namespace
+
 std::unique_ptr<Backend> cuda_backend(CudaOptions options) {
     const std::string problem = cuda_problem();
     if (!problem.empty()) throw InputError("the cuda backend cannot run here: " + problem);
-    return std::make_unique<CudaBackend>(options);
+    int count = 0;
+    check(cudaGetDeviceCount(&count), "the number of devices");
+    for (const int device : options.devices)
+        if (device < 0 || device >= count)
+            throw InputError("there is no CUDA device " + std::to_string(device));
+    if (options.devices.empty()) return std::make_unique<CudaBackend>(options);
+    connect(options.devices);
+    std::vector<Part> parts;
+    for (const int device : options.devices) {
+        const cuda::OnDevice here(device);
+        parts.push_back({.backend = std::make_unique<CudaBackend>(options)});
+    }
+    if (parts.size() == 1) return std::move(parts[0].backend);
+    return partitioned_backend(std::move(parts));
 }
 
 }  // namespace pierce

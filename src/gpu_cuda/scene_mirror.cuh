@@ -100,8 +100,8 @@ private:
 
         bool is_same(const BodyView& body) const {
             return mesh_key == body.mesh_key && collision == body.collision &&
-                   filter == body.filter && world_place == body.world_place &&
-                   part == body.part && range == body.range;
+                   filter == body.filter && world_place == body.world_place && part == body.part &&
+                   range == body.range;
         }
     };
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pierce/embree_backend.hpp"
+#include "pierce/error.hpp"
 #include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #if PIERCE_HAS_TEST_EXECUTORS
@@ -28,6 +29,21 @@ std::unique_ptr<Backend> three_parts() {
     return partitioned_backend(std::move(parts));
 }
 
+#if PIERCE_HAS_CUDA
+/// Two devices, or one that takes both parts.
+std::unique_ptr<Backend> cuda_parts() {
+    const bool has_two = [] {
+        try {
+            cuda_backend({.devices = {1}});
+            return true;
+        } catch (const InputError&) {
+            return false;
+        }
+    }();
+    return cuda_backend({.devices = {0, has_two ? 1 : 0}});
+}
+#endif
+
 }  // namespace
 
 std::vector<NamedBackend> backends() {
@@ -45,6 +61,7 @@ std::vector<NamedBackend> backends() {
     if (cuda_problem().empty()) {
         all.push_back({"cuda", [] { return cuda_backend(); }});
         all.push_back({"cuda_stepwise", [] { return cuda_backend({.graph = false}); }});
+        all.push_back({"cuda_parts", cuda_parts});
     }
 #endif
     return all;

@@ -9,7 +9,7 @@
 namespace pierce {
 
 void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners,
-                       std::vector<bool> resident) {
+                       BodySet resident) {
     ++revision_;
     resident_ = std::move(resident);
     const std::size_t count = whole.bodies.size;
@@ -18,7 +18,7 @@ void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners
     nobody.world_place = whole.world_begins.size < 2 ? 0 : whole.world_begins.size - 2;
     views_.assign(count, nobody);
     ids_.assign(count, {});
-    takes_part_.assign(count, false);
+    near_.assign(count, 0);
     shapes_.resize(count);
     blocks_.assign(count, {});
     patches_.assign(count, {});
@@ -86,8 +86,15 @@ void PartScene::arrange_worlds(const Scene& whole) {
     std::partial_sum(world_begins_.begin(), world_begins_.end(), world_begins_.begin());
 }
 
+bool PartScene::has(const BodySet& bodies) const {
+    if (bodies.size() != resident_.size()) return false;
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        if (bodies[b] > resident_[b]) return false;
+    return true;
+}
+
 void PartScene::update(const Scene& whole, std::span<const std::uint32_t> changed,
-                       const std::vector<bool>& near) {
+                       const BodySet& near) {
     const bool replans = plan_.revision != revision_ ||
                          plan_.settings.temporal != whole.plan->settings.temporal;
     if (replans) {
@@ -102,21 +109,20 @@ void PartScene::update(const Scene& whole, std::span<const std::uint32_t> change
     }
     changed_.clear();
     arrived_.clear();
-    ghosts_ = 0;
     for (const std::uint32_t b : changed) {
-        if (!is_resident(b)) continue;
+        if (!resident_[b]) continue;
         static_cast<BodyInput&>(views_[b]) = whole.bodies[b];
         if (views_[b].motion != Motion::deforming) views_[b].fit = whole.bodies[b].fit;
+        views_[b].active = whole.bodies[b].active && near[b];
         changed_.push_back(b);
     }
-    for (std::uint32_t b = 0; b < views_.size(); ++b) {
-        if (!resident_[b]) continue;
-        const bool takes_part = whole.bodies[b].active && (is_own(b) || near[b]);
-        if (takes_part && !takes_part_[b] && !is_own(b)) arrived_.push_back(b);
-        ghosts_ += takes_part && !is_own(b);
-        if (takes_part != takes_part_[b]) changed_.push_back(b);
-        takes_part_[b] = views_[b].active = takes_part;
+    for (std::uint32_t b = 0; b < near.size(); ++b) {
+        if (near[b] == near_[b] || !resident_[b]) continue;
+        views_[b].active = whole.bodies[b].active && near[b];
+        if (near[b] && !is_own(b)) arrived_.push_back(b);
+        changed_.push_back(b);
     }
+    near_ = near;
     std::ranges::sort(changed_);
     changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
 }

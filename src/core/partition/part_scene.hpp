@@ -9,6 +9,7 @@
 #include "core/device/view.hpp"
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/patch.hpp"
+#include "core/partition/partition.hpp"
 #include "pierce/plan.hpp"
 
 namespace pierce {
@@ -22,17 +23,14 @@ public:
     explicit PartScene(std::uint32_t part) : part_(part) {}
 
     /// Makes bodies resident, and forgets all others. `owners`: each body's part.
-    void settle(const Scene& whole, std::span<const std::uint32_t> owners,
-                std::vector<bool> resident);
+    void settle(const Scene& whole, std::span<const std::uint32_t> owners, BodySet resident);
 
-    bool is_resident(std::uint32_t body) const {
-        return body < resident_.size() && resident_[body];
-    }
+    /// True if all of these bodies are resident.
+    bool has(const BodySet& bodies) const;
 
     /// Brings the residents up to date; ghosts take part if they are near. `changed`: bodies whose
     /// input may differ since the last call or settle().
-    void update(const Scene& whole, std::span<const std::uint32_t> changed,
-                const std::vector<bool>& near);
+    void update(const Scene& whole, std::span<const std::uint32_t> changed, const BodySet& near);
 
     /// Takes over what the owners of ghosts that have arrived know of their shapes in the last
     /// step.
@@ -46,8 +44,6 @@ public:
     View<const View<SeenPatch>> seen() const { return view_of(seen_); }
     /// Ghosts that take part since the last update().
     const std::vector<std::uint32_t>& arrived() const { return arrived_; }
-    /// How many ghosts took part in the last update().
-    std::uint32_t ghosts() const { return ghosts_; }
 
 private:
     /// Where a ghost's shape is kept while the part measures it.
@@ -65,9 +61,8 @@ private:
 
     std::uint32_t part_;
     std::uint64_t revision_ = 0;
-    std::vector<bool> resident_, takes_part_;
+    BodySet resident_, near_;
     std::vector<std::uint32_t> arrived_, changed_;
-    std::uint32_t ghosts_ = 0;
     Plan plan_;
     std::vector<BodyView> views_;
     std::vector<BodyId> ids_;

@@ -11,7 +11,9 @@
 namespace pierce {
 namespace {
 
-double weight_of(const BodyView& body) { return static_cast<double>(body.mesh.triangles.size); }
+bool is_on_device(const BodyView& body) {
+    return body.device_positions != nullptr || body.device_pose.exists();
+}
 
 /// What the moving bodies of a part reach: one box around most of them, and large ones by
 /// themselves, so that one of those does not make all bodies near.
@@ -38,66 +40,94 @@ private:
 
 }  // namespace
 
-bool Partition::update(const Scene& scene, bool anew) {
+Partition::Partition(std::vector<double> shares)
+    : shares_(std::move(shares)),
+      measured_(shares_.size()),
+      near_(shares_.size()),
+      loads_(shares_.size(), 0) {}
+
+void Partition::begin(const Scene& scene, bool anew) {
     if (anew) {
-        boxes_.assign(scene.bodies.size, {});
-        for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
-            boxes_[b] = box_of_reach(scene.bodies[b], scene.plan->settings);
-        const double extents = std::accumulate(
-            boxes_.begin(), boxes_.end(), 0.0,
-            [](double sum, const Box& box) { return sum + box.extent(); });
-        mean_extent_ = extents / std::max<double>(1, static_cast<double>(boxes_.size()));
+        facts_.assign(scene.bodies.size, {});
+        places_.assign(scene.bodies.size, {});
+        for (std::uint32_t b = 0; b < scene.bodies.size; ++b) note(scene, b);
     } else {
-        for (const std::uint32_t b : scene.changed)
-            boxes_[b] = box_of_reach(scene.bodies[b], scene.plan->settings);
+        for (const std::uint32_t b : scene.changed) note(scene, b);
     }
-    if (std::ranges::equal(scene.ids, known_)) {
-        look_around(scene);
-        if (worst_ <= constants::uneven_parts * worst_at_first_) return false;
+    if (anew || scene.changed.size > 0) list_measured(scene);
+}
+
+void Partition::note(const Scene& scene, std::uint32_t b) {
+    const BodyView& body = scene.bodies[b];
+    facts_[b] = {.more = reach_beyond_box(body, scene.plan->settings),
+                 .weight = static_cast<float>(body.mesh.triangles.size),
+                 .exists = static_cast<bool>(scene.ids[b]),
+                 .active = body.active,
+                 .moves = body.motion != Motion::fixed};
+    if (body.active && !is_on_device(body)) places_[b] = placed_box(body);
+}
+
+void Partition::list_measured(const Scene& scene) {
+    for (std::vector<std::uint32_t>& list : measured_) list.clear();
+    for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
+        if (facts_[b].active && is_on_device(scene.bodies[b]))
+            measured_[b < owners_.size() ? owners_[b] : b % parts()].push_back(b);
+}
+
+Box Partition::reach(std::uint32_t b) const {
+    return facts_[b].active ? box_of_reach(places_[b], facts_[b].more) : Box{};
+}
+
+void Partition::look_around(std::uint32_t part) {
+    near_[part] = seen_from(part, 0);
+    double load = 0;
+    for (std::uint32_t b = 0; b < facts_.size(); ++b)
+        if (near_[part][b]) load += facts_[b].active ? facts_[b].weight : 0.0f;
+    loads_[part] = load;
+}
+
+double Partition::worst_load() const {
+    double worst = 0;
+    for (std::uint32_t part = 0; part < parts(); ++part)
+        worst = std::max(worst, loads_[part] / shares_[part]);
+    return worst;
+}
+
+bool Partition::cut(const Scene& scene) {
+    if (std::ranges::equal(scene.ids, known_) &&
+        worst_load() <= constants::uneven_parts * worst_at_first_)
+        return false;
+    std::vector<WeightedPoint> points(facts_.size());
+    Vec3d last;
+    double extents = 0;
+    for (std::uint32_t b = 0; b < facts_.size(); ++b) {
+        const Box box = reach(b);
+        extents += box.extent();
+        // Bodies that take no part go with the one before them.
+        if (!box.empty()) last = box.center();
+        points[b] = {last, box.empty() ? 0 : facts_[b].weight};
     }
-    divide(scene);
-    look_around(scene);
-    worst_at_first_ = worst_;
+    mean_extent_ = extents / std::max<double>(1, static_cast<double>(facts_.size()));
+    owners_ = divide_space(points, shares_);
+    known_.assign(scene.ids.begin(), scene.ids.end());
+    list_measured(scene);
     return true;
 }
 
-void Partition::divide(const Scene& scene) {
-    std::vector<WeightedPoint> points(scene.bodies.size);
-    Vec3d last;
-    for (std::uint32_t b = 0; b < scene.bodies.size; ++b) {
-        // Bodies that take no part go with the one before them.
-        if (!boxes_[b].empty()) last = boxes_[b].center();
-        points[b] = {last, boxes_[b].empty() ? 0 : weight_of(scene.bodies[b])};
-    }
-    owners_ = divide_space(points, shares_);
-    known_.assign(scene.ids.begin(), scene.ids.end());
+BodySet Partition::residents(std::uint32_t part) const {
+    return seen_from(part, constants::spare_reach * mean_extent_);
 }
 
-void Partition::look_around(const Scene& scene) {
-    near_.resize(shares_.size());
-    worst_ = 0;
-    for (std::uint32_t part = 0; part < shares_.size(); ++part) {
-        near_[part] = seen_from(scene, part, 0);
-        double load = 0;
-        for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
-            if (near_[part][b] && !boxes_[b].empty()) load += weight_of(scene.bodies[b]);
-        worst_ = std::max(worst_, load / shares_[part]);
-    }
-}
-
-std::vector<bool> Partition::residents(const Scene& scene, std::uint32_t part) const {
-    return seen_from(scene, part, constants::spare_reach * mean_extent_);
-}
-
-std::vector<bool> Partition::seen_from(const Scene& scene, std::uint32_t part, double more) const {
+BodySet Partition::seen_from(std::uint32_t part, double more) const {
+    BodySet seen(facts_.size(), 0);
+    if (owners_.size() != facts_.size()) return seen;
     Region region(mean_extent_);
-    for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
-        if (owners_[b] == part && !boxes_[b].empty() && scene.bodies[b].motion != Motion::fixed)
-            region.add(boxes_[b].inflated(more));
-    std::vector<bool> seen(scene.bodies.size, false);
-    for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
-        seen[b] = scene.ids[b] &&
-                  (owners_[b] == part || (!boxes_[b].empty() && region.meets(boxes_[b])));
+    for (std::uint32_t b = 0; b < facts_.size(); ++b)
+        if (owners_[b] == part && facts_[b].moves && facts_[b].active)
+            region.add(reach(b).inflated(more));
+    for (std::uint32_t b = 0; b < facts_.size(); ++b)
+        seen[b] = facts_[b].exists &&
+                  (owners_[b] == part || (facts_[b].active && region.meets(reach(b))));
     return seen;
 }
 

@@ -1,47 +1,78 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "core/body/placed_box.hpp"
 #include "core/body/scene.hpp"
+#include "core/device/view.hpp"
 #include "pierce/box.hpp"
 
 namespace pierce {
 
-/// Which part owns each body of a scene, and which bodies each part has to see.
+/// Per body: 1 if it belongs to a set of bodies, else 0.
+using BodySet = std::vector<std::uint8_t>;
+
+/// Which part owns each body of a scene, and which bodies each part has to see. What is done for
+/// every body in every step reads short lists, not the bodies themselves.
 class Partition {
 public:
     /// `shares`: of the work, per part.
-    explicit Partition(std::vector<double> shares) : shares_(std::move(shares)) {}
+    explicit Partition(std::vector<double> shares);
 
-    /// Follows the bodies. Space is cut anew when there are other bodies, and when a part has to
-    /// see much more than after the last cut; then it returns true: bodies may have other owners.
-    /// `anew`: bodies were added, removed or changed.
-    bool update(const Scene& scene, bool anew);
-
-    /// Each body's part.
+    std::uint32_t parts() const { return static_cast<std::uint32_t>(shares_.size()); }
+    /// Each body's part; empty before the first cut().
     std::span<const std::uint32_t> owners() const { return owners_; }
+
+    /// Begins a step: notes what bodies are. `anew`: bodies were added, removed or changed.
+    void begin(const Scene& scene, bool anew);
+    /// The bodies with places in device memory that a part is to measure, and where to.
+    std::span<const std::uint32_t> to_measure(std::uint32_t part) const { return measured_[part]; }
+    View<PlacedBox> places() { return view_of(places_); }
+    /// Looks for what is near a part, once all places are known. Parts may do so at the same time.
+    void look_around(std::uint32_t part);
+    /// Cuts space anew if there are other bodies than at the last cut, or if a part has to see much
+    /// more than after it; then bodies may have other owners, all parts have to look around again,
+    /// and it returns true.
+    bool cut(const Scene& scene);
+    /// To be called when all parts have looked around after a cut.
+    void note_loads() { worst_at_first_ = worst_load(); }
+
     /// The bodies that a part owns, and those that are near enough to be a pair with one of them.
-    const std::vector<bool>& near(std::uint32_t part) const { return near_[part]; }
+    const BodySet& near(std::uint32_t part) const { return near_[part]; }
     /// The same, but looking so much further that they are likely to be enough for later steps.
-    std::vector<bool> residents(const Scene& scene, std::uint32_t part) const;
+    BodySet residents(std::uint32_t part) const;
 
 private:
-    void divide(const Scene& scene);
-    void look_around(const Scene& scene);
+    /// What is read of a body in every step.
+    struct Facts {
+        double more = 0;  ///< [length] how far it reaches beyond its box
+        float weight = 0;
+        bool exists = false, active = false, moves = false;
+    };
+
+    void note(const Scene& scene, std::uint32_t body);
+    void list_measured(const Scene& scene);
+    Box reach(std::uint32_t body) const;
+    double worst_load() const;
     /// The bodies of a part, and those that come within `more` [length] of its reach.
-    std::vector<bool> seen_from(const Scene& scene, std::uint32_t part, double more) const;
+    BodySet seen_from(std::uint32_t part, double more) const;
 
     std::vector<double> shares_;
-    std::vector<Box> boxes_;  ///< per body, of its reach; empty if it takes no part
-    double mean_extent_ = 0;  ///< of these boxes
+    // Per body.
+    std::vector<Facts> facts_;
+    std::vector<PlacedBox> places_;
     std::vector<std::uint32_t> owners_;
-    std::vector<BodyId> known_;            ///< per body, whom the owner was chosen for
-    std::vector<std::vector<bool>> near_;  ///< per part
-    double worst_ = 0;                     ///< the largest load of a part, for its share
-    double worst_at_first_ = 0;            ///< the same after the last cut
+    std::vector<BodyId> known_;  ///< whom the owner was chosen for
+    double mean_extent_ = 0;
+    // Per part.
+    std::vector<std::vector<std::uint32_t>> measured_;
+    std::vector<BodySet> near_;
+    std::vector<double> loads_;
+    double worst_at_first_ = 0;  ///< the largest load for its share after the last cut
 };
 
 }  // namespace pierce

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
+#include "core/base/crew.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
@@ -21,6 +20,7 @@
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/trace/ray.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
@@ -38,11 +38,15 @@ std::vector<double> shares_of(const std::vector<Part>& parts) {
 
 class PartitionedBackend : public Backend {
 public:
-    explicit PartitionedBackend(std::vector<Part> parts) : partition_(shares_of(parts)) {
-        for (Part& part : parts)
-            parts_.push_back({std::move(part.backend),
-                              PartScene(static_cast<std::uint32_t>(parts_.size())),
-                              {}});
+    explicit PartitionedBackend(std::vector<Part> parts)
+        : partition_(shares_of(parts)), crew_(parts.size()) {
+        for (Part& part : parts) {
+            const auto number = static_cast<std::uint32_t>(parts_.size());
+            parts_.push_back({.backend = std::move(part.backend),
+                              .scene = PartScene(number),
+                              .stats = {},
+                              .number = number});
+        }
     }
 
     std::string description() const override {
@@ -65,7 +69,7 @@ public:
         revision_ = whole.plan->revision;
         keys_ = {whole.world_begins.size > 0};
         arrange(whole, anew);
-        for_each_part([&](Share& part) {
+        for_each_part(true, [&](Share& part) {
             part.stats = {};
             part.backend->step(part.scene.scene(whole), part.stats);
         });
@@ -127,6 +131,7 @@ private:
         std::unique_ptr<Backend> backend;
         mutable PartScene scene;
         StepStats stats;
+        std::uint32_t number = 0;
     };
 
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
@@ -139,27 +144,21 @@ private:
         const std::vector<std::uint32_t> before(partition_.owners().begin(),
                                                 partition_.owners().end());
         std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
-        const bool moved = partition_.update(whole, anew);
+        partition_.begin(whole, anew);
+        const bool many = whole.bodies.size >= constants::many_bodies;
+        for_each_part(runs_on_device(), [&](Share& part) { measure(whole, part); });
+        const auto look_around = [&](Share& part) { partition_.look_around(part.number); };
+        for_each_part(many, look_around);
+        const bool moved = partition_.cut(whole);
+        if (moved) {
+            for_each_part(many, look_around);
+            partition_.note_loads();
+        }
         if (moved && !memory && !before.empty()) {
             memory = join_memory(memories(), before);
             fetch_seen_of(before, whole.ids, whole.seen);
         }
-        std::vector<std::uint32_t> all_bodies;
-        for (std::uint32_t p = 0; p < parts_.size(); ++p) {
-            PartScene& scene = parts_[p].scene;
-            const std::vector<bool>& near = partition_.near(p);
-            const bool settles = anew || moved || !is_within(near, scene);
-            if (settles) {
-                scene.settle(whole, partition_.owners(), partition_.residents(whole, p));
-                all_bodies.resize(whole.bodies.size);
-                std::iota(all_bodies.begin(), all_bodies.end(), 0u);
-            }
-            scene.update(
-                whole,
-                settles ? std::span<const std::uint32_t>(all_bodies)
-                        : std::span<const std::uint32_t>(whole.changed.data, whole.changed.size),
-                near);
-        }
+        for_each_part(many, [&](Share& part) { show(whole, part, anew || moved); });
         // How far predictions look depends on where bodies were in the last step, also ghosts.
         const bool predicts = whole.plan->settings.temporal == Temporal::paper;
         const bool arrivals = std::ranges::any_of(
@@ -168,21 +167,37 @@ private:
             memory = join_memory(memories(), partition_.owners());
             fetch_seen_of(partition_.owners(), whole.ids, whole.seen);
         }
-        if (!memory) return;
-        for (std::uint32_t p = 0; p < parts_.size(); ++p) {
-            parts_[p].backend->remember(part_of_memory(*memory, [&](std::uint64_t key) {
-                const Pair pair = keys_.pair(key);
-                return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
-                       part_of(whole.bodies, pair) == p;
-            }));
-            parts_[p].scene.copy_seen(whole);
-        }
+        if (memory) hand_out(*memory, whole);
     }
 
-    static bool is_within(const std::vector<bool>& near, const PartScene& scene) {
-        for (std::uint32_t b = 0; b < near.size(); ++b)
-            if (near[b] && !scene.is_resident(b)) return false;
-        return true;
+    void measure(const Scene& whole, Share& part) {
+        const std::span<const std::uint32_t> bodies = partition_.to_measure(part.number);
+        if (!bodies.empty())
+            part.backend->measure_places(whole.bodies,
+                                         {bodies.data(), static_cast<std::uint32_t>(bodies.size())},
+                                         partition_.places());
+    }
+
+    /// Brings what a part sees up to date.
+    void show(const Scene& whole, Share& part, bool anew) {
+        const BodySet& near = partition_.near(part.number);
+        if (!anew && part.scene.has(near))
+            return part.scene.update(whole, {whole.changed.data, whole.changed.size}, near);
+        part.scene.settle(whole, partition_.owners(), partition_.residents(part.number));
+        std::vector<std::uint32_t> all(whole.bodies.size);
+        std::iota(all.begin(), all.end(), 0u);
+        part.scene.update(whole, all, near);
+    }
+
+    void hand_out(const StepMemory& memory, const Scene& whole) {
+        for (Share& part : parts_) {
+            part.backend->remember(part_of_memory(memory, [&](std::uint64_t key) {
+                const Pair pair = keys_.pair(key);
+                return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
+                       part_of(whole.bodies, pair) == part.number;
+            }));
+            part.scene.copy_seen(whole);
+        }
     }
 
     std::vector<StepMemory> memories() const {
@@ -201,24 +216,11 @@ private:
         }
     }
 
-    /// Runs all parts at once, and throws what the first of them has thrown.
+    /// Runs all parts, at once or in turn, and throws what the first of them has thrown.
     template <class Run>
-    void for_each_part(const Run& run) {
-        std::vector<std::exception_ptr> failures(parts_.size());
-        const auto try_one = [&](std::size_t p) {
-            try {
-                run(parts_[p]);
-            } catch (...) {
-                failures[p] = std::current_exception();
-            }
-        };
-        {
-            std::vector<std::jthread> others;
-            for (std::size_t p = 1; p < parts_.size(); ++p) others.emplace_back(try_one, p);
-            try_one(0);
-        }
-        for (const std::exception_ptr& failure : failures)
-            if (failure) std::rethrow_exception(failure);
+    void for_each_part(bool at_once, const Run& run) {
+        if (at_once) return crew_.run([&](std::size_t p) { run(parts_[p]); });
+        for (Share& part : parts_) run(part);
     }
 
     /// Joins the parts' lists, each of which is sorted by pair.
@@ -269,6 +271,7 @@ private:
 
     Partition partition_;
     std::vector<Share> parts_;
+    Crew crew_;
     std::unique_ptr<Backend> outside_ = bvh_backend();
     std::uint64_t revision_ = 0;
     stages::PairKeys keys_;

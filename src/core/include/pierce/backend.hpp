@@ -16,6 +16,7 @@ struct Contact;
 struct DeviceContacts;
 struct Hit;
 struct Pair;
+struct PlacedBox;
 struct Ray;
 struct Scene;
 struct SeenPatch;
@@ -41,6 +42,10 @@ public:
     /// The last step's contacts in device memory. Only for backends that run there. `worlds`: how
     /// many there are.
     virtual DeviceContacts device_contacts(std::uint32_t worlds);
+    /// Where bodies are now that have their places in device memory. `some`: these bodies.
+    /// `places`: of all bodies; others stay as they are. Only for backends that run there.
+    virtual void measure_places(View<const BodyView> bodies, View<const std::uint32_t> some,
+                                View<PlacedBox> places);
     /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }

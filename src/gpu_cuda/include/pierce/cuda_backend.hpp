@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pierce/backend.hpp"
 #include "pierce/tree_builder.hpp"
@@ -14,13 +15,15 @@ struct CudaOptions {
     bool rebuild = false;  ///< every step builds all trees anew; such steps are never a graph
     bool graph = true;  ///< true: steady steps run as one captured graph; false: stage after stage,
                         ///< each timed
+    std::vector<int> devices = {};  ///< by their numbers; several share a world (docs/scale.md);
+                                    ///< empty: the calling thread's current one
 };
 
 /// The reason, for people, why CUDA cannot be used here; empty if it can be used.
 std::string cuda_problem();
 
 /// The GPU backend: every stage runs on the device, with trees of our own. Throws InputError if no
-/// device can be used.
+/// device can be used, or if one of several cannot read what another one has.
 std::unique_ptr<Backend> cuda_backend(CudaOptions options = {});
 
 }  // namespace pierce

@@ -1,0 +1,132 @@
+// A world that several devices share, with places in the memory of each. Where there is one device,
+// it takes both parts.
+#include <cuda_runtime.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "gpu_cuda/cuda_check.hpp"
+#include "gpu_cuda/on_device.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/cuda_backend.hpp"
+#include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+using cuda::check;
+
+const MeshData ring = scenes::torus(1, 0.35, 20, 10);
+
+/// An array on a device.
+template <class T>
+class ArrayThere {
+public:
+    ArrayThere(int device, std::size_t count) {
+        const cuda::OnDevice here(device);
+        check(cudaMalloc(&data_, count * sizeof(T)), "an array");
+    }
+    ~ArrayThere() { cudaFree(data_); }
+    void write(const std::vector<T>& from) {
+        check(cudaMemcpy(data_, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice),
+              "a copy");
+    }
+    const T* data() const { return data_; }
+
+private:
+    T* data_ = nullptr;
+};
+
+class SeveralDevicesTest : public testing::TestWithParam<Coverage> {
+protected:
+    void SetUp() override {
+        if (!cuda_problem().empty()) GTEST_SKIP() << cuda_problem();
+        int count = 0;
+        check(cudaGetDeviceCount(&count), "the number of devices");
+        last_ = count - 1;
+    }
+    /// Bodies drift through the space of all of them, so that they change parts.
+    Pose place(int body, int step) {
+        const double t = 0.05 * step + body;
+        return {{0.9 * body + std::sin(0.3 * t), 2 * std::sin(0.05 * step), 0.2 * (body % 3)},
+                random_.rotation()};
+    }
+    std::vector<Vec3f> placed(const Pose& pose) const {
+        std::vector<Vec3f> positions;
+        for (Vec3f p : ring.positions)
+            positions.push_back(to_float(frame_of(pose).to_parent(to_double(p))));
+        return positions;
+    }
+    test::Random random_{29};
+    int last_ = 0;
+};
+
+TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
+    const Settings settings{.coverage = GetParam()};
+    World there(cuda_backend({.devices = {0, last_, 0}}), settings), here(bvh_backend(), settings);
+    constexpr int bodies = 24;
+    std::vector<BodyId> rigid, soft, rigid_here, soft_here;
+    for (World* w : {&there, &here}) {
+        const MeshId mesh = w->add_mesh("ring", ring);
+        for (int b = 0; b < bodies; ++b)
+            (w == &there ? b % 2 ? rigid : soft
+             : b % 2     ? rigid_here
+                         : soft_here)
+                .push_back(b % 2 ? w->add_rigid_body(mesh) : w->add_deforming_body(mesh));
+    }
+    // Which device has the places is not what decides who owns the bodies.
+    const std::size_t half = soft.size() / 2, vertices = ring.positions.size();
+    std::array<ArrayThere<Vec3f>, 2> positions{ArrayThere<Vec3f>(last_, half * vertices),
+                                               ArrayThere<Vec3f>(0, half * vertices)};
+    ArrayThere<double> poses(last_, 7 * rigid.size());
+    std::size_t contacts = 0;
+    for (int step = 0; step < 40; ++step) {
+        std::array<std::vector<Vec3f>, 2> moved;
+        std::vector<double> numbers;
+        for (int b = 0; b < bodies; ++b) {
+            const Pose pose = place(b, step);
+            if (b % 2) {
+                for (double x : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x,
+                                 pose.rotation.y, pose.rotation.z, pose.rotation.w})
+                    numbers.push_back(x);
+                here.set_pose(rigid_here[b / 2], pose);
+            } else {
+                const std::vector<Vec3f> all = placed(pose);
+                here.set_positions(soft_here[b / 2], all);
+                std::vector<Vec3f>& list = moved[static_cast<std::size_t>(b / 2) / half];
+                list.insert(list.end(), all.begin(), all.end());
+            }
+        }
+        for (int k = 0; k < 2; ++k) positions[k].write(moved[k]);
+        poses.write(numbers);
+        if (step == 0) {
+            const std::span<const BodyId> all(soft);
+            there.set_device_positions(all.first(half), positions[0].data());
+            there.set_device_positions(all.subspan(half), positions[1].data());
+            there.set_device_poses(rigid, poses.data());
+        }
+        there.detect();
+        here.detect();
+        EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts())) << step;
+        contacts += here.contacts().size();
+    }
+    EXPECT_GT(contacts, 2000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Coverages, SeveralDevicesTest,
+                         testing::Values(Coverage::vertices, Coverage::complete));
+
+TEST_P(SeveralDevicesTest, NamesADeviceThatIsNotThere) {
+    EXPECT_THROW(cuda_backend({.devices = {0, 1000}}), InputError);
+    EXPECT_THROW(cuda_backend({.devices = {-1}}), InputError);
+}
+
+}  // namespace
+}  // namespace pierce
