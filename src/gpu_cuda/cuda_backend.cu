@@ -15,7 +15,7 @@
 #include "gpu_cuda/contact_arrays.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/on_device.hpp"
-#include "gpu_cuda/place_boxes.cuh"
+#include "gpu_cuda/reach_meter.cuh"
 #include "gpu_cuda/scene_mirror.cuh"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/device_contacts.hpp"
@@ -95,10 +95,10 @@ public:
         return {};
     }
 
-    void measure_places(View<const BodyView> bodies, View<const std::uint32_t> some,
-                        View<PlacedBox> places) override {
+    void measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
+                       View<const double> more, bool anew, View<Box> reach) override {
         const cuda::OnDevice here(device_);
-        place_boxes_.measure(bodies, some, places, executor_.stream());
+        meter_.measure(bodies, some, more, anew, reach, executor_.stream());
     }
 
     void fetch_bodies(View<BodyView> bodies) const override {
@@ -117,6 +117,8 @@ public:
     void remember(const StepMemory& memory) override {
         const cuda::OnDevice here(device_);
         pipeline_.remember(memory);
+        // Captured steps know where memory lay, and how much there was of it.
+        restart();
     }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
@@ -261,7 +263,7 @@ private:
     cudaStream_t stream_of_caller_ = nullptr;
     cudaEvent_t handover_ = nullptr;  ///< between that stream and ours
     cuda::ContactArrays solids_, sheets_;
-    cuda::PlaceBoxes place_boxes_;
+    cuda::ReachMeter meter_;
     mutable bool fetched_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;

@@ -7,6 +7,7 @@
 #include "core/mesh/surface.hpp"
 #include "pierce/body.hpp"
 #include "pierce/filter.hpp"
+#include "pierce/min_max.hpp"
 #include "pierce/pose.hpp"
 
 namespace pierce {
@@ -101,10 +102,11 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
                 .covered = collision.sheet ? View<const Cover>{} : mesh.covered};
     }
 
-    /// Which of the backends that share a scene looks at the pair of this body and a later one, or
-    /// itself: the one that owns the first body that moves.
-    PIERCE_HD std::uint32_t part_of_pair(const BodyView& later) const {
-        return motion == Motion::fixed ? later.part : part;
+    /// Which of the backends that share a scene looks at the pair of this body and another one, or
+    /// itself: that of a body that moves, and the lower one of two.
+    PIERCE_HD std::uint32_t part_of_pair(const BodyView& other) const {
+        if (motion == Motion::fixed) return other.part;
+        return other.motion == Motion::fixed ? part : min_of(part, other.part);
     }
 
     /// How far beyond its box and its touch tolerance another body may matter to this one.

@@ -4,12 +4,48 @@
 #include <numeric>
 
 #include "core/body/body_view.hpp"
-#include "core/partition/body_reach.hpp"
+#include "core/body/reach.hpp"
+#include "core/geometry/motion_bound.hpp"
 #include "core/partition/space_partition.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
 namespace {
+
+Vec3d corner(const Box& box, int k) {
+    return {(k & 1 ? box.upper : box.lower).x, (k & 2 ? box.upper : box.lower).y,
+            (k & 4 ? box.upper : box.lower).z};
+}
+
+/// How far predictions look at most (stages::MeasureReach).
+double longest_prediction(const BodyView& body, const Settings& settings) {
+    if (settings.temporal != Temporal::paper || !settings.predict) return 0;
+    return settings.prediction_distance >= 0
+               ? 0.5 * settings.prediction_distance
+               : 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
+}
+
+/// [length] How much further than around its points a body may have to do with others in a step,
+/// but for tolerances and the way that it moves.
+double reach_beyond_points(const BodyView& body, const Settings& settings) {
+    return longest_prediction(body, settings) + body.collision.thickness + body.margin;
+}
+
+/// Where a body is whose place the host knows.
+PlacedBox placed_box(const BodyView& body) {
+    PlacedBox place;
+    if (body.motion == Motion::deforming) {
+        for (const Vec3f p : body.positions) place.box.extend(to_double(p));
+        for (std::uint32_t v = 0; v < body.start.size; ++v)
+            place.travel = std::max(
+                place.travel, length(to_double(body.positions[v]) - to_double(body.start[v])));
+    } else {
+        for (int k = 0; k < 8; ++k)
+            place.box.extend(body.space.to_parent(corner(body.mesh.box, k)));
+        place.travel = largest_motion(body.start_space, body.space, body.mesh.box);
+    }
+    return place;
+}
 
 bool is_on_device(const BodyView& body) {
     return body.device_positions != nullptr || body.device_pose.exists();
@@ -49,7 +85,7 @@ Partition::Partition(std::vector<double> shares)
 void Partition::begin(const Scene& scene, bool anew) {
     if (anew) {
         facts_.assign(scene.bodies.size, {});
-        places_.assign(scene.bodies.size, {});
+        reach_.assign(scene.bodies.size, {});
         for (std::uint32_t b = 0; b < scene.bodies.size; ++b) note(scene, b);
     } else {
         for (const std::uint32_t b : scene.changed) note(scene, b);
@@ -59,31 +95,31 @@ void Partition::begin(const Scene& scene, bool anew) {
 
 void Partition::note(const Scene& scene, std::uint32_t b) {
     const BodyView& body = scene.bodies[b];
-    facts_[b] = {.more = reach_beyond_box(body, scene.plan->settings),
-                 .weight = static_cast<float>(body.mesh.triangles.size),
+    facts_[b] = {.weight = static_cast<float>(body.mesh.triangles.size),
                  .exists = static_cast<bool>(scene.ids[b]),
                  .active = body.active,
                  .moves = body.motion != Motion::fixed};
-    if (body.active && !is_on_device(body)) places_[b] = placed_box(body);
+    reach_[b] = body.active && !is_on_device(body)
+                    ? reach_of(placed_box(body), reach_beyond_points(body, scene.plan->settings))
+                    : Box{};
 }
 
 void Partition::list_measured(const Scene& scene) {
-    for (std::vector<std::uint32_t>& list : measured_) list.clear();
-    for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
-        if (facts_[b].active && is_on_device(scene.bodies[b]))
-            measured_[b < owners_.size() ? owners_[b] : b % parts()].push_back(b);
-}
-
-Box Partition::reach(std::uint32_t b) const {
-    return facts_[b].active ? box_of_reach(places_[b], facts_[b].more) : Box{};
+    for (Measured& m : measured_) m = {{}, {}, m.revision + 1};
+    for (std::uint32_t b = 0; b < scene.bodies.size; ++b) {
+        if (!facts_[b].active || !is_on_device(scene.bodies[b])) continue;
+        Measured& m = measured_[b < owners_.size() ? owners_[b] : b % parts()];
+        m.bodies.push_back(b);
+        m.more.push_back(reach_beyond_points(scene.bodies[b], scene.plan->settings));
+    }
+    measures_ = std::ranges::any_of(measured_, [](const Measured& m) { return !m.bodies.empty(); });
 }
 
 void Partition::look_around(std::uint32_t part) {
     near_[part] = seen_from(part, 0);
-    double load = 0;
+    loads_[part] = 0;
     for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (near_[part][b]) load += facts_[b].active ? facts_[b].weight : 0.0f;
-    loads_[part] = load;
+        if (near_[part][b] && facts_[b].active) loads_[part] += facts_[b].weight;
 }
 
 double Partition::worst_load() const {
@@ -97,21 +133,38 @@ bool Partition::cut(const Scene& scene) {
     if (std::ranges::equal(scene.ids, known_) &&
         worst_load() <= constants::uneven_parts * worst_at_first_)
         return false;
+    // Ghosts are work, too: parts that see more of them get less.
+    std::vector<double> shares = shares_;
+    for (int round = 0; round < 3; ++round) {
+        divide(shares);
+        double all = 0, wanted = 0;
+        for (std::uint32_t part = 0; part < parts(); ++part) {
+            look_around(part);
+            all += loads_[part];
+            wanted += shares_[part];
+        }
+        for (std::uint32_t part = 0; part < parts(); ++part)
+            if (loads_[part] > 0) shares[part] *= all * shares_[part] / (wanted * loads_[part]);
+    }
+    worst_at_first_ = worst_load();
+    known_.assign(scene.ids.begin(), scene.ids.end());
+    list_measured(scene);
+    return true;
+}
+
+void Partition::divide(const std::vector<double>& shares) {
     std::vector<WeightedPoint> points(facts_.size());
     Vec3d last;
     double extents = 0;
     for (std::uint32_t b = 0; b < facts_.size(); ++b) {
-        const Box box = reach(b);
+        const Box& box = reach_[b];
         extents += box.extent();
         // Bodies that take no part go with the one before them.
         if (!box.empty()) last = box.center();
         points[b] = {last, box.empty() ? 0 : facts_[b].weight};
     }
     mean_extent_ = extents / std::max<double>(1, static_cast<double>(facts_.size()));
-    owners_ = divide_space(points, shares_);
-    known_.assign(scene.ids.begin(), scene.ids.end());
-    list_measured(scene);
-    return true;
+    owners_ = divide_space(points, shares);
 }
 
 BodySet Partition::residents(std::uint32_t part) const {
@@ -123,11 +176,13 @@ BodySet Partition::seen_from(std::uint32_t part, double more) const {
     if (owners_.size() != facts_.size()) return seen;
     Region region(mean_extent_);
     for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (owners_[b] == part && facts_[b].moves && facts_[b].active)
-            region.add(reach(b).inflated(more));
-    for (std::uint32_t b = 0; b < facts_.size(); ++b)
+        if (owners_[b] == part && facts_[b].moves) region.add(reach_[b].inflated(more));
+    for (std::uint32_t b = 0; b < facts_.size(); ++b) {
+        // Pairs of two moving bodies belong to the lower one of their parts.
+        const bool may_be_pair = owners_[b] >= part || !facts_[b].moves;
         seen[b] = facts_[b].exists &&
-                  (owners_[b] == part || (facts_[b].active && region.meets(reach(b))));
+                  (owners_[b] == part || (may_be_pair && region.meets(reach_[b])));
+    }
     return seen;
 }
 

@@ -45,7 +45,8 @@ public:
             parts_.push_back({.backend = std::move(part.backend),
                               .scene = PartScene(number),
                               .stats = {},
-                              .number = number});
+                              .number = number,
+                              .measured = 0});
         }
     }
 
@@ -132,11 +133,15 @@ private:
         mutable PartScene scene;
         StepStats stats;
         std::uint32_t number = 0;
+        std::uint64_t measured = 0;  ///< revision of the list that the backend knows
     };
 
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
         const std::span<const std::uint32_t> owners = partition_.owners();
-        return owners[bodies[pair.a].motion == Motion::fixed ? pair.b : pair.a];
+        BodyView a = bodies[pair.a], b = bodies[pair.b];
+        a.part = owners[pair.a];
+        b.part = owners[pair.b];
+        return a.part_of_pair(b);
     }
 
     /// Gives every part what it has to see. What is remembered goes with the pairs.
@@ -146,14 +151,9 @@ private:
         std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
         partition_.begin(whole, anew);
         const bool many = whole.bodies.size >= constants::many_bodies;
-        for_each_part(runs_on_device(), [&](Share& part) { measure(whole, part); });
-        const auto look_around = [&](Share& part) { partition_.look_around(part.number); };
-        for_each_part(many, look_around);
+        if (partition_.measures()) for_each_part(true, [&](Share& part) { measure(whole, part); });
+        for_each_part(many, [&](Share& part) { partition_.look_around(part.number); });
         const bool moved = partition_.cut(whole);
-        if (moved) {
-            for_each_part(many, look_around);
-            partition_.note_loads();
-        }
         if (moved && !memory && !before.empty()) {
             memory = join_memory(memories(), before);
             fetch_seen_of(before, whole.ids, whole.seen);
@@ -171,11 +171,11 @@ private:
     }
 
     void measure(const Scene& whole, Share& part) {
-        const std::span<const std::uint32_t> bodies = partition_.to_measure(part.number);
-        if (!bodies.empty())
-            part.backend->measure_places(whole.bodies,
-                                         {bodies.data(), static_cast<std::uint32_t>(bodies.size())},
-                                         partition_.places());
+        const Measured& m = partition_.measured(part.number);
+        if (!m.bodies.empty())
+            part.backend->measure_reach(whole.bodies, view_of(m.bodies), view_of(m.more),
+                                        part.measured != m.revision, partition_.reach());
+        part.measured = m.revision;
     }
 
     /// Brings what a part sees up to date.
@@ -223,27 +223,34 @@ private:
         for (Share& part : parts_) run(part);
     }
 
+    /// True for a contact of the first list, which rays have found, also those of sheets that look
+    /// for themselves along velocities.
+    static bool is_by_ray(const Contact& c, View<const BodyView> bodies) {
+        return !c.of_sheet || (c.a == c.b && bodies[c.a.index].sends_velocity_rays());
+    }
+
     /// Joins the parts' lists, each of which is sorted by pair.
     void merge() const {
         if (merged_) return;
         merged_ = true;
         contacts_.clear();
         pairs_.clear();
-        std::vector<View<const Contact>> solids, sheets;
+        std::vector<View<const Contact>> of_rays, of_sheets;
         std::vector<View<const Pair>> pairs;
         for (const Share& part : parts_) {
             const View<const Contact> all = part.backend->contacts();
-            const auto first_of_sheet = static_cast<std::uint32_t>(
+            const View<const BodyView> bodies = part.scene.bodies();
+            const auto by_rays = static_cast<std::uint32_t>(
                 std::partition_point(all.begin(), all.end(),
-                                     [](const Contact& c) { return !c.of_sheet; }) -
+                                     [&](const Contact& c) { return is_by_ray(c, bodies); }) -
                 all.begin());
-            solids.push_back({all.data, first_of_sheet});
-            sheets.push_back({all.data + first_of_sheet, all.size - first_of_sheet});
+            of_rays.push_back({all.data, by_rays});
+            of_sheets.push_back({all.data + by_rays, all.size - by_rays});
             pairs.push_back(part.backend->pairs());
         }
         const auto pair_of = [](const Contact& c) { return Pair{c.a.index, c.b.index}; };
-        append_merged(solids, pair_of, contacts_);
-        append_merged(sheets, pair_of, contacts_);
+        append_merged(of_rays, pair_of, contacts_);
+        append_merged(of_sheets, pair_of, contacts_);
         append_merged(
             pairs, [](const Pair& pair) { return pair; }, pairs_);
     }

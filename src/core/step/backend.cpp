@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/body/body_view.hpp"
-#include "core/body/placed_box.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "pierce/box.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
@@ -17,7 +17,8 @@ void Backend::set_stream(void*) { throw InputError("this backend has no streams"
 DeviceContacts Backend::device_contacts(std::uint32_t) {
     throw InputError("this backend has no contacts in device memory");
 }
-void Backend::measure_places(View<const BodyView>, View<const std::uint32_t>, View<PlacedBox>) {
+void Backend::measure_reach(View<const BodyView>, View<const std::uint32_t>, View<const double>,
+                            bool, View<Box>) {
     throw InputError("this backend reads no places in device memory");
 }
 std::shared_ptr<const Contact> Backend::keep_contacts() {

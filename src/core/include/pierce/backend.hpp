@@ -11,12 +11,12 @@ namespace pierce {
 // What steps read and write. The types are defined in core/body, core/trace and core/step, which
 // are not installed.
 struct BodyView;
+struct Box;
 struct Certificate;
 struct Contact;
 struct DeviceContacts;
 struct Hit;
 struct Pair;
-struct PlacedBox;
 struct Ray;
 struct Scene;
 struct SeenPatch;
@@ -42,10 +42,12 @@ public:
     /// The last step's contacts in device memory. Only for backends that run there. `worlds`: how
     /// many there are.
     virtual DeviceContacts device_contacts(std::uint32_t worlds);
-    /// Where bodies are now that have their places in device memory. `some`: these bodies.
-    /// `places`: of all bodies; others stay as they are. Only for backends that run there.
-    virtual void measure_places(View<const BodyView> bodies, View<const std::uint32_t> some,
-                                View<PlacedBox> places);
+    /// Writes, for `some` bodies that have their places in device memory, the box that they reach
+    /// in a step from there (core/body/reach.hpp). `more`: for each of them, how far they reach
+    /// beyond their points. `anew`: these lists, or what they name, are not those of the last call.
+    /// `reach`: of all bodies; others stay as they are. Only for backends that run there.
+    virtual void measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
+                               View<const double> more, bool anew, View<Box> reach);
     /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/reach.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/reach.hpp"
+#include "core/device/view.hpp"
+#include "gpu_cuda/device_buffer.hpp"
+#include "pierce/pose.hpp"
+
+namespace pierce::cuda {
+
+/// What is read to measure the reach of a body whose place is in device memory.
+struct ReachSource {
+    const Vec3f* positions = nullptr;  ///< of a deforming body
+    const Vec3f* start = nullptr;
+    std::uint32_t count = 0;
+    DevicePose pose;  ///< of any other body
+    Box local;        ///< around its vertices, in its own space
+    double more = 0;
+};
+
+inline constexpr unsigned reach_threads = 128;
+
+/// A block per body.
+inline __global__ void measure_reach(View<const ReachSource> sources, View<Box> reach) {
+    const ReachSource source = sources[blockIdx.x];
+    PlacedBox mine;
+    if (source.positions != nullptr) {
+        double squared = 0;
+        for (std::uint32_t v = threadIdx.x; v < source.count; v += blockDim.x) {
+            const Vec3d p = to_double(source.positions[v]);
+            mine.box.extend(p);
+            if (source.start != nullptr)
+                squared = max_of(length_squared(p - to_double(source.start[v])), squared);
+        }
+        mine.travel = sqrt(squared);
+    } else if (threadIdx.x == 0) {
+        const Pose pose = source.pose.read();
+        if (is_usable(pose)) {
+            const Frame frame = frame_of(pose);
+            for (int k = 0; k < 8; ++k)
+                mine.box.extend(
+                    frame.to_parent({(k & 1 ? source.local.upper : source.local.lower).x,
+                                     (k & 2 ? source.local.upper : source.local.lower).y,
+                                     (k & 4 ? source.local.upper : source.local.lower).z}));
+        }
+    }
+    // The largest of what the threads have: -lower, upper, travel.
+    constexpr int values = 7;
+    __shared__ double most[values][reach_threads];
+    for (int k = 0; k < 3; ++k) {
+        most[k][threadIdx.x] = -mine.box.lower[k];
+        most[3 + k][threadIdx.x] = mine.box.upper[k];
+    }
+    most[6][threadIdx.x] = mine.travel;
+    for (unsigned step = reach_threads / 2; step > 0; step /= 2) {
+        __syncthreads();
+        if (threadIdx.x >= step) continue;
+        for (int k = 0; k < values; ++k)
+            most[k][threadIdx.x] = max_of(most[k][threadIdx.x + step], most[k][threadIdx.x]);
+    }
+    if (threadIdx.x > 0) return;
+    const PlacedBox all = {
+        {{-most[0][0], -most[1][0], -most[2][0]}, {most[3][0], most[4][0], most[5][0]}},
+        most[6][0]};
+    reach[blockIdx.x] = reach_of(all, source.more);
+}
+
+/// Measures the reach of bodies that have their places in device memory.
+class ReachMeter {
+public:
+    /// As Backend::measure_reach(). Waits for the device.
+    void measure(View<const BodyView> bodies, View<const std::uint32_t> some,
+                 View<const double> more, bool anew, View<Box> reach, cudaStream_t stream) {
+        if (some.size == 0) return;
+        if (anew) {
+            ReachSource* const sources = staged_.resize(some.size);
+            for (std::uint32_t k = 0; k < some.size; ++k) {
+                const BodyView& body = bodies[some[k]];
+                sources[k] = {.positions = body.device_positions,
+                              .start = body.device_start,
+                              .count = body.mesh.positions.size,
+                              .pose = body.device_pose,
+                              .local = body.mesh.box,
+                              .more = more[k]};
+            }
+            sources_.resize(some.size);
+            reach_.resize(some.size);
+            check(cudaMemcpyAsync(sources_.data(), sources, some.size * sizeof(ReachSource),
+                                  cudaMemcpyHostToDevice, stream),
+                  "a copy to the device");
+        }
+        measure_reach<<<some.size, reach_threads, 0, stream>>>(view_of(std::as_const(sources_)),
+                                                               view_of(reach_));
+        check(cudaGetLastError(), "a launch");
+        Box* const found = found_.resize(some.size);
+        check(cudaMemcpyAsync(found, reach_.data(), some.size * sizeof(Box), cudaMemcpyDeviceToHost,
+                              stream),
+              "a copy to the host");
+        check(cudaStreamSynchronize(stream), "waiting for the device");
+        for (std::uint32_t k = 0; k < some.size; ++k) reach[some[k]] = found[k];
+    }
+
+private:
+    StagingBuffer<ReachSource> staged_;
+    StagingBuffer<Box> found_;
+    DeviceBuffer<ReachSource> sources_;
+    DeviceBuffer<Box> reach_;
+};
+
+}  // namespace pierce::cuda
