@@ -51,27 +51,38 @@ bool is_on_device(const BodyView& body) {
     return body.device_positions != nullptr || body.device_pose.exists();
 }
 
-/// What the moving bodies of a part reach: one box around most of them, and large ones by
+/// What the moving bodies of a part reach: a box around those of each cell, and large bodies by
 /// themselves, so that one of those does not make all bodies near.
 class Region {
 public:
-    explicit Region(double mean_extent) : large_(constants::large_body * mean_extent) {}
+    Region(std::uint32_t cells, double mean_extent)
+        : large_(constants::large_body * mean_extent), cells_(cells) {}
 
-    void add(const Box& box) {
-        if (box.extent() > large_)
+    void add(std::uint32_t cell, const Box& box) {
+        if (length_squared(box.upper - box.lower) > large_ * large_)
             single_.push_back(box);
         else
-            most_.extend(box);
+            cells_[cell].extend(box);
+    }
+    /// To be called once, when all boxes were added.
+    void close(double more) {
+        for (std::vector<Box>* boxes : {&cells_, &single_})
+            for (Box& box : *boxes) {
+                if (box.empty()) continue;
+                box = box.inflated(more);
+                all_.extend(box);
+            }
     }
     bool meets(const Box& box) const {
-        return overlap(most_, box) ||
-               std::ranges::any_of(single_, [&](const Box& one) { return overlap(one, box); });
+        const auto meets_box = [&](const Box& one) { return overlap(one, box); };
+        return overlap(all_, box) &&
+               (std::ranges::any_of(cells_, meets_box) || std::ranges::any_of(single_, meets_box));
     }
 
 private:
     double large_;
-    Box most_;
-    std::vector<Box> single_;
+    Box all_;
+    std::vector<Box> cells_, single_;
 };
 
 }  // namespace
@@ -117,9 +128,10 @@ void Partition::list_measured(const Scene& scene) {
 
 void Partition::look_around(std::uint32_t part) {
     near_[part] = seen_from(part, 0);
-    loads_[part] = 0;
+    double load = 0;
     for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (near_[part][b] && facts_[b].active) loads_[part] += facts_[b].weight;
+        if (near_[part][b] && facts_[b].active) load += facts_[b].weight;
+    loads_[part] = load;
 }
 
 double Partition::worst_load() const {
@@ -130,9 +142,11 @@ double Partition::worst_load() const {
 }
 
 bool Partition::cut(const Scene& scene) {
-    if (std::ranges::equal(scene.ids, known_) &&
-        worst_load() <= constants::uneven_parts * worst_at_first_)
-        return false;
+    const bool same_bodies = planned_ == scene.plan->revision ||
+                             std::ranges::equal(scene.ids, known_);
+    planned_ = scene.plan->revision;
+    if (same_bodies && worst_load() <= constants::uneven_parts * worst_at_first_) return false;
+    owners_before_ = owners_;
     // Ghosts are work, too: parts that see more of them get less.
     std::vector<double> shares = shares_;
     for (int round = 0; round < 3; ++round) {
@@ -165,6 +179,16 @@ void Partition::divide(const std::vector<double>& shares) {
     }
     mean_extent_ = extents / std::max<double>(1, static_cast<double>(facts_.size()));
     owners_ = divide_space(points, shares);
+    owned_.assign(parts(), {});
+    for (std::uint32_t b = 0; b < facts_.size(); ++b)
+        if (facts_[b].exists) owned_[owners_[b]].push_back({.body = b, .moves = facts_[b].moves});
+    const std::vector<double> equal(constants::part_cells, 1.0);
+    for (std::vector<Owned>& owned : owned_) {
+        std::vector<WeightedPoint> places;
+        for (const Owned& own : owned) places.push_back(points[own.body]);
+        const std::vector<std::uint32_t> cells = divide_space(places, equal);
+        for (std::size_t k = 0; k < owned.size(); ++k) owned[k].cell = cells[k];
+    }
 }
 
 BodySet Partition::residents(std::uint32_t part) const {
@@ -173,15 +197,17 @@ BodySet Partition::residents(std::uint32_t part) const {
 
 BodySet Partition::seen_from(std::uint32_t part, double more) const {
     BodySet seen(facts_.size(), 0);
-    if (owners_.size() != facts_.size()) return seen;
-    Region region(mean_extent_);
-    for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (owners_[b] == part && facts_[b].moves) region.add(reach_[b].inflated(more));
+    if (owned_.empty() || owners_.size() != facts_.size()) return seen;
+    Region region(constants::part_cells, mean_extent_);
+    for (const Owned& own : owned_[part]) {
+        seen[own.body] = 1;
+        if (own.moves) region.add(own.cell, reach_[own.body]);
+    }
+    region.close(more);
     for (std::uint32_t b = 0; b < facts_.size(); ++b) {
         // Pairs of two moving bodies belong to the lower one of their parts.
-        const bool may_be_pair = owners_[b] >= part || !facts_[b].moves;
-        seen[b] = facts_[b].exists &&
-                  (owners_[b] == part || (may_be_pair && region.meets(reach_[b])));
+        const bool may_be_pair = owners_[b] > part || (owners_[b] < part && !facts_[b].moves);
+        if (may_be_pair && region.meets(reach_[b])) seen[b] = 1;
     }
     return seen;
 }

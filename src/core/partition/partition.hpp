@@ -31,6 +31,9 @@ public:
     /// Each body's part; empty before the first cut().
     std::span<const std::uint32_t> owners() const { return owners_; }
 
+    /// The same before the last cut.
+    std::span<const std::uint32_t> owners_before() const { return owners_before_; }
+
     /// Begins a step: notes what bodies are. `anew`: bodies were added, removed or changed.
     void begin(const Scene& scene, bool anew);
     /// What each part is to measure before look_around(), and where to.
@@ -56,6 +59,12 @@ private:
         bool exists = false, active = false, moves = false;
     };
 
+    /// A body of a part, and one of the part's cells, which are compact, too.
+    struct Owned {
+        std::uint32_t body = 0, cell = 0;
+        bool moves = false;
+    };
+
     void note(const Scene& scene, std::uint32_t body);
     void list_measured(const Scene& scene);
     void divide(const std::vector<double>& shares);
@@ -67,10 +76,12 @@ private:
     // Per body.
     std::vector<Facts> facts_;
     std::vector<Box> reach_;  ///< empty if it takes no part
-    std::vector<std::uint32_t> owners_;
+    std::vector<std::uint32_t> owners_, owners_before_;
     std::vector<BodyId> known_;  ///< whom the owner was chosen for
+    std::uint64_t planned_ = 0;  ///< revision of the plan of the last cut()
     double mean_extent_ = 0;
     // Per part.
+    std::vector<std::vector<Owned>> owned_;
     std::vector<Measured> measured_;
     bool measures_ = false;  ///< there is something to measure
     std::vector<BodySet> near_;

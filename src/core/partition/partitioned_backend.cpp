@@ -69,9 +69,19 @@ public:
         const bool anew = revision_ != whole.plan->revision;
         revision_ = whole.plan->revision;
         keys_ = {whole.world_begins.size > 0};
-        arrange(whole, anew);
+        const bool moved = look_around(whole, anew);
+        std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
+        const auto show_to = [&](Share& part) { show(whole, part, anew || moved); };
+        // How far predictions look depends on where bodies were in the last step, also ghosts.
+        const bool predicts = whole.plan->settings.temporal == Temporal::paper;
+        const bool hands_out = memory || moved || predicts;
+        if (hands_out) {
+            for (Share& part : parts_) show_to(part);
+            hand_out(whole, std::move(memory), moved);
+        }
         for_each_part(true, [&](Share& part) {
             part.stats = {};
+            if (!hands_out) show_to(part);
             part.backend->step(part.scene.scene(whole), part.stats);
         });
         std::vector<StepStats> of_parts;
@@ -144,30 +154,13 @@ private:
         return a.part_of_pair(b);
     }
 
-    /// Gives every part what it has to see. What is remembered goes with the pairs.
-    void arrange(const Scene& whole, bool anew) {
-        const std::vector<std::uint32_t> before(partition_.owners().begin(),
-                                                partition_.owners().end());
-        std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
+    /// Finds out what is near each part. Returns true if bodies have other owners.
+    bool look_around(const Scene& whole, bool anew) {
         partition_.begin(whole, anew);
-        const bool many = whole.bodies.size >= constants::many_bodies;
         if (partition_.measures()) for_each_part(true, [&](Share& part) { measure(whole, part); });
-        for_each_part(many, [&](Share& part) { partition_.look_around(part.number); });
-        const bool moved = partition_.cut(whole);
-        if (moved && !memory && !before.empty()) {
-            memory = join_memory(memories(), before);
-            fetch_seen_of(before, whole.ids, whole.seen);
-        }
-        for_each_part(many, [&](Share& part) { show(whole, part, anew || moved); });
-        // How far predictions look depends on where bodies were in the last step, also ghosts.
-        const bool predicts = whole.plan->settings.temporal == Temporal::paper;
-        const bool arrivals = std::ranges::any_of(
-            parts_, [](const Share& part) { return !part.scene.arrived().empty(); });
-        if (predicts && arrivals && !memory) {
-            memory = join_memory(memories(), partition_.owners());
-            fetch_seen_of(partition_.owners(), whole.ids, whole.seen);
-        }
-        if (memory) hand_out(*memory, whole);
+        for_each_part(whole.bodies.size >= constants::many_bodies,
+                      [&](Share& part) { partition_.look_around(part.number); });
+        return partition_.cut(whole);
     }
 
     void measure(const Scene& whole, Share& part) {
@@ -189,9 +182,20 @@ private:
         part.scene.update(whole, all, near);
     }
 
-    void hand_out(const StepMemory& memory, const Scene& whole) {
+    /// What is remembered goes with the pairs. `given`: what all parts are to remember, if that is
+    /// not what they do. `moved`: bodies have other owners.
+    void hand_out(const Scene& whole, std::optional<StepMemory> given, bool moved) {
+        const bool arrivals = std::ranges::any_of(
+            parts_, [](const Share& part) { return !part.scene.arrived().empty(); });
+        if (!given) {
+            const std::span<const std::uint32_t> owners = moved ? partition_.owners_before()
+                                                                : partition_.owners();
+            if (owners.empty() || !(moved || arrivals)) return;
+            given = join_memory(memories(), owners);
+            fetch_seen_of(owners, whole.ids, whole.seen);
+        }
         for (Share& part : parts_) {
-            part.backend->remember(part_of_memory(memory, [&](std::uint64_t key) {
+            part.backend->remember(part_of_memory(*given, [&](std::uint64_t key) {
                 const Pair pair = keys_.pair(key);
                 return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
                        part_of(whole.bodies, pair) == part.number;

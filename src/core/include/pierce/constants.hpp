@@ -8,7 +8,6 @@ namespace pierce::constants {
 
 /// Distance between 1 and the next float32 [1]: the relative accuracy of positions.
 inline constexpr double float_ulp = 0x1p-23;
-
 /// Crossings closer together than this times the target's extent are one crossing, and a vertex
 /// closer than this to a surface touches it [target extent]. Eight ulp: the rounding of a position,
 /// of a pose and of their sum, twice over.
@@ -122,9 +121,10 @@ inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_s
 
 /// The parts of a scene that several backends share: how much more than its share of the work a
 /// part may have until space is cut anew [1]; how much further than bodies reach its residents are
-/// chosen, and how large a body is whose reach counts by itself [mean extent]; from how many bodies
-/// on parts look around at the same time: for fewer, waking threads takes longer.
-inline constexpr double uneven_parts = 1.2, spare_reach = 0.5, large_body = 4, many_bodies = 4096;
+/// chosen, and how large a body is whose reach counts by itself [mean extent]; how many boxes show
+/// what a part reaches; and from how many bodies on waking threads to look around pays.
+inline constexpr double uneven_parts = 1.2, spare_reach = 0.5, large_body = 4;
+inline constexpr std::uint32_t part_cells = 64, many_bodies = 4096;
 
 /// For how many steps a pair that has contacts without its edges keeps them.
 inline constexpr std::uint32_t edge_unasked_steps = 16;
