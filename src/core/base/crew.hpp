@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <exception>
 #include <functional>
@@ -14,7 +15,8 @@ namespace pierce {
 /// number 0.
 class Crew {
 public:
-    explicit Crew(std::size_t members) : failures_(members) {
+    explicit Crew(std::size_t members)
+        : stays_awake_(2 * members <= std::thread::hardware_concurrency()), failures_(members) {
         for (std::size_t member = 1; member < members; ++member)
             others_.emplace_back([this, member] { stand_by(member); });
     }
@@ -32,7 +34,7 @@ public:
         left_ = others_.size();
         call_out();
         try_one(0);
-        for (std::size_t left = left_; left > 0; left = left_) left_.wait(left);
+        for (std::size_t left = left_; left > 0; left = left_) await(left_, left);
         for (std::exception_ptr& failure : failures_)
             if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
     }
@@ -42,9 +44,20 @@ private:
         ++calls_;
         calls_.notify_all();
     }
+    /// Waits until the value is another one. A thread that sleeps takes some 50 microseconds to
+    /// wake, so where there are processors to spare, it stays awake for longer than the caller
+    /// takes between two calls of a step.
+    void await(const std::atomic<std::size_t>& value, std::size_t known) const {
+        if (stays_awake_) {
+            const auto end = std::chrono::steady_clock::now() + patience;
+            while (value == known && std::chrono::steady_clock::now() < end) {
+            }
+        }
+        value.wait(known);
+    }
     void stand_by(std::size_t member) {
         for (std::size_t heard = 0;;) {
-            calls_.wait(heard);
+            await(calls_, heard);
             heard = calls_;
             if (ends_) return;
             try_one(member);
@@ -60,6 +73,9 @@ private:
         }
     }
 
+    static constexpr std::chrono::microseconds patience{500};
+
+    bool stays_awake_;
     const std::function<void(std::size_t)>* work_ = nullptr;
     std::vector<std::exception_ptr> failures_;
     std::atomic<std::size_t> calls_ = 0, left_ = 0;
