@@ -11,10 +11,11 @@ Settings settings_from(nb::handle settings, const nb::kwargs& fields) {
     return nb::cast<Settings>(all);
 }
 
-std::unique_ptr<Backend> backend_named(const std::string& name, int threads) {
+std::unique_ptr<Backend> backend_named(const std::string& name, int threads, int parts) {
     scenes::RaySettings rays;
     rays.backend = name == "auto" ? "automatic" : name;
     rays.threads = threads;
+    rays.parts = parts;
     return scenes::make_backend(rays);
 }
 

@@ -31,10 +31,10 @@ void PyWorld::rethrow() {
 
 namespace {
 
-void make_world(PyWorld* self, const std::string& backend, int threads, nb::handle settings,
-                const nb::kwargs& fields) {
+void make_world(PyWorld* self, const std::string& backend, int threads, int parts,
+                nb::handle settings, const nb::kwargs& fields) {
     const Settings all = settings_from(settings, fields);
-    std::unique_ptr<Backend> made = backend_named(backend, threads);
+    std::unique_ptr<Backend> made = backend_named(backend, threads, parts);
     const bool on_device = made->runs_on_device();
     new (self) PyWorld(std::make_shared<World>(std::move(made), all), on_device);
 }
@@ -268,14 +268,15 @@ void bind_steps(nb::class_<PyWorld>& c) {
             "The world as bytes, without contacts.")
         .def_static(
             "restore",
-            [](nb::bytes saved, const std::string& backend, int threads) {
-                std::unique_ptr<Backend> made = backend_named(backend, threads);
+            [](nb::bytes saved, const std::string& backend, int threads, int parts) {
+                std::unique_ptr<Backend> made = backend_named(backend, threads, parts);
                 const bool on_device = made->runs_on_device();
                 std::istringstream in(std::string(saved.c_str(), saved.size()), std::ios::binary);
                 return std::make_shared<PyWorld>(
                     std::make_shared<World>(World::restore(in, std::move(made))), on_device);
             },
             nb::arg("saved"), nb::arg("backend") = "auto", nb::arg("threads") = 0,
+            nb::arg("parts") = 1,
             "Makes a world from what save() has returned. Handles stay valid.");
 }
 
@@ -299,13 +300,13 @@ void bind_world(nb::module_& module) {
         module, "World", nb::type_slots(world_slots),
         "Bodies and their contacts. Methods have the names of the C++ class, whose pages say more. "
         "One thread uses a world at a time; worlds in different threads run side by side.");
-    c.def(
-         "__init__", make_world, nb::arg("backend") = "auto", nb::arg("threads") = 0,
-         nb::arg("settings") = nb::none(), nb::arg("fields"),
-         nb::sig("def __init__(self, backend: str = 'auto', threads: int = 0, settings: Settings | "
-                 "None = None, **fields: object) -> None"),
-         "`backend`: auto, embree, cuda, bvh or reference; `threads`: 0 is one per processor; "
-         "`settings`: Settings, or their fields by name.")
+    c.def("__init__", make_world, nb::arg("backend") = "auto", nb::arg("threads") = 0,
+          nb::arg("parts") = 1, nb::arg("settings") = nb::none(), nb::arg("fields"),
+          nb::sig("def __init__(self, backend: str = 'auto', threads: int = 0, parts: int = 1, "
+                  "settings: Settings | None = None, **fields: object) -> None"),
+          "`backend`: auto, embree, cuda, bvh or reference; `threads`: 0 is one per processor; "
+          "`parts`: so many backends share the world, of cuda one per device; "
+          "`settings`: Settings, or their fields by name.")
         .def("__repr__", [](PyWorld& w) {
             const Use world(w);
             const Plan& plan = world->plan();

@@ -120,6 +120,9 @@ def test_same_contacts_on_every_backend(two_tori):
     for backend in ("embree", "bvh", "reference"):
         other = pierce.World.restore(saved, backend)
         assert other.detect().hash == expected.hash, backend
+        shared = pierce.World.restore(saved, backend, parts=2)
+        assert shared.detect().hash == expected.hash, backend
+        assert shared.backend.startswith("2 parts; "), shared.backend
 
 
 def test_settings_by_name():

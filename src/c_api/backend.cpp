@@ -1,10 +1,16 @@
+#include <algorithm>
+#include <cstdint>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
 #include "c_api/settings.hpp"
 #include "c_api/versioned.hpp"
 #include "pierce/backend.hpp"
+#include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #ifdef PIERCE_HAS_EMBREE
 #include "pierce/embree_backend.hpp"
@@ -22,7 +28,7 @@ constexpr pierce_backend_options default_options{.struct_size = sizeof(pierce_ba
                                                  .tree_builder = PIERCE_TREES_DEFAULT,
                                                  .rebuild = 0,
                                                  .stage_by_stage = 0,
-                                                 .reserved = 0};
+                                                 .parts = 0};
 
 TreeBuilder builder_of(const pierce_backend_options& options, TreeBuilder otherwise) {
     switch (enumerated(options.tree_builder, PIERCE_TREES_PLOC, "backend.tree_builder")) {
@@ -60,15 +66,35 @@ std::unique_ptr<Backend> embree(const pierce_backend_options&) {
 #ifdef PIERCE_HAS_CUDA
 std::string problem_of_cuda() { return cuda_problem(); }
 std::unique_ptr<Backend> cuda(const pierce_backend_options& options) {
-    return cuda_backend({.builder = builder_of(options, CudaOptions{}.builder),
-                         .rebuild = options.rebuild != 0,
-                         .graph = options.stage_by_stage == 0});
+    CudaOptions cuda{.builder = builder_of(options, CudaOptions{}.builder),
+                     .rebuild = options.rebuild != 0,
+                     .graph = options.stage_by_stage == 0};
+    for (std::uint32_t device = 0; options.parts > 1 && device < options.parts; ++device)
+        cuda.devices.push_back(static_cast<int>(device));
+    return cuda_backend(std::move(cuda));
 }
 #else
 constexpr const char* no_cuda = "this library was built without CUDA";
 std::string problem_of_cuda() { throw NotBuilt(no_cuda); }
 std::unique_ptr<Backend> cuda(const pierce_backend_options&) { throw NotBuilt(no_cuda); }
 #endif
+
+std::unique_ptr<Backend> one_backend(const pierce_backend_options& options,
+                                     pierce_backend_kind kind) {
+    switch (kind) {
+        case PIERCE_BACKEND_DEFAULT:
+            return has_embree ? embree(options) : own_trees(options);
+        case PIERCE_BACKEND_REFERENCE:
+            return reference_backend();
+        case PIERCE_BACKEND_BVH:
+            return own_trees(options);
+        case PIERCE_BACKEND_EMBREE:
+            return embree(options);
+        case PIERCE_BACKEND_CUDA:
+            return cuda(options);
+    }
+    return nullptr;
+}
 
 void check_backend(pierce_backend_kind kind) {
     if (kind == PIERCE_BACKEND_EMBREE && !has_embree) embree(default_options);
@@ -83,22 +109,20 @@ std::unique_ptr<Backend> backend_of(const pierce_backend_options* given) {
     const pierce_backend_options options = given == nullptr
                                                ? default_options
                                                : read_struct(given, default_options, "backend");
-    if (options.reserved != 0) throw InputError("backend.reserved is not 0");
     // Of every backend, so that a mistake does not wait for another machine.
     builder_of(options, TreeBuilder::lbvh);
-    switch (enumerated(options.kind, PIERCE_BACKEND_CUDA, "backend.kind")) {
-        case PIERCE_BACKEND_DEFAULT:
-            return has_embree ? embree(options) : own_trees(options);
-        case PIERCE_BACKEND_REFERENCE:
-            return reference_backend();
-        case PIERCE_BACKEND_BVH:
-            return own_trees(options);
-        case PIERCE_BACKEND_EMBREE:
-            return embree(options);
-        case PIERCE_BACKEND_CUDA:
-            return cuda(options);
-    }
-    return nullptr;
+    const auto kind = enumerated(options.kind, PIERCE_BACKEND_CUDA, "backend.kind");
+    if (options.parts <= 1 || kind == PIERCE_BACKEND_CUDA) return one_backend(options, kind);
+    pierce_backend_options of_part = options;
+    const std::uint32_t processors = std::max(std::thread::hardware_concurrency(), 1u),
+                        threads = options.threads > 0 ? static_cast<std::uint32_t>(options.threads)
+                                                      : processors;
+    if (options.threads >= 0)
+        of_part.threads = static_cast<std::int32_t>(std::max(1u, threads / options.parts));
+    std::vector<Part> parts;
+    for (std::uint32_t k = 0; k < options.parts; ++k)
+        parts.push_back({.backend = one_backend(of_part, kind)});
+    return partitioned_backend(std::move(parts));
 }
 
 }  // namespace pierce::c

@@ -83,8 +83,8 @@ static void worlds(void) {
     backend.tree_builder = 5;
     REFUSES(pierce_create_world(NULL, &backend, &world), "backend.tree_builder");
     backend.tree_builder = 0;
-    backend.reserved = 1;
-    REFUSES(pierce_create_world(NULL, &backend, &world), "backend.reserved");
+    backend.parts = 2;
+    REFUSES(pierce_create_world(NULL, &backend, &world), "thread");
     backend.struct_size = 3;
     REFUSES(pierce_create_world(NULL, &backend, &world), "struct_size");
     REFUSES(pierce_check_backend(5), "kind");

@@ -23,12 +23,6 @@ std::unique_ptr<Backend> two_parts() {
     return partitioned_backend(std::move(parts));
 }
 
-std::unique_ptr<Backend> three_parts() {
-    std::vector<Part> parts;
-    for (int k = 0; k < 3; ++k) parts.push_back({.backend = bvh_backend()});
-    return partitioned_backend(std::move(parts));
-}
-
 #if PIERCE_HAS_CUDA
 /// Two devices, or one that takes both parts.
 std::unique_ptr<Backend> cuda_parts() {
@@ -51,8 +45,7 @@ std::vector<NamedBackend> backends() {
                                      {"bvh", [] { return bvh_backend(); }},
                                      {"embree_1", [] { return embree_backend(1); }},
                                      {"embree_3", [] { return embree_backend(3); }},
-                                     {"two_parts", two_parts},
-                                     {"three_parts", three_parts}};
+                                     {"two_parts", two_parts}};
 #if PIERCE_HAS_TEST_EXECUTORS
     all.push_back({"shuffled", [] { return shuffled_backend(); }});
     all.push_back({"parallel", [] { return parallel_backend(); }});

@@ -105,6 +105,11 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
         ->capture_default_str();
     command.add_option("--threads", rays.threads, "threads for rays; all there are if not given")
         ->check(CLI::Range(1, 1024));
+    command
+        .add_option("--parts", rays.parts,
+                    "so many backends share the bodies; of cuda one per device")
+        ->check(CLI::Range(1, 1024))
+        ->capture_default_str();
     add_inside(command, rays.inside);
     command
         .add_option("--mesh-cache", rays.mesh_cache,

@@ -106,11 +106,12 @@ void Partition::begin(const Scene& scene, bool anew) {
 
 void Partition::note(const Scene& scene, std::uint32_t b) {
     const BodyView& body = scene.bodies[b];
+    const bool exists = static_cast<bool>(scene.ids[b]), active = exists && body.active;
     facts_[b] = {.weight = static_cast<float>(body.mesh.triangles.size),
-                 .exists = static_cast<bool>(scene.ids[b]),
-                 .active = body.active,
+                 .exists = exists,
+                 .active = active,
                  .moves = body.motion != Motion::fixed};
-    reach_[b] = body.active && !is_on_device(body)
+    reach_[b] = active && !is_on_device(body)
                     ? reach_of(placed_box(body), reach_beyond_points(body, scene.plan->settings))
                     : Box{};
 }

@@ -1,7 +1,13 @@
 #include "scenes/detect/method.hpp"
 
+#include <algorithm>
+#include <thread>
+#include <utility>
+#include <vector>
+
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
+#include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #if PIERCE_HAS_CUDA
 #include "pierce/cuda_backend.hpp"
@@ -28,6 +34,8 @@ namespace {
 std::unique_ptr<Backend> make_cuda(const RaySettings& settings) {
     CudaOptions options{.rebuild = settings.rebuild, .graph = settings.graph};
     options.builder = settings.builder.value_or(options.builder);
+    for (int device = 0; settings.parts > 1 && device < settings.parts; ++device)
+        options.devices.push_back(device);
     return cuda_backend(options);
 }
 #else
@@ -42,6 +50,26 @@ std::unique_ptr<Backend> make_bvh(const RaySettings& settings) {
     return bvh_backend(options);
 }
 
+std::unique_ptr<Backend> make_on_host(const RaySettings& settings) {
+    if (settings.backend == "embree" || settings.backend == "automatic")
+        return embree_backend(settings.threads);
+    if (settings.backend == "reference") return reference_backend();
+    if (settings.backend == "bvh") return make_bvh(settings);
+    throw InputError("unknown backend '" + settings.backend +
+                     "'; there are: automatic, embree, cuda, bvh, reference");
+}
+
+std::unique_ptr<Backend> make_parts(const RaySettings& settings) {
+    const int processors = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
+    RaySettings of_part = settings;
+    if (settings.threads >= 0)
+        of_part.threads = std::max(
+            1, (settings.threads > 0 ? settings.threads : processors) / settings.parts);
+    std::vector<Part> parts;
+    for (int k = 0; k < settings.parts; ++k) parts.push_back({.backend = make_on_host(of_part)});
+    return partitioned_backend(std::move(parts));
+}
+
 }  // namespace
 
 bool cuda_can_run() {
@@ -53,16 +81,11 @@ bool cuda_can_run() {
 }
 
 std::unique_ptr<Backend> make_backend(const RaySettings& settings) {
-    if (settings.backend == "automatic")
-        return cuda_can_run() ? make_cuda(settings) : embree_backend(settings.threads);
-    if (settings.backend == "cuda") return make_cuda(settings);
-    if (settings.backend == "embree") return embree_backend(settings.threads);
-    if (settings.backend == "reference") return reference_backend();
-    if (settings.backend == "bvh") return make_bvh(settings);
-    throw InputError("unknown backend '" + settings.backend +
-                     "'; there are: automatic, embree, cuda, bvh, reference");
+    if (settings.parts < 1) throw InputError("a world has at least one part");
+    if (settings.backend == "cuda" || (settings.backend == "automatic" && cuda_can_run()))
+        return make_cuda(settings);
+    return settings.parts > 1 ? make_parts(settings) : make_on_host(settings);
 }
-
 void FrameResult::forget_times() {
     for (NamedTime& time : times) time.milliseconds = 0;
     milliseconds = update_ms = narrow_ms = response_ms = total_ms = 0;

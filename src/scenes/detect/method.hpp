@@ -54,6 +54,8 @@ struct RaySettings {
     std::filesystem::path mesh_cache = {};    ///< of what is measured of meshes; empty: none
     /// Told how far meshes are (MeshOptions).
     std::function<void(std::string_view what, double share)> mesh_progress = {};
+    int parts = 1;  ///< so many backends share a world: of "cuda" one per device, of others with a
+                    ///< part of the threads
 
     MeshOptions mesh_options() const {
         return {.inside = inside,
@@ -66,7 +68,7 @@ struct RaySettings {
 /// True if this build has CUDA and there is a device for it.
 bool cuda_can_run();
 
-/// Throws InputError for an unknown backend or negative threads.
+/// Throws InputError for an unknown backend, negative threads, or less than one part.
 std::unique_ptr<Backend> make_backend(const RaySettings& settings);
 
 /// How long a part of a frame took; the method names the part.
