@@ -31,8 +31,8 @@ void PyWorld::rethrow() {
 
 namespace {
 
-void make_world(PyWorld* self, const std::string& backend, int threads, int parts,
-                nb::handle settings, const nb::kwargs& fields) {
+void make_world(PyWorld* self, const std::string& backend, int threads, nb::handle settings,
+                int parts, const nb::kwargs& fields) {
     const Settings all = settings_from(settings, fields);
     std::unique_ptr<Backend> made = backend_named(backend, threads, parts);
     const bool on_device = made->runs_on_device();
@@ -301,12 +301,12 @@ void bind_world(nb::module_& module) {
         "Bodies and their contacts. Methods have the names of the C++ class, whose pages say more. "
         "One thread uses a world at a time; worlds in different threads run side by side.");
     c.def("__init__", make_world, nb::arg("backend") = "auto", nb::arg("threads") = 0,
-          nb::arg("parts") = 1, nb::arg("settings") = nb::none(), nb::arg("fields"),
-          nb::sig("def __init__(self, backend: str = 'auto', threads: int = 0, parts: int = 1, "
-                  "settings: Settings | None = None, **fields: object) -> None"),
+          nb::arg("settings") = nb::none(), nb::arg("parts") = 1, nb::arg("fields"),
+          nb::sig("def __init__(self, backend: str = 'auto', threads: int = 0, "
+                  "settings: Settings | None = None, parts: int = 1, **fields: object) -> None"),
           "`backend`: auto, embree, cuda, bvh or reference; `threads`: 0 is one per processor; "
-          "`parts`: so many backends share the world, of cuda one per device; "
-          "`settings`: Settings, or their fields by name.")
+          "`settings`: Settings, or their fields by name; `parts`: so many backends share the "
+          "world, of cuda one per device.")
         .def("__repr__", [](PyWorld& w) {
             const Use world(w);
             const Plan& plan = world->plan();

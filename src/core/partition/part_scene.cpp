@@ -7,6 +7,18 @@
 #include "core/mesh/mesh_view.hpp"
 
 namespace pierce {
+namespace {
+
+/// True if some body is in the first set and not in the second one. Looks at all of them without a
+/// branch, sixteen or more at once.
+bool has_others(const BodySet& bodies, const BodySet& known) {
+    std::uint8_t others = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        others = static_cast<std::uint8_t>(others | (bodies[b] & ~known[b]));
+    return others != 0;
+}
+
+}  // namespace
 
 void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners,
                        BodySet resident) {
@@ -87,10 +99,7 @@ void PartScene::arrange_worlds(const Scene& whole) {
 }
 
 bool PartScene::has(const BodySet& bodies) const {
-    if (bodies.size() != resident_.size()) return false;
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-        if (bodies[b] > resident_[b]) return false;
-    return true;
+    return bodies.size() == resident_.size() && !has_others(bodies, resident_);
 }
 
 void PartScene::update(const Scene& whole, std::span<const std::uint32_t> changed,
@@ -113,16 +122,17 @@ void PartScene::update(const Scene& whole, std::span<const std::uint32_t> change
         if (!resident_[b]) continue;
         static_cast<BodyInput&>(views_[b]) = whole.bodies[b];
         if (views_[b].motion != Motion::deforming) views_[b].fit = whole.bodies[b].fit;
-        views_[b].active = whole.bodies[b].active && near[b];
+        views_[b].active = whole.bodies[b].active && near_[b];
         changed_.push_back(b);
     }
-    for (std::uint32_t b = 0; b < near.size(); ++b) {
-        if (near[b] == near_[b] || !resident_[b]) continue;
-        views_[b].active = whole.bodies[b].active && near[b];
-        if (near[b] && !is_own(b)) arrived_.push_back(b);
-        changed_.push_back(b);
-    }
-    near_ = near;
+    if (has_others(near, near_))
+        for (std::uint32_t b = 0; b < near.size(); ++b) {
+            if (near[b] <= near_[b]) continue;
+            near_[b] = 1;
+            views_[b].active = whole.bodies[b].active;
+            if (!is_own(b)) arrived_.push_back(b);
+            changed_.push_back(b);
+        }
     std::ranges::sort(changed_);
     changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
 }

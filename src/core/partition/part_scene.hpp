@@ -16,8 +16,8 @@ namespace pierce {
 
 /// What one part sees of a scene: the bodies that it owns, and those of other parts that are near,
 /// its *ghosts*. Every body keeps its number, so that pairs have the same keys in all parts; of
-/// bodies that are not resident, the place is empty. A resident ghost that is not near takes no
-/// part in a step.
+/// bodies that are not resident, the place is empty. A resident ghost takes no part in steps before
+/// it is near.
 class PartScene {
 public:
     explicit PartScene(std::uint32_t part) : part_(part) {}
@@ -28,7 +28,8 @@ public:
     /// True if all of these bodies are resident.
     bool has(const BodySet& bodies) const;
 
-    /// Brings the residents up to date; ghosts take part if they are near. `changed`: bodies whose
+    /// Brings the residents up to date; ghosts take part from the first time that they are near.
+    /// `changed`: bodies whose
     /// input may differ since the last call or settle().
     void update(const Scene& whole, std::span<const std::uint32_t> changed, const BodySet& near);
 

@@ -127,13 +127,7 @@ void Partition::list_measured(const Scene& scene) {
     measures_ = std::ranges::any_of(measured_, [](const Measured& m) { return !m.bodies.empty(); });
 }
 
-void Partition::look_around(std::uint32_t part) {
-    near_[part] = seen_from(part, 0);
-    double load = 0;
-    for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (near_[part][b] && facts_[b].active) load += facts_[b].weight;
-    loads_[part] = load;
-}
+void Partition::look_around(std::uint32_t part) { near_[part] = seen_from(part, 0, &loads_[part]); }
 
 double Partition::worst_load() const {
     double worst = 0;
@@ -182,7 +176,11 @@ void Partition::divide(const std::vector<double>& shares) {
     owners_ = divide_space(points, shares);
     owned_.assign(parts(), {});
     for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (facts_[b].exists) owned_[owners_[b]].push_back({.body = b, .moves = facts_[b].moves});
+        if (facts_[b].exists)
+            owned_[owners_[b]].push_back({.body = b,
+                                          .cell = 0,
+                                          .weight = facts_[b].active ? facts_[b].weight : 0,
+                                          .moves = facts_[b].moves});
     const std::vector<double> equal(constants::part_cells, 1.0);
     for (std::vector<Owned>& owned : owned_) {
         std::vector<WeightedPoint> places;
@@ -193,23 +191,28 @@ void Partition::divide(const std::vector<double>& shares) {
 }
 
 BodySet Partition::residents(std::uint32_t part) const {
-    return seen_from(part, constants::spare_reach * mean_extent_);
+    return seen_from(part, constants::spare_reach * mean_extent_, nullptr);
 }
 
-BodySet Partition::seen_from(std::uint32_t part, double more) const {
+BodySet Partition::seen_from(std::uint32_t part, double more, double* load) const {
     BodySet seen(facts_.size(), 0);
     if (owned_.empty() || owners_.size() != facts_.size()) return seen;
     Region region(constants::part_cells, mean_extent_);
+    double weight = 0;
     for (const Owned& own : owned_[part]) {
         seen[own.body] = 1;
+        weight += own.weight;
         if (own.moves) region.add(own.cell, reach_[own.body]);
     }
     region.close(more);
     for (std::uint32_t b = 0; b < facts_.size(); ++b) {
         // Pairs of two moving bodies belong to the lower one of their parts.
         const bool may_be_pair = owners_[b] > part || (owners_[b] < part && !facts_[b].moves);
-        if (may_be_pair && region.meets(reach_[b])) seen[b] = 1;
+        if (!may_be_pair || !region.meets(reach_[b])) continue;
+        seen[b] = 1;
+        weight += facts_[b].weight;
     }
+    if (load != nullptr) *load = weight;
     return seen;
 }
 

@@ -62,6 +62,7 @@ private:
     /// A body of a part, and one of the part's cells, which are compact, too.
     struct Owned {
         std::uint32_t body = 0, cell = 0;
+        float weight = 0;
         bool moves = false;
     };
 
@@ -70,7 +71,8 @@ private:
     void divide(const std::vector<double>& shares);
     double worst_load() const;
     /// The bodies of a part, and those that come within `more` [length] of its reach.
-    BodySet seen_from(std::uint32_t part, double more) const;
+    /// `load`: where the weight of all these goes; null: nowhere.
+    BodySet seen_from(std::uint32_t part, double more, double* load) const;
 
     std::vector<double> shares_;
     // Per body.
