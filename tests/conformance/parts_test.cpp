@@ -225,6 +225,13 @@ TEST(PartsOptionsTest, APartThatFailsEndsTheStepWithItsErrorAndNoContacts) {
         EXPECT_STREQ(error.what(), "the device is gone");
     }
     EXPECT_TRUE(swarms.world.contacts().empty());
+    // It goes on as a world whose bodies were all just added.
+    swarms.put(27);
+    swarms.world.detect();
+    Swarms fresh(bvh_backend(), {Kind::rigid, {}, ""});
+    for (int step = 24; step < 28; ++step) fresh.put(step);
+    fresh.world.detect();
+    EXPECT_EQ(contact_hash(swarms.world.contacts()), contact_hash(fresh.world.contacts()));
 }
 
 }  // namespace

@@ -102,13 +102,6 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
                 .covered = collision.sheet ? View<const Cover>{} : mesh.covered};
     }
 
-    /// Which of the backends that share a scene looks at the pair of this body and another one, or
-    /// itself: that of a body that moves, and the lower one of two.
-    PIERCE_HD std::uint32_t part_of_pair(const BodyView& other) const {
-        if (motion == Motion::fixed) return other.part;
-        return other.motion == Motion::fixed ? part : min_of(part, other.part);
-    }
-
     /// How far beyond its box and its touch tolerance another body may matter to this one.
     PIERCE_HD double outreach() const { return reach + travel + collision.thickness + margin; }
 
@@ -131,5 +124,13 @@ struct Pair {
         return p.a < q.a || (p.a == q.a && p.b < q.b);
     }
 };
+
+/// Which of the backends that share a scene looks at a pair of bodies that two of them own: that of
+/// the body that moves, and the lower one if both do.
+PIERCE_HD inline std::uint32_t part_of_pair(Motion a, std::uint32_t part_of_a, Motion b,
+                                            std::uint32_t part_of_b) {
+    if (a == Motion::fixed) return part_of_b;
+    return b == Motion::fixed ? part_of_a : min_of(part_of_a, part_of_b);
+}
 
 }  // namespace pierce

@@ -62,31 +62,16 @@ public:
     }
 
     void step(const Scene& whole, StepStats& stats) override {
-        // If a part fails, there are no contacts.
+        // If a part fails, there are no contacts, and the next step remembers nothing.
         merged_ = true;
         contacts_.clear();
         pairs_.clear();
-        const bool anew = revision_ != whole.plan->revision;
-        revision_ = whole.plan->revision;
-        keys_ = {whole.world_begins.size > 0};
-        const bool moved = look_around(whole, anew);
-        std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
-        const auto show_to = [&](Share& part) { show(whole, part, anew || moved); };
-        // How far predictions look depends on where bodies were in the last step, also ghosts.
-        const bool predicts = whole.plan->settings.temporal == Temporal::paper;
-        const bool hands_out = memory || moved || predicts;
-        if (hands_out) {
-            for (Share& part : parts_) show_to(part);
-            hand_out(whole, std::move(memory), moved);
+        try {
+            find_contacts(whole, stats);
+        } catch (...) {
+            given_.emplace();
+            throw;
         }
-        for_each_part(true, [&](Share& part) {
-            part.stats = {};
-            if (!hands_out) show_to(part);
-            part.backend->step(part.scene.scene(whole), part.stats);
-        });
-        std::vector<StepStats> of_parts;
-        for (const Share& part : parts_) of_parts.push_back(part.stats);
-        add_parts(of_parts, stats);
         merged_ = false;
     }
 
@@ -148,10 +133,32 @@ private:
 
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
         const std::span<const std::uint32_t> owners = partition_.owners();
-        BodyView a = bodies[pair.a], b = bodies[pair.b];
-        a.part = owners[pair.a];
-        b.part = owners[pair.b];
-        return a.part_of_pair(b);
+        return part_of_pair(bodies[pair.a].motion, owners[pair.a], bodies[pair.b].motion,
+                            owners[pair.b]);
+    }
+
+    void find_contacts(const Scene& whole, StepStats& stats) {
+        const bool anew = revision_ != whole.plan->revision;
+        revision_ = whole.plan->revision;
+        keys_ = {whole.world_begins.size > 0};
+        const bool moved = look_around(whole, anew);
+        std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
+        const auto show_to = [&](Share& part) { show(whole, part, anew || moved); };
+        // How far predictions look depends on where bodies were in the last step, also ghosts.
+        const bool predicts = whole.plan->settings.temporal == Temporal::paper;
+        const bool hands_out = memory || moved || predicts;
+        if (hands_out) {
+            for (Share& part : parts_) show_to(part);
+            hand_out(whole, std::move(memory), moved);
+        }
+        for_each_part(true, [&](Share& part) {
+            part.stats = {};
+            if (!hands_out) show_to(part);
+            part.backend->step(part.scene.scene(whole), part.stats);
+        });
+        std::vector<StepStats> of_parts;
+        for (const Share& part : parts_) of_parts.push_back(part.stats);
+        add_parts(of_parts, stats);
     }
 
     /// Finds out what is near each part. Returns true if bodies have other owners.

@@ -86,14 +86,14 @@ struct Boxes {
 void expect_pairs_are_seen(const Partition& partition, const Boxes& boxes) {
     for (std::uint32_t a = 0; a < boxes.bodies.size(); ++a)
         for (std::uint32_t b = a + 1; b < boxes.bodies.size(); ++b) {
-            BodyView first = boxes.bodies[a], second = boxes.bodies[b];
+            const BodyView &first = boxes.bodies[a], &second = boxes.bodies[b];
             if (!first.active || !second.active || !boxes.ids[a] || !boxes.ids[b]) continue;
             if (first.motion == Motion::fixed && second.motion == Motion::fixed) continue;
             if (!overlap(first.world_box, second.world_box)) continue;
-            first.part = partition.owners()[a];
-            second.part = partition.owners()[b];
-            const std::uint32_t part = first.part_of_pair(second);
-            EXPECT_EQ(part, second.part_of_pair(first));
+            const std::uint32_t of_first = partition.owners()[a], of_second = partition.owners()[b];
+            const std::uint32_t part = part_of_pair(first.motion, of_first, second.motion,
+                                                    of_second);
+            EXPECT_EQ(part, part_of_pair(second.motion, of_second, first.motion, of_first));
             EXPECT_TRUE(partition.near(part)[a] && partition.near(part)[b])
                 << a << " and " << b << " of part " << part;
         }

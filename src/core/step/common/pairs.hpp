@@ -160,7 +160,8 @@ struct WantedPairs {
     std::uint32_t part = 0;              ///< pairs of other parts are looked at elsewhere
 
     PIERCE_HD bool is_here(Pair pair) const {
-        return bodies[pair.a].part_of_pair(bodies[pair.b]) == part;
+        const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
+        return part_of_pair(a.motion, a.part, b.motion, b.part) == part;
     }
 
     /// True unless a rule leaves the pair out.
