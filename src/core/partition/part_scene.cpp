@@ -4,8 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/mesh/mesh_view.hpp"
-
 namespace pierce {
 namespace {
 

@@ -1,7 +1,6 @@
 #include "core/partition/partition.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/body/body_view.hpp"
 #include "core/body/reach.hpp"
@@ -184,6 +183,7 @@ void Partition::divide(const std::vector<double>& shares) {
     const std::vector<double> equal(constants::part_cells, 1.0);
     for (std::vector<Owned>& owned : owned_) {
         std::vector<WeightedPoint> places;
+        places.reserve(owned.size());
         for (const Owned& own : owned) places.push_back(points[own.body]);
         const std::vector<std::uint32_t> cells = divide_space(places, equal);
         for (std::size_t k = 0; k < owned.size(); ++k) owned[k].cell = cells[k];

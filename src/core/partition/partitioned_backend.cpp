@@ -32,6 +32,7 @@ namespace {
 
 std::vector<double> shares_of(const std::vector<Part>& parts) {
     std::vector<double> shares;
+    shares.reserve(parts.size());
     for (const Part& part : parts) shares.push_back(part.share);
     return shares;
 }
@@ -157,6 +158,7 @@ private:
             part.backend->step(part.scene.scene(whole), part.stats);
         });
         std::vector<StepStats> of_parts;
+        of_parts.reserve(parts_.size());
         for (const Share& part : parts_) of_parts.push_back(part.stats);
         add_parts(of_parts, stats);
     }
@@ -213,6 +215,7 @@ private:
 
     std::vector<StepMemory> memories() const {
         std::vector<StepMemory> all;
+        all.reserve(parts_.size());
         for (const Share& part : parts_) all.push_back(part.backend->memory());
         return all;
     }
