@@ -120,6 +120,7 @@ std::unique_ptr<Backend> backend_of(const pierce_backend_options* given) {
     if (options.threads >= 0)
         of_part.threads = static_cast<std::int32_t>(std::max(1u, threads / options.parts));
     std::vector<Part> parts;
+    parts.reserve(options.parts);
     for (std::uint32_t k = 0; k < options.parts; ++k)
         parts.push_back({.backend = one_backend(of_part, kind)});
     return partitioned_backend(std::move(parts));

@@ -66,6 +66,7 @@ std::unique_ptr<Backend> make_parts(const RaySettings& settings) {
         of_part.threads = std::max(
             1, (settings.threads > 0 ? settings.threads : processors) / settings.parts);
     std::vector<Part> parts;
+    parts.reserve(static_cast<std::size_t>(settings.parts));
     for (int k = 0; k < settings.parts; ++k) parts.push_back({.backend = make_on_host(of_part)});
     return partitioned_backend(std::move(parts));
 }
