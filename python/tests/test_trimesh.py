@@ -338,6 +338,19 @@ def test_two_convex_meshes_have_the_contact_that_fcl_has():
     assert compared > 15
 
 
+@pytest.mark.parametrize("mesh", [CUBE, TORUS])
+def test_normals_point_from_the_manager_to_the_other_mesh(mesh):
+    manager = CollisionManager()
+    manager.add_object("gone", mesh, at(50))
+    manager.add_object("stays", mesh)
+    # The other mesh takes the place in the world that this one leaves.
+    manager.remove_object("gone")
+    _, data = manager.in_collision_single(mesh, at(0, 0, 0.7), return_data=True)
+    assert data
+    deepest = max(data, key=lambda contact: contact.depth)
+    assert deepest.normal[2] > 0.9
+
+
 RUN = """
 import sys, types, pathlib, unittest
 sys.modules.setdefault("fcl", types.ModuleType("fcl"))

@@ -1,9 +1,6 @@
-#include <algorithm>
 #include <cstdint>
 #include <string>
-#include <thread>
 #include <utility>
-#include <vector>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
@@ -113,17 +110,11 @@ std::unique_ptr<Backend> backend_of(const pierce_backend_options* given) {
     builder_of(options, TreeBuilder::lbvh);
     const auto kind = enumerated(options.kind, PIERCE_BACKEND_CUDA, "backend.kind");
     if (options.parts <= 1 || kind == PIERCE_BACKEND_CUDA) return one_backend(options, kind);
-    pierce_backend_options of_part = options;
-    const std::uint32_t processors = std::max(std::thread::hardware_concurrency(), 1u),
-                        threads = options.threads > 0 ? static_cast<std::uint32_t>(options.threads)
-                                                      : processors;
-    if (options.threads >= 0)
-        of_part.threads = static_cast<std::int32_t>(std::max(1u, threads / options.parts));
-    std::vector<Part> parts;
-    parts.reserve(options.parts);
-    for (std::uint32_t k = 0; k < options.parts; ++k)
-        parts.push_back({.backend = one_backend(of_part, kind)});
-    return partitioned_backend(std::move(parts));
+    return partitioned_backend(options.parts, options.threads, [&](int threads) {
+        pierce_backend_options of_part = options;
+        of_part.threads = threads;
+        return one_backend(of_part, kind);
+    });
 }
 
 }  // namespace pierce::c

@@ -71,9 +71,10 @@ public:
         }
         executor_.for_each(posed_.count(), ReadPose{view_of(std::as_const(posed_)), bodies});
         // The step reads positions often, so those of another device are copied first.
-        if (!far_.empty())
-            copy_far_positions<<<static_cast<unsigned>(far_.size()), far_threads, 0,
-                                 executor_.stream()>>>(view_of(std::as_const(far_)));
+        if (far_.empty()) return;
+        copy_far_positions<<<static_cast<unsigned>(far_.size()), far_threads, 0,
+                             executor_.stream()>>>(view_of(std::as_const(far_)));
+        check(cudaGetLastError(), "a launch");
     }
 
 private:

@@ -38,14 +38,7 @@ inline __global__ void measure_reach(View<const ReachSource> sources, View<Box> 
         mine.travel = sqrt(squared);
     } else if (threadIdx.x == 0) {
         const Pose pose = source.pose.read();
-        if (is_usable(pose)) {
-            const Frame frame = frame_of(pose);
-            for (int k = 0; k < 8; ++k)
-                mine.box.extend(
-                    frame.to_parent({(k & 1 ? source.local.upper : source.local.lower).x,
-                                     (k & 2 ? source.local.upper : source.local.lower).y,
-                                     (k & 4 ? source.local.upper : source.local.lower).z}));
-        }
+        if (is_usable(pose)) mine = placed_box(source.local, frame_of(pose));
     }
     // The largest of what the threads have: -lower, upper, travel.
     constexpr int values = 7;

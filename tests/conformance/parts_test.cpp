@@ -165,6 +165,16 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(PartsOptionsTest, AreChecked) {
     EXPECT_THROW(partitioned_backend({}), InputError);
+    std::vector<int> asked;
+    const auto make = [&](int threads) {
+        asked.push_back(threads);
+        return bvh_backend();
+    };
+    EXPECT_THROW(partitioned_backend(0, 1, make), InputError);
+    EXPECT_EQ(World(partitioned_backend(3, 8, make)).backend(),
+              "3 parts; bvh, 1 thread; bvh, 1 thread; bvh, 1 thread");
+    partitioned_backend(2, 1, make);
+    EXPECT_EQ(asked, (std::vector<int>{2, 2, 2, 1, 1}));
     const auto with_share = [](double share) {
         std::vector<Part> all;
         all.push_back({.backend = bvh_backend(), .share = share});

@@ -3,6 +3,7 @@
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/host_device.hpp"
+#include "pierce/pose.hpp"
 
 namespace pierce {
 
@@ -11,6 +12,16 @@ struct PlacedBox {
     Box box;            ///< around the points in the world; empty if a pose is unusable
     double travel = 0;  ///< [length] no point has moved further since the step began
 };
+
+/// Where the points are whose box in their own space is `local`, without their way.
+PIERCE_HD inline PlacedBox placed_box(const Box& local, const Frame& space) {
+    PlacedBox place;
+    for (int k = 0; k < 8; ++k)
+        place.box.extend(space.to_parent({(k & 1 ? local.upper : local.lower).x,
+                                          (k & 2 ? local.upper : local.lower).y,
+                                          (k & 4 ? local.upper : local.lower).z}));
+    return place;
+}
 
 /// A box in the world that holds all that a body may have to do with in a step: no body whose box
 /// is apart from it is a pair with this one. It is found without a step; empty for a body that is

@@ -11,11 +11,6 @@
 namespace pierce {
 namespace {
 
-Vec3d corner(const Box& box, int k) {
-    return {(k & 1 ? box.upper : box.lower).x, (k & 2 ? box.upper : box.lower).y,
-            (k & 4 ? box.upper : box.lower).z};
-}
-
 /// How far predictions look at most (stages::MeasureReach).
 double longest_prediction(const BodyView& body, const Settings& settings) {
     if (settings.temporal != Temporal::paper || !settings.predict) return 0;
@@ -39,8 +34,7 @@ PlacedBox placed_box(const BodyView& body) {
             place.travel = std::max(
                 place.travel, length(to_double(body.positions[v]) - to_double(body.start[v])));
     } else {
-        for (int k = 0; k < 8; ++k)
-            place.box.extend(body.space.to_parent(corner(body.mesh.box, k)));
+        place = placed_box(body.mesh.box, body.space);
         place.travel = largest_motion(body.start_space, body.space, body.mesh.box);
     }
     return place;
@@ -143,7 +137,7 @@ bool Partition::cut(const Scene& scene) {
     owners_before_ = owners_;
     // Ghosts are work, too: parts that see more of them get less.
     std::vector<double> shares = shares_;
-    for (int round = 0; round < 3; ++round) {
+    for (std::uint32_t round = 0; round < constants::cut_rounds; ++round) {
         divide(shares);
         double all = 0, wanted = 0;
         for (std::uint32_t part = 0; part < parts(); ++part) {

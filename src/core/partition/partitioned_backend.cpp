@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -314,6 +316,19 @@ std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
             throw InputError("either all parts run on a device, or none");
     }
     return std::make_unique<PartitionedBackend>(std::move(parts));
+}
+
+std::unique_ptr<Backend> partitioned_backend(
+    std::uint32_t parts, int threads,
+    const std::function<std::unique_ptr<Backend>(int threads)>& make) {
+    if (parts == 0) return partitioned_backend({});
+    const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+    const int all = threads == 0 ? processors : threads,
+              each = threads < 0 ? threads : std::max(1, all / static_cast<int>(parts));
+    std::vector<Part> equal;
+    equal.reserve(parts);
+    for (std::uint32_t k = 0; k < parts; ++k) equal.push_back({.backend = make(each)});
+    return partitioned_backend(std::move(equal));
 }
 
 }  // namespace pierce

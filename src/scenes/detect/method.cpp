@@ -1,9 +1,6 @@
 #include "scenes/detect/method.hpp"
 
-#include <algorithm>
-#include <thread>
-#include <utility>
-#include <vector>
+#include <cstdint>
 
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
@@ -60,15 +57,12 @@ std::unique_ptr<Backend> make_on_host(const RaySettings& settings) {
 }
 
 std::unique_ptr<Backend> make_parts(const RaySettings& settings) {
-    const int processors = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
-    RaySettings of_part = settings;
-    if (settings.threads >= 0)
-        of_part.threads = std::max(
-            1, (settings.threads > 0 ? settings.threads : processors) / settings.parts);
-    std::vector<Part> parts;
-    parts.reserve(static_cast<std::size_t>(settings.parts));
-    for (int k = 0; k < settings.parts; ++k) parts.push_back({.backend = make_on_host(of_part)});
-    return partitioned_backend(std::move(parts));
+    return partitioned_backend(static_cast<std::uint32_t>(settings.parts), settings.threads,
+                               [&](int threads) {
+                                   RaySettings of_part = settings;
+                                   of_part.threads = threads;
+                                   return make_on_host(of_part);
+                               });
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -20,5 +22,11 @@ struct Part {
 /// (docs/scale.md). Throws InputError if there are no parts, if a share is not positive, or if some
 /// parts run on a device and some do not.
 std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts);
+
+/// The same with equal parts, each made with its part of the threads, at least one; `threads`: 0
+/// stands for one per processor, and a negative number goes to `make` as it is.
+std::unique_ptr<Backend> partitioned_backend(
+    std::uint32_t parts, int threads,
+    const std::function<std::unique_ptr<Backend>(int threads)>& make);
 
 }  // namespace pierce
