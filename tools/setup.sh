@@ -1,6 +1,6 @@
 # Shared by run-demo and run-tests: packages of Debian 12 and Ubuntu 24.04, and building with a preset.
 
-packages=(g++ cmake ninja-build pkg-config
+packages=(g++ cmake ninja-build pkg-config ccache
           libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev libfcl-dev
           libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev zlib1g-dev libjs-three libjs-chart.js libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo
           libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev
@@ -8,6 +8,10 @@ packages=(g++ cmake ninja-build pkg-config
 
 # Arguments of cmake when build() configures.
 configure=()
+
+# Presets and the tests of packages compile the same files with the same flags more than once.
+export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+export CCACHE_DIR=$PWD/build/ccache
 
 # Installs the packages that are not installed yet, with sudo if need be; says nothing if there are none.
 install_packages() {

@@ -26,8 +26,10 @@ if(HOW STREQUAL install)
         message(FATAL_ERROR "installed: ${installed}\nlisted in tests/package/headers.txt: ${listed}")
     endif()
 else()
-    # All of the library is compiled, soonest without optimization.
-    list(APPEND options -DCMAKE_BUILD_TYPE=Debug -DPIERCE_SOURCE_DIR=${SOURCE})
+    # All of the library is compiled as in the build that is there, so that ccache knows it.
+    load_cache(${BUILD} READ_WITH_PREFIX its_ CMAKE_BUILD_TYPE PIERCE_WERROR)
+    list(APPEND options -DCMAKE_BUILD_TYPE=${its_CMAKE_BUILD_TYPE} -DPIERCE_WERROR=${its_PIERCE_WERROR}
+                        -DPIERCE_SOURCE_DIR=${SOURCE})
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package/consumer -B ${WORK}/build ${options})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
