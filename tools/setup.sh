@@ -3,7 +3,7 @@
 packages=(g++ cmake ninja-build pkg-config ccache
           libembree-dev libtbb-dev libeigen3-dev libbullet-dev libbullet-extras-dev libfcl-dev
           libcli11-dev libfmt-dev nlohmann-json3-dev libopenmesh-dev libxtensor-dev libpng-dev zlib1g-dev libjs-three libjs-chart.js libmd4c-dev libmd4c-html0-dev libboost-dev libcgal-dev libcgal-demo
-          libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev
+          libopenmpi-dev openmpi-bin libgmp-dev libgtest-dev libgmock-dev libbenchmark-dev
           python3-dev python3-venv python3-matplotlib libx11-6)
 
 # Arguments of cmake when build() configures.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "pierce/error.hpp"
@@ -28,6 +29,7 @@ public:
         bytes_.append(static_cast<const char*>(value), size);
     }
     const std::string& bytes() const { return bytes_; }
+    std::string take() && { return std::move(bytes_); }
 
 private:
     std::string bytes_;
@@ -108,10 +110,24 @@ void transfer(Archive& archive, std::string& text) {
     archive.number(text.data(), text.size());
 }
 
+/// True if a list of these is written as it is in memory.
+template <class T>
+constexpr bool is_bytes = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
+template <class T>
+constexpr bool is_bytes<Vec3<T>> = is_bytes<T> && sizeof(Vec3<T>) == 3 * sizeof(T);
+
 template <class Archive, class T>
 void transfer(Archive& archive, std::vector<T>& list) {
     const std::uint64_t length = transfer_length(archive, list.size());
-    if constexpr (Archive::reads) {
+    if constexpr (is_bytes<T>) {
+        // As one by one, but at once.
+        if constexpr (Archive::reads) {
+            if (length > archive.left() / sizeof(T))
+                throw InputError("a saved world promises more than it holds");
+            list.resize(length);
+        }
+        if (length > 0) archive.number(list.data(), length * sizeof(T));
+    } else if constexpr (Archive::reads) {
         list.clear();
         for (std::uint64_t i = 0; i < length; ++i) transfer(archive, list.emplace_back());
     } else {

@@ -39,6 +39,29 @@ public:
         if (id.index < first_free_) first_free_ = id.index;
     }
 
+    /// Puts a thing where a handle says, in place of what is there.
+    void put(Id<Tag> id, Thing thing) {
+        if (id.index >= slots_.size()) slots_.resize(id.index + std::size_t{1});
+        slots_[id.index] = {std::move(thing), id.generation, true};
+    }
+
+    /// Makes a handle invalid for ever, whether or not it was ever put here.
+    void retire(Id<Tag> id) {
+        if (id.index >= slots_.size()) slots_.resize(id.index + std::size_t{1});
+        Slot& slot = slots_[id.index];
+        if (slot.generation > id.generation) return;
+        slot = {{}, id.generation + 1, false};
+        if (id.index < first_free_) first_free_ = id.index;
+    }
+
+    /// Takes a thing away; its handle may be put again.
+    Thing take(Id<Tag> id, const char* what) {
+        Thing thing = std::move(get(id, what));
+        slots_[id.index] = {{}, id.generation, false};
+        if (id.index < first_free_) first_free_ = id.index;
+        return thing;
+    }
+
     /// Throws InputError, naming `what`, for a handle that names no thing.
     Thing& get(Id<Tag> id, const char* what) {
         if (!id) throw InputError(std::string(what) + " handle is null");

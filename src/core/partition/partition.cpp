@@ -3,80 +3,17 @@
 #include <algorithm>
 
 #include "core/body/body_view.hpp"
-#include "core/body/reach.hpp"
-#include "core/geometry/motion_bound.hpp"
+#include "core/partition/body_reach.hpp"
+#include "core/partition/region.hpp"
 #include "core/partition/space_partition.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
 namespace {
 
-/// How far predictions look at most (stages::MeasureReach).
-double longest_prediction(const BodyView& body, const Settings& settings) {
-    if (settings.temporal != Temporal::paper || !settings.predict) return 0;
-    return settings.prediction_distance >= 0
-               ? 0.5 * settings.prediction_distance
-               : 0.5 * constants::prediction_limit * body.mesh.mean_edge_length;
-}
-
-/// [length] How much further than around its points a body may have to do with others in a step,
-/// but for tolerances and the way that it moves.
-double reach_beyond_points(const BodyView& body, const Settings& settings) {
-    return longest_prediction(body, settings) + body.collision.thickness + body.margin;
-}
-
-/// Where a body is whose place the host knows.
-PlacedBox placed_box(const BodyView& body) {
-    PlacedBox place;
-    if (body.motion == Motion::deforming) {
-        for (const Vec3f p : body.positions) place.box.extend(to_double(p));
-        for (std::uint32_t v = 0; v < body.start.size; ++v)
-            place.travel = std::max(
-                place.travel, length(to_double(body.positions[v]) - to_double(body.start[v])));
-    } else {
-        place = placed_box(body.mesh.box, body.space);
-        place.travel = largest_motion(body.start_space, body.space, body.mesh.box);
-    }
-    return place;
-}
-
 bool is_on_device(const BodyView& body) {
     return body.device_positions != nullptr || body.device_pose.exists();
 }
-
-/// What the moving bodies of a part reach: a box around those of each cell, and large bodies by
-/// themselves, so that one of those does not make all bodies near.
-class Region {
-public:
-    Region(std::uint32_t cells, double mean_extent)
-        : large_(constants::large_body * mean_extent), cells_(cells) {}
-
-    void add(std::uint32_t cell, const Box& box) {
-        if (length_squared(box.upper - box.lower) > large_ * large_)
-            single_.push_back(box);
-        else
-            cells_[cell].extend(box);
-    }
-    /// To be called once, when all boxes were added.
-    void close(double more) {
-        for (std::vector<Box>* boxes : {&cells_, &single_})
-            for (Box& box : *boxes) {
-                if (box.empty()) continue;
-                box = box.inflated(more);
-                all_.extend(box);
-            }
-    }
-    bool meets(const Box& box) const {
-        const auto meets_box = [&](const Box& one) { return overlap(one, box); };
-        return overlap(all_, box) &&
-               (std::ranges::any_of(cells_, meets_box) || std::ranges::any_of(single_, meets_box));
-    }
-
-private:
-    double large_;
-    Box all_;
-    std::vector<Box> cells_, single_;
-};
 
 }  // namespace
 
@@ -104,9 +41,7 @@ void Partition::note(const Scene& scene, std::uint32_t b) {
                  .exists = exists,
                  .active = active,
                  .moves = body.motion != Motion::fixed};
-    reach_[b] = active && !is_on_device(body)
-                    ? reach_of(placed_box(body), reach_beyond_points(body, scene.plan->settings))
-                    : Box{};
+    reach_[b] = active && !is_on_device(body) ? reach_on_host(body, scene.plan->settings) : Box{};
 }
 
 void Partition::list_measured(const Scene& scene) {

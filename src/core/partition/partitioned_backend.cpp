@@ -15,6 +15,7 @@
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/partition/contact_order.hpp"
 #include "core/partition/memory_parts.hpp"
 #include "core/partition/part_scene.hpp"
 #include "core/partition/part_stats.hpp"
@@ -237,12 +238,6 @@ private:
     void for_each_part(bool at_once, const Run& run) {
         if (at_once) return crew_.run([&](std::size_t p) { run(parts_[p]); });
         for (Share& part : parts_) run(part);
-    }
-
-    /// True for a contact of the first list, which rays have found, also those of sheets that look
-    /// for themselves along velocities.
-    static bool is_by_ray(const Contact& c, View<const BodyView> bodies) {
-        return !c.of_sheet || (c.a == c.b && bodies[c.a.index].sends_velocity_rays());
     }
 
     /// Joins the parts' lists, each of which is sorted by pair.

@@ -335,6 +335,7 @@ const StepStats& World::detect() {
                       .level_begin = s.level_begin,
                       .box_nodes = view_of(std::as_const(s.box_nodes)),
                       .plan = rests ? &s.resting_plan : &s.plan,
+                      .part = s.part,
                       .forgets_sides = {&forgets_sides, 1}};
     s.backend->step(scene, s.stats);
     if (certifies && !few_change) s.rest.note(s.stats, s.plan.measures_deformation);

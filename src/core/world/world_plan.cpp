@@ -161,7 +161,7 @@ void World::State::arrange_worlds() {
     world_begins.clear();
     plan.worlds = static_cast<std::uint32_t>(worlds.size());
     plan.excluded_pairs = static_cast<std::uint32_t>(excluded_pairs.size());
-    if (worlds.empty()) return;
+    if (worlds.empty() && !elsewhere.worlds) return;
     if (views.size() > std::size_t{1} << constants::body_bits)
         throw InputError("a world with worlds has at most " +
                          std::to_string(std::size_t{1} << constants::body_bits) + " bodies");
@@ -181,6 +181,35 @@ double World::State::margin_of(const BodyEntry& body) const {
     return body.collision.margin < 0 ? settings.margin : body.collision.margin;
 }
 
+void BodyKinds::add(const BodyKinds& other) {
+    solids = solids || other.solids;
+    deforming = deforming || other.deforming;
+    margins = margins || other.margins;
+    sheets = sheets || other.sheets;
+    velocity_rays = velocity_rays || other.velocity_rays;
+    meets_itself = meets_itself || other.meets_itself;
+    worlds = worlds || other.worlds;
+    feature_bits = std::max(feature_bits, other.feature_bits);
+}
+
+BodyKinds World::State::kinds_of(const BodyEntry& body) const {
+    const Mesh& mesh = mesh_of(body);
+    const MeshView view = mesh.view({});
+    const bool meets_itself = body.collision.self != SelfCollision::off;
+    BodyKinds kinds;
+    kinds.solids = !body.collision.sheet && mesh.inside().exists();
+    kinds.deforming = body.motion == Motion::deforming;
+    kinds.margins = margin_of(body) > 0;
+    kinds.sheets = body.collision.sheet;
+    kinds.velocity_rays = body.collision.sheet && meets_itself &&
+                          body.collision.self != SelfCollision::on;
+    kinds.meets_itself = !body.collision.sheet && meets_itself;
+    kinds.worlds = body.filter.world != all_worlds;
+    kinds.feature_bits = static_cast<std::uint32_t>(
+        std::bit_width(std::max({view.positions.size, view.edges.size, view.triangles.size})));
+    return kinds;
+}
+
 void World::State::make_plan() {
     auto& slots = bodies.slots();
     plan = {};
@@ -195,26 +224,19 @@ void World::State::make_plan() {
     box_nodes.assign(slots.size(), {});
     seen.assign(slots.size(), {});
 
-    bool solids = false, any_deforms = false;
-    for (const auto& slot : slots) {
-        if (!slot.used) continue;
-        any_deforms = any_deforms || slot.thing.motion == Motion::deforming;
-        const Collision& collision = slot.thing.collision;
-        solids = solids || (!collision.sheet && mesh_of(slot.thing).inside().exists());
-        plan.margins = plan.margins || margin_of(slot.thing) > 0;
-        plan.sheets = plan.sheets || collision.sheet;
-        plan.velocity_rays = plan.velocity_rays ||
-                             (collision.sheet && (collision.self == SelfCollision::rays ||
-                                                  collision.self == SelfCollision::published));
-        plan.meets_itself = plan.meets_itself ||
-                            (!collision.sheet && collision.self != SelfCollision::off);
-    }
-    plan.casts_rays = solids || plan.velocity_rays;
-    if (!solids) plan.settings.coverage = Coverage::vertices;
-    plan.margins = plan.margins && solids;
+    BodyKinds kinds = elsewhere;
+    for (const auto& slot : slots)
+        if (slot.used) kinds.add(kinds_of(slot.thing));
+    plan.sheets = kinds.sheets;
+    plan.velocity_rays = kinds.velocity_rays;
+    plan.meets_itself = kinds.meets_itself;
+    plan.feature_bits = kinds.feature_bits;
+    plan.casts_rays = kinds.solids || plan.velocity_rays;
+    if (!kinds.solids) plan.settings.coverage = Coverage::vertices;
+    plan.margins = kinds.margins && kinds.solids;
     // A sheet's vertex inside a solid leaves by the closest point, as the sheet's normals say
     // nothing about the way out.
-    plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && solids));
+    plan.reprojects = plan.casts_rays && (settings.reproject || (plan.sheets && kinds.solids));
     // Where no rays are cast, there is nothing to remember of them.
     if (!plan.casts_rays) plan.settings.temporal = Temporal::off;
     if (plan.settings.temporal == Temporal::certified && !backend->certificates_pay()) {
@@ -225,7 +247,7 @@ void World::State::make_plan() {
     }
 
     plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
-                            (any_deforms || plan.is_complete());
+                            (kinds.deforming || plan.is_complete());
     for (std::uint32_t i = 0; i < slots.size(); ++i) {
         BodyView& view = views[i];
         view.active = false;
@@ -235,11 +257,8 @@ void World::State::make_plan() {
         ids[i] = {i, slots[i].generation};
         view.mesh = entry.mesh->view(needs_of(plan, body.motion));
         view.mesh_key = entry.key;
-        const std::uint32_t most = std::max(
-            {view.mesh.positions.size, view.mesh.edges.size, view.mesh.triangles.size});
-        plan.feature_bits = std::max(plan.feature_bits,
-                                     static_cast<std::uint32_t>(std::bit_width(most)));
         view.motion = body.motion;
+        view.part = body.part;
         view.collision = body.collision;
         view.filter = body.filter;
         view.margin = margin_of(body);
@@ -301,7 +320,7 @@ void World::State::refresh_views() {
 
 void World::State::refresh_view(std::uint32_t i) {
     BodyEntry& body = bodies.slots()[i].thing;
-    views[i].active = body.usable && !left_out.contains(body.filter.world);
+    views[i].active = body.usable && !body.away && !left_out.contains(body.filter.world);
     if (body.usable)
         unusable.erase(i);
     else

@@ -53,8 +53,11 @@ struct BodyEntry {
     std::vector<Offsets> patches;
     std::vector<BoxNode> box_nodes;
     std::vector<SeenPatch> seen;
-    std::uint64_t positions_version = 0;
-    bool usable = true;  ///< all coordinates are finite and none is too large
+    std::uint64_t positions_version = 0;  ///< another one whenever `positions` are others, or
+                                          ///< elsewhere in memory
+    bool usable = true;      ///< all coordinates are finite and none is too large
+    std::uint32_t part = 0;  ///< which of the worlds that share their bodies owns this one
+    bool away = false;       ///< it belongs to another one, and is not near
 
     /// True if the host does not know where the body is.
     bool is_on_device() const { return device_positions != nullptr || device_pose.exists(); }
@@ -62,6 +65,21 @@ struct BodyEntry {
         device_positions = device_start = nullptr;
         device_pose = {};
     }
+};
+
+/// What bodies there are, as far as it decides what all steps do.
+struct BodyKinds {
+    bool solids = false;  ///< some body has an inside that counts
+    bool deforming = false;
+    bool margins = false;  ///< some body is in contact before it touches
+    bool sheets = false;
+    bool velocity_rays = false;  ///< some sheet is looked for in itself by rays along velocities
+    bool meets_itself = false;   ///< some solid is looked for in itself
+    bool worlds = false;         ///< some body is in one world only
+    std::uint32_t feature_bits = 0;  ///< of the largest number of a vertex, edge or triangle
+
+    void add(const BodyKinds& other);
+    friend bool operator==(const BodyKinds&, const BodyKinds&) = default;
 };
 
 /// Two bodies, the one in the lower slot first.
@@ -84,6 +102,8 @@ struct World::State {
     std::uint64_t next_key = 1;
     std::set<BodyIdPair> excluded;    ///< pairs that are not wanted
     PairFilter pair_filter;           ///< of the caller; empty: none
+    std::uint32_t part = 0;           ///< of the worlds that share their bodies, this one
+    BodyKinds elsewhere;              ///< the bodies of the others
     std::set<std::int32_t> left_out;  ///< worlds that take no part in steps
     bool forgets_sides = false;       ///< the next step forgets the sides of sheets
     bool stepped = false;             ///< bodies are where the last step saw them
@@ -144,6 +164,7 @@ struct World::State {
     static void check_filter(const Filter& filter);
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;
+    BodyKinds kinds_of(const BodyEntry& body) const;
     /// Makes what does not change between steps.
     void make_plan();
     void arrange_worlds();
@@ -168,6 +189,12 @@ struct World::State {
     void refresh_view(std::uint32_t index);
     /// Sets, in a deforming body's view, where its vertices are kept.
     void place_vertices(std::uint32_t index);
+};
+
+/// What those see of a world that share bodies between several.
+struct WorldInside {
+    using State = World::State;
+    static State& state(World& world) { return *world.state_; }
 };
 
 }  // namespace pierce

@@ -296,6 +296,7 @@ public:
                                                    std::span<const BodyId> others = {});
 
 private:
+    friend struct WorldInside;
     class PairCopy;
     class PartingSearch;
     struct State;

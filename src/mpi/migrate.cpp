@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "core/partition/memory_parts.hpp"
+#include "core/partition/space_partition.hpp"
+#include "core/step/common/pairs.hpp"
+#include "mpi/world_state.hpp"
+
+/// Bodies that go from one rank to another, with what is remembered of their pairs.
+namespace pierce::mpi {
+StepMemory memory_of_part(const StepMemory& all, bool by_world, const BodySlots& bodies,
+                          std::span<const std::uint32_t> owners, std::uint32_t part) {
+    const stages::PairKeys keys{by_world};
+    StepMemory memory = part_of_memory(all, [&](std::uint64_t key) {
+        const Pair pair = keys.pair(key);
+        const auto is_there = [&](std::uint32_t b) {
+            return b < bodies.size() && bodies[b].used && b < owners.size();
+        };
+        return is_there(pair.a) && is_there(pair.b) &&
+               part_of_pair(bodies[pair.a].thing.motion, owners[pair.a],
+                            bodies[pair.b].thing.motion, owners[pair.b]) == part;
+    });
+    memory.bodies.clear();
+    return memory;
+}
+
+std::vector<std::uint32_t> World::State::cut() {
+    std::vector<PlacedBody> mine;
+    mine.reserve(own.size());
+    for (const std::uint32_t b : own) mine.push_back(placed(b, inside.views[b], reach[b]));
+    std::string bytes(mine.size() * sizeof(PlacedBody), '\0');
+    if (!mine.empty()) std::memcpy(bytes.data(), mine.data(), bytes.size());
+    std::vector<PlacedBody> all;
+    for (const std::string& its : comm.all_gather(bytes)) {
+        const std::size_t before = all.size();
+        all.resize(before + its.size() / sizeof(PlacedBody));
+        if (!its.empty()) std::memcpy(all.data() + before, its.data(), its.size());
+    }
+    std::ranges::sort(all, {}, &PlacedBody::number);
+    return owners_of(all, others.size());
+}
+
+PlacedBody placed(std::uint32_t number, const BodyView& view, const Box& reach) {
+    return {
+        number,
+        !reach.empty(),
+        {reach.empty() ? Vec3d{} : reach.center(), static_cast<double>(view.mesh.triangles.size)}};
+}
+
+std::vector<std::uint32_t> owners_of(std::span<const PlacedBody> bodies, std::size_t ranks) {
+    std::vector<WeightedPoint> points;
+    points.reserve(bodies.size());
+    Vec3d last;
+    for (const PlacedBody& body : bodies) {
+        // Bodies that take no part go with the one before them.
+        if (body.is_placed) last = body.point.at;
+        points.push_back({last, body.is_placed ? body.point.weight : 0});
+    }
+    const std::vector<std::uint32_t> parts = divide_space(points, std::vector<double>(ranks, 1.0));
+    std::vector<std::uint32_t> owners(bodies.empty() ? 0 : bodies.back().number + std::size_t{1},
+                                      0);
+    for (std::size_t k = 0; k < bodies.size(); ++k) owners[bodies[k].number] = parts[k];
+    return owners;
+}
+
+StepMemory World::State::memory_to_share() {
+    StepMemory memory;
+    together([&] { memory = handed ? *handed : remembered(); });
+    // A rank whose last step has rested, or that proves nothing, does not know where bodies were.
+    const auto knows = static_cast<std::uint8_t>(!memory.bodies.empty());
+    const std::vector<std::uint8_t> all = comm.all_gather(knows);
+    if (std::ranges::find(all, 0) == all.end()) return memory;
+    memory.bodies.clear();
+    memory.directed.clear();
+    memory.blocks.clear();
+    memory.patches.clear();
+    memory.vertices.clear();
+    memory.contacts.clear();
+    return memory;
+}
+
+Migration World::migrate() {
+    State& s = *state_;
+    s.agree_on_news();
+    s.look_around();
+    const std::vector<std::uint32_t> owners = s.cut();
+    Migration migration;
+    std::vector<std::string> to(s.others.size());
+    StepMemory memory = s.memory_to_share(), kept;
+    s.together([&] {
+        s.handed.emplace();
+        s.handed->bodies = memory.bodies;
+        s.hands_over = true;
+        const BodySlots& slots = s.inside.bodies.slots();
+        for (std::uint32_t other = 0; other < to.size(); ++other) {
+            Handover handover;
+            handover.memory = memory_of_part(memory, s.by_world, slots, owners, other);
+            if (other == s.rank()) {
+                kept = std::move(handover.memory);
+                continue;
+            }
+            std::set<std::uint64_t> meshes;
+            for (const std::uint32_t b : s.own) {
+                if (owners[b] != other) continue;
+                s.add_mesh_to(handover.meshes, b, meshes);
+                handover.bodies.push_back(s.whole(b, &memory));
+            }
+            to[other] = to_bytes(handover);
+        }
+    });
+    std::vector<std::string> all = Exchange(s.comm, std::move(to)).finish();
+    s.together([&] {
+        s.drop_ghosts();
+        for (const std::uint32_t b : s.own)
+            if (owners[b] != s.rank()) {
+                migration.left.push_back(s.id(b));
+                s.inside.bodies.take(s.id(b), "body");
+            }
+        s.handed->bodies.resize(s.inside.bodies.slots().size());
+        std::vector<StepMemory> memories;
+        memories.push_back(std::move(kept));
+        for (std::uint32_t from = 0; from < all.size(); ++from) {
+            if (from == s.rank()) continue;
+            Handover handover = from_bytes<Handover>(std::move(all[from]));
+            s.take_meshes(std::move(handover.meshes));
+            for (const WholeBody& body : handover.bodies) {
+                s.put(body, s.rank());
+                migration.arrived.push_back(body.id);
+                s.handed->bodies.resize(
+                    std::max<std::size_t>(s.handed->bodies.size(), body.id.index + 1));
+                s.handed->bodies[body.id.index] = body.in_last;
+            }
+            memories.push_back(std::move(handover.memory));
+        }
+        std::vector<SeenBody> bodies = std::move(s.handed->bodies);
+        s.handed = join_memory(memories, {});
+        s.handed->bodies = std::move(bodies);
+        std::ranges::sort(migration.arrived);
+        s.changed_bodies.clear();
+        s.own_changed = s.has_news = true;
+    });
+    return migration;
+}
+
+}  // namespace pierce::mpi

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/partition/partition.hpp"
+#include "core/partition/region.hpp"
+#include "core/partition/space_partition.hpp"
+#include "core/step/common/step_memory.hpp"
+#include "core/world/world_state.hpp"
+#include "mpi/communicator.hpp"
+#include "mpi/failure.hpp"
+#include "mpi/messages.hpp"
+#include "pierce/mpi/world.hpp"
+
+namespace pierce::mpi {
+
+using BodySlots = std::vector<SlotMap<BodyTag, BodyEntry>::Slot>;
+
+/// What this rank knows of another one, and has told it.
+struct OtherRank {
+    Region reach{std::vector<Box>{}};  ///< of its moving bodies
+    BodySet has;                       ///< own bodies that are its ghosts
+    std::set<std::uint64_t> meshes;    ///< keys of those that it got
+};
+
+/// Where other ranks have seen a body last.
+struct Told {
+    std::uint64_t positions_version = 0;
+    Pose pose;
+};
+
+/// What a World consists of; bodies of all ranks have their numbers as slots of `local`.
+struct World::State {
+    Communicator comm;
+    pierce::World local;
+    WorldInside::State& inside;
+
+    std::vector<std::uint32_t> own;   ///< numbers of the bodies that this rank owns, sorted
+    std::vector<std::uint32_t> cell;  ///< per own body: one of the rank's compact cells
+    bool own_changed = true;          ///< the two lists are to be made anew
+    double mean_extent = 0;
+    double cells_extent = 0;  ///< [length] of all cells when they were made
+    std::vector<Box> reach;   ///< by number; of own bodies
+    std::vector<Told> told;   ///< by number; of own bodies
+    std::vector<OtherRank> others;
+    std::vector<double> work;  ///< per rank, in the last step
+
+    News news;
+    bool has_news = true;
+    bool forgets_sides = false;
+    std::set<std::uint32_t> changed_bodies;        ///< own ones that others have to get anew
+    std::vector<std::uint32_t> removed;            ///< numbers of own bodies since the last step
+    std::set<BodyIdPair> excluded;                 ///< of all ranks
+    std::map<std::uint64_t, MeshId> known_meshes;  ///< those of other ranks, by key
+
+    bool hands_over = false;           ///< the next step's ghosts come with what is remembered
+    std::optional<StepMemory> handed;  ///< what the next step is to remember
+    bool by_world = false;             ///< how pairs are written in what is remembered
+    bool detected = false;             ///< the last step has not failed
+
+    /// Throws on all ranks what make(), which makes `local`, throws on one.
+    State(MPI_Comm ranks, const std::function<pierce::World()>& make);
+
+    std::uint32_t rank() const { return static_cast<std::uint32_t>(comm.rank()); }
+    bool is_own(BodyId body) const;
+    /// True if there is a body of that number here, and that rank owns it.
+    bool belongs_to(std::uint32_t number, std::uint32_t owner) const {
+        const auto& slots = inside.bodies.slots();
+        return number < slots.size() && slots[number].used && slots[number].thing.part == owner;
+    }
+    /// Throws InputError unless this rank owns the bodies.
+    void check_own(std::span<const BodyId> some) const;
+    /// Throws InputError if there is a body of that number here.
+    void check_free(std::uint32_t number) const;
+    BodyEntry& entry(std::uint32_t number) { return inside.bodies.slots()[number].thing; }
+    BodyId id(std::uint32_t number) const {
+        return {number, inside.bodies.slots()[number].generation};
+    }
+    /// Puts a body that `local` has added where its number says.
+    BodyId add(std::uint32_t number, BodyId added);
+    /// To be called when an own body has changed but for its place.
+    void note_changed(BodyId body);
+
+    /// Calls run(), and then throws on all ranks if it has thrown on one.
+    template <class Run>
+    void together(const Run& run) {
+        const std::exception_ptr failure = failure_of(run);
+        if (any_failed(comm, failure)) fail(failure);
+    }
+    /// Collective, for when there is a failure on some rank.
+    [[noreturn]] void fail(const std::exception_ptr& failure);
+    /// Forgets ghosts, and what is remembered.
+    void start_over();
+    void drop_ghosts();
+
+    // The parts of a step, in their order (ghosts.cpp).
+    void agree_on_news();
+    void look_around();
+    std::vector<std::string> messages();
+    void take_in(std::vector<std::string> all);
+
+    Summary summary();
+    GhostMessage message_to(std::uint32_t other);
+    void take_in(std::uint32_t from, GhostMessage message);
+    /// Leaves out pairs that are not wanted, of bodies that are here; before a plan is made.
+    void exclude_pairs();
+
+    /// True if ghosts that come have to know how the last step saw them.
+    bool tells_seen() const {
+        // How far predictions look depends on where bodies were, also ghosts.
+        return hands_over || inside.plan.settings.temporal == Temporal::paper;
+    }
+    /// `memory`: what is remembered, if how the last step saw the body matters; else null.
+    WholeBody whole(std::uint32_t number, const StepMemory* memory) const;
+    /// Adds the mesh of a body to a message unless the receiver has it.
+    void add_mesh_to(std::vector<SavedMesh>& meshes, std::uint32_t number,
+                     std::set<std::uint64_t>& has) const;
+    void take_meshes(std::vector<SavedMesh> meshes);
+    void put(const WholeBody& body, std::uint32_t owner);
+    void make_lists();
+    bool is_moving(std::uint32_t number) const {
+        return inside.bodies.slots()[number].thing.motion != Motion::fixed;
+    }
+
+    /// Brings what deforming bodies looked like in the last step, and returns what it remembers.
+    StepMemory remembered();
+    /// Collective. What the next step is to remember, as far as all ranks know as much.
+    StepMemory memory_to_share();
+    /// What the next step is to remember, if it is not to be what the last one has left.
+    StepMemory& to_remember();
+    /// Cuts space: each body's new owner, by number.
+    std::vector<std::uint32_t> cut();
+};
+
+/// What has to be known of a body to cut space.
+struct PlacedBody {
+    std::uint32_t number = 0;
+    bool is_placed = false;
+    WeightedPoint point;
+};
+PlacedBody placed(std::uint32_t number, const BodyView& view, const Box& reach);
+
+/// Each body's owner if space is cut into equal parts, by number. `bodies`: sorted by number.
+std::vector<std::uint32_t> owners_of(std::span<const PlacedBody> bodies, std::size_t ranks);
+
+/// Of what is remembered, the pairs of one part. `owners`: by number.
+StepMemory memory_of_part(const StepMemory& all, bool by_world, const BodySlots& bodies,
+                          std::span<const std::uint32_t> owners, std::uint32_t part);
+
+}  // namespace pierce::mpi
