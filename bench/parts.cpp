@@ -1,9 +1,9 @@
 // What parts of a scene have to see, for any number of parts, without running a step.
 //   pierce_parts RECORDING|lattice:COUNT... [--frames N]
-// A lattice is COUNT rigid tori that touch their neighbours and turn. Prints CSV: how many times
-// space was cut, how uneven the work is (that of the busiest part over the mean, ghosts counted),
-// ghosts of a part, from how many parts they come, and what their positions take [bytes of
-// float32].
+// A lattice is COUNT rigid tori that touch their neighbours and turn. Prints CSV: in how many
+// frames parts looked around, how many times space was cut, how uneven the work is (that of the
+// busiest part over the mean, ghosts counted), ghosts of a part, from how many parts they come, and
+// what their positions take [bytes of float32].
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -97,15 +97,18 @@ void run(const std::string& name, const scenes::Recording& recording, std::uint3
         if (10 * parts > recording.bodies.size()) break;
         Bodies bodies(recording);
         Partition partition(std::vector<double>(parts, 1.0));
-        std::uint32_t cuts = 0;
+        std::uint32_t cuts = 0, looks = 0;
         Spread uneven, ghosts, sources, bytes;
         const std::uint32_t last = std::min(frames, recording.frame_count);
         for (std::uint32_t f = 0; f < last; ++f) {
             bodies.put(f);
             const Scene scene = bodies.scene();
             partition.begin(scene, f == 0);
-            for (std::uint32_t p = 0; p < parts; ++p) partition.look_around(p);
-            cuts += partition.cut(scene);
+            if (partition.is_out_of_date(0)) {
+                for (std::uint32_t p = 0; p < parts; ++p) partition.look_around(p);
+                cuts += partition.cut(scene);
+                ++looks;
+            }
             Spread load;
             for (std::uint32_t p = 0; p < parts; ++p) {
                 std::uint32_t seen = 0, foreign = 0;
@@ -127,8 +130,8 @@ void run(const std::string& name, const scenes::Recording& recording, std::uint3
             }
             uneven.add(load.most / load.mean());
         }
-        std::printf("%s,%zu,%u,%u,%u,%.3f,%.1f,%.0f,%.2f,%.0f,%.0f,%.0f\n", name.c_str(),
-                    recording.bodies.size(), last, parts, cuts, uneven.mean(), ghosts.mean(),
+        std::printf("%s,%zu,%u,%u,%u,%u,%.3f,%.1f,%.0f,%.2f,%.0f,%.0f,%.0f\n", name.c_str(),
+                    recording.bodies.size(), last, parts, looks, cuts, uneven.mean(), ghosts.mean(),
                     ghosts.most, sources.mean(), sources.most, bytes.mean(), bytes.most);
         std::fflush(stdout);
     }
@@ -148,7 +151,8 @@ int main(int argc, char** argv) {
             scenes.push_back(argument);
     }
     std::puts(
-        "scene,bodies,frames,parts,cuts,uneven,ghosts_mean,ghosts_most,sources_mean,sources_most,"
+        "scene,bodies,frames,parts,looks,cuts,uneven,ghosts_mean,ghosts_most,sources_mean,sources_"
+        "most,"
         "bytes_mean,bytes_most");
     for (const std::string& scene : scenes) {
         using namespace pierce::scenes;

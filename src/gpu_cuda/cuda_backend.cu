@@ -95,10 +95,14 @@ public:
         return {};
     }
 
-    void measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
-                       View<const double> more, bool anew, View<Box> reach) override {
+    double measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
+                         View<const double> more, bool anew) override {
         const cuda::OnDevice here(device_);
-        meter_.measure(bodies, some, more, anew, reach, executor_.stream());
+        return meter_.measure(bodies, some, more, anew, executor_.stream());
+    }
+    void fetch_reach(View<const std::uint32_t> some, View<Box> reach) override {
+        const cuda::OnDevice here(device_);
+        meter_.fetch(some, reach, executor_.stream());
     }
 
     void fetch_bodies(View<BodyView> bodies) const override {

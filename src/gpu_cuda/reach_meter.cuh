@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "core/base/reach.hpp"
@@ -23,8 +24,10 @@ struct ReachSource {
 
 inline constexpr unsigned reach_threads = 128;
 
-/// A block per body.
-inline __global__ void measure_reach(View<const ReachSource> sources, View<Box> reach) {
+/// A block per body. `told`: what fetch() has told; empty if nothing. `grown`: the most that reach
+/// has grown since, as the bits of a double.
+inline __global__ void measure_reach(View<const ReachSource> sources, View<Box> reach,
+                                     View<const Box> told, unsigned long long* grown) {
     const ReachSource source = sources[blockIdx.x];
     PlacedBox mine;
     if (source.positions != nullptr) {
@@ -58,17 +61,23 @@ inline __global__ void measure_reach(View<const ReachSource> sources, View<Box> 
     const PlacedBox all = {
         {{-most[0][0], -most[1][0], -most[2][0]}, {most[3][0], most[4][0], most[5][0]}},
         most[6][0]};
-    reach[blockIdx.x] = reach_of(all, source.more);
+    const Box reaches = reach_of(all, source.more);
+    reach[blockIdx.x] = reaches;
+    if (told.size == 0) return;
+    // Doubles that are not negative are ordered as their bits are.
+    const double growth = growth_of(told[blockIdx.x], reaches);
+    if (growth > 0) atomicMax(grown, static_cast<unsigned long long>(__double_as_longlong(growth)));
 }
 
 /// Measures the reach of bodies that have their places in device memory.
 class ReachMeter {
 public:
     /// As Backend::measure_reach(). Waits for the device.
-    void measure(View<const BodyView> bodies, View<const std::uint32_t> some,
-                 View<const double> more, bool anew, View<Box> reach, cudaStream_t stream) {
-        if (some.size == 0) return;
+    double measure(View<const BodyView> bodies, View<const std::uint32_t> some,
+                   View<const double> more, bool anew, cudaStream_t stream) {
+        if (some.size == 0) return 0;
         if (anew) {
+            told_.clear();
             ReachSource* const sources = staged_.resize(some.size);
             for (std::uint32_t k = 0; k < some.size; ++k) {
                 const BodyView& body = bodies[some[k]];
@@ -85,9 +94,27 @@ public:
                                   cudaMemcpyHostToDevice, stream),
                   "a copy to the device");
         }
-        measure_reach<<<some.size, reach_threads, 0, stream>>>(view_of(std::as_const(sources_)),
-                                                               view_of(reach_));
+        grown_.resize(1);
+        check(cudaMemsetAsync(grown_.data(), 0, sizeof(unsigned long long), stream), "a zero");
+        measure_reach<<<some.size, reach_threads, 0, stream>>>(
+            view_of(std::as_const(sources_)), view_of(reach_), view_of(std::as_const(told_)),
+            grown_.data());
         check(cudaGetLastError(), "a launch");
+        if (told_.empty()) return INFINITY;
+        double* const grown = grown_on_host_.resize(1);
+        check(cudaMemcpyAsync(grown, grown_.data(), sizeof(double), cudaMemcpyDeviceToHost, stream),
+              "a copy to the host");
+        check(cudaStreamSynchronize(stream), "waiting for the device");
+        return *grown;
+    }
+
+    /// As Backend::fetch_reach(). Waits for the device.
+    void fetch(View<const std::uint32_t> some, View<Box> reach, cudaStream_t stream) {
+        if (some.size == 0) return;
+        told_.resize(some.size);
+        check(cudaMemcpyAsync(told_.data(), reach_.data(), some.size * sizeof(Box),
+                              cudaMemcpyDeviceToDevice, stream),
+              "a copy on the device");
         Box* const found = found_.resize(some.size);
         check(cudaMemcpyAsync(found, reach_.data(), some.size * sizeof(Box), cudaMemcpyDeviceToHost,
                               stream),
@@ -99,8 +126,10 @@ public:
 private:
     StagingBuffer<ReachSource> staged_;
     StagingBuffer<Box> found_;
+    StagingBuffer<double> grown_on_host_;
     DeviceBuffer<ReachSource> sources_;
-    DeviceBuffer<Box> reach_;
+    DeviceBuffer<Box> reach_, told_;
+    DeviceBuffer<unsigned long long> grown_;
 };
 
 }  // namespace pierce::cuda

@@ -3,6 +3,7 @@
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/host_device.hpp"
+#include "pierce/min_max.hpp"
 #include "pierce/pose.hpp"
 
 namespace pierce {
@@ -33,6 +34,16 @@ PIERCE_HD inline Box reach_of(const PlacedBox& place, double more) {
     const double touch = 16 * constants::touch_tolerance *
                          (place.box.extent() + place.box.max_coordinate());
     return place.box.inflated(touch + place.travel + more);
+}
+
+/// [length] How much further a body reaches now than before, at most; infinity if it has reached
+/// nowhere.
+PIERCE_HD inline double growth_of(const Box& before, const Box& now) {
+    if (now.empty()) return 0;
+    double most = 0;
+    for (int k = 0; k < 3; ++k)
+        most = max_of(now.upper[k] - before.upper[k], max_of(before.lower[k] - now.lower[k], most));
+    return most;
 }
 
 }  // namespace pierce

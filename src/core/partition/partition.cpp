@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/body/body_view.hpp"
+#include "core/body/reach.hpp"
 #include "core/partition/body_reach.hpp"
 #include "core/partition/region.hpp"
 #include "core/partition/space_partition.hpp"
@@ -24,14 +25,20 @@ Partition::Partition(std::vector<double> shares)
       loads_(shares_.size(), 0) {}
 
 void Partition::begin(const Scene& scene, bool anew) {
+    bool others_are_measured = anew;
     if (anew) {
         facts_.assign(scene.bodies.size, {});
         reach_.assign(scene.bodies.size, {});
+        looked_.clear();
         for (std::uint32_t b = 0; b < scene.bodies.size; ++b) note(scene, b);
     } else {
-        for (const std::uint32_t b : scene.changed) note(scene, b);
+        for (const std::uint32_t b : scene.changed) {
+            const bool was_on_device = facts_[b].on_device;
+            note(scene, b);
+            others_are_measured = others_are_measured || was_on_device || facts_[b].on_device;
+        }
     }
-    if (anew || scene.changed.size > 0) list_measured(scene);
+    if (others_are_measured) list_measured(scene);
 }
 
 void Partition::note(const Scene& scene, std::uint32_t b) {
@@ -40,14 +47,26 @@ void Partition::note(const Scene& scene, std::uint32_t b) {
     facts_[b] = {.weight = static_cast<float>(body.mesh.triangles.size),
                  .exists = exists,
                  .active = active,
-                 .moves = body.motion != Motion::fixed};
-    reach_[b] = active && !is_on_device(body) ? reach_on_host(body, scene.plan->settings) : Box{};
+                 .moves = body.motion != Motion::fixed,
+                 .on_device = is_on_device(body)};
+    reach_[b] = active && !facts_[b].on_device ? reach_on_host(body, scene.plan->settings) : Box{};
+    if (b < looked_.size()) grown_ = std::max(grown_, growth_of(looked_[b], reach_[b]));
+}
+
+bool Partition::is_out_of_date(double grown) const {
+    // Two bodies may come nearer to each other by twice as much.
+    return looked_.empty() || !(2 * std::max(grown, grown_) <= spare());
+}
+
+void Partition::note_looked() {
+    looked_ = reach_;
+    grown_ = 0;
 }
 
 void Partition::list_measured(const Scene& scene) {
     for (Measured& m : measured_) m = {{}, {}, m.revision + 1};
     for (std::uint32_t b = 0; b < scene.bodies.size; ++b) {
-        if (!facts_[b].active || !is_on_device(scene.bodies[b])) continue;
+        if (!facts_[b].active || !facts_[b].on_device) continue;
         Measured& m = measured_[b < owners_.size() ? owners_[b] : b % parts()];
         m.bodies.push_back(b);
         m.more.push_back(reach_beyond_points(scene.bodies[b], scene.plan->settings));
@@ -55,7 +74,9 @@ void Partition::list_measured(const Scene& scene) {
     measures_ = std::ranges::any_of(measured_, [](const Measured& m) { return !m.bodies.empty(); });
 }
 
-void Partition::look_around(std::uint32_t part) { near_[part] = seen_from(part, 0, &loads_[part]); }
+void Partition::look_around(std::uint32_t part) {
+    near_[part] = seen_from(part, spare(), &loads_[part]);
+}
 
 double Partition::worst_load() const {
     double worst = 0;
@@ -68,6 +89,7 @@ bool Partition::cut(const Scene& scene) {
     const bool same_bodies = planned_ == scene.plan->revision ||
                              std::ranges::equal(scene.ids, known_);
     planned_ = scene.plan->revision;
+    note_looked();
     if (same_bodies && worst_load() <= constants::uneven_parts * worst_at_first_) return false;
     owners_before_ = owners_;
     // Ghosts are work, too: parts that see more of them get less.

@@ -7,6 +7,7 @@
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "pierce/box.hpp"
+#include "pierce/constants.hpp"
 
 namespace pierce {
 
@@ -36,15 +37,20 @@ public:
 
     /// Begins a step: notes what bodies are. `anew`: bodies were added, removed or changed.
     void begin(const Scene& scene, bool anew);
-    /// What each part is to measure before look_around(), and where to.
+    /// What each part is to measure in a step.
     bool measures() const { return measures_; }
     const Measured& measured(std::uint32_t part) const { return measured_[part]; }
+    /// True if parts have to look around in this step: some body reaches so much further than when
+    /// they last did that they may not see all that is near. `grown`: the most that was measured.
+    bool is_out_of_date(double grown) const;
+    /// Where the reach of measured bodies goes before parts look around.
     View<Box> reach() { return view_of(reach_); }
     /// Looks for what is near a part, once the reach of all bodies is known. Parts may do so at the
     /// same time.
     void look_around(std::uint32_t part);
-    /// Cuts space anew if there are other bodies than at the last cut, or if a part has to see much
-    /// more than after it; then bodies may have other owners, and it returns true.
+    /// To be called when all parts have looked around. Cuts space anew if there are other bodies
+    /// than at the last cut, or if a part has to see much more than after it; then bodies may have
+    /// other owners, and it returns true.
     bool cut(const Scene& scene);
 
     /// The bodies that a part owns, and those that are near enough to be a pair of this part.
@@ -56,7 +62,7 @@ private:
     /// What is read of a body in every step.
     struct Facts {
         float weight = 0;
-        bool exists = false, active = false, moves = false;
+        bool exists = false, active = false, moves = false, on_device = false;
     };
 
     /// A body of a part, and one of the part's cells, which are compact, too.
@@ -70,6 +76,9 @@ private:
     void list_measured(const Scene& scene);
     void divide(const std::vector<double>& shares);
     double worst_load() const;
+    /// [length] How much further than bodies reach parts look for ghosts.
+    double spare() const { return 0.5 * constants::spare_reach * mean_extent_; }
+    void note_looked();
     /// The bodies of a part, and those that come within `more` [length] of its reach.
     /// `load`: where the weight of all these goes; null: nowhere.
     BodySet seen_from(std::uint32_t part, double more, double* load) const;
@@ -77,7 +86,9 @@ private:
     std::vector<double> shares_;
     // Per body.
     std::vector<Facts> facts_;
-    std::vector<Box> reach_;  ///< empty if it takes no part
+    std::vector<Box> reach_;   ///< empty if it takes no part
+    std::vector<Box> looked_;  ///< the same when parts last looked around
+    double grown_ = 0;         ///< [length] the most that reach has grown since
     std::vector<std::uint32_t> owners_, owners_before_;
     std::vector<BodyId> known_;  ///< whom the owner was chosen for
     std::uint64_t planned_ = 0;  ///< revision of the plan of the last cut()

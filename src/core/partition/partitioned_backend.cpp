@@ -50,7 +50,8 @@ public:
                               .scene = PartScene(number),
                               .stats = {},
                               .number = number,
-                              .measured = 0});
+                              .measured = 0,
+                              .grown = 0});
         }
     }
 
@@ -133,6 +134,7 @@ private:
         StepStats stats;
         std::uint32_t number = 0;
         std::uint64_t measured = 0;  ///< revision of the list that the backend knows
+        double grown = 0;            ///< [length] the most that what it measures has
     };
 
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
@@ -169,7 +171,18 @@ private:
     /// Finds out what is near each part. Returns true if bodies have other owners.
     bool look_around(const Scene& whole, bool anew) {
         partition_.begin(whole, anew);
-        if (partition_.measures()) for_each_part(true, [&](Share& part) { measure(whole, part); });
+        double grown = 0;
+        if (partition_.measures()) {
+            for_each_part(true, [&](Share& part) { measure(whole, part); });
+            for (const Share& part : parts_) grown = std::max(grown, part.grown);
+        }
+        if (!partition_.is_out_of_date(grown)) return false;
+        if (partition_.measures())
+            for_each_part(true, [&](Share& part) {
+                const Measured& m = partition_.measured(part.number);
+                if (!m.bodies.empty())
+                    part.backend->fetch_reach(view_of(m.bodies), partition_.reach());
+            });
         for_each_part(whole.bodies.size >= constants::many_bodies,
                       [&](Share& part) { partition_.look_around(part.number); });
         return partition_.cut(whole);
@@ -177,9 +190,10 @@ private:
 
     void measure(const Scene& whole, Share& part) {
         const Measured& m = partition_.measured(part.number);
-        if (!m.bodies.empty())
-            part.backend->measure_reach(whole.bodies, view_of(m.bodies), view_of(m.more),
-                                        part.measured != m.revision, partition_.reach());
+        part.grown = m.bodies.empty() ? 0
+                                      : part.backend->measure_reach(whole.bodies, view_of(m.bodies),
+                                                                    view_of(m.more),
+                                                                    part.measured != m.revision);
         part.measured = m.revision;
     }
 

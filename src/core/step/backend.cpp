@@ -17,8 +17,11 @@ void Backend::set_stream(void*) { throw InputError("this backend has no streams"
 DeviceContacts Backend::device_contacts(std::uint32_t) {
     throw InputError("this backend has no contacts in device memory");
 }
-void Backend::measure_reach(View<const BodyView>, View<const std::uint32_t>, View<const double>,
-                            bool, View<Box>) {
+double Backend::measure_reach(View<const BodyView>, View<const std::uint32_t>, View<const double>,
+                              bool) {
+    throw InputError("this backend reads no places in device memory");
+}
+void Backend::fetch_reach(View<const std::uint32_t>, View<Box>) {
     throw InputError("this backend reads no places in device memory");
 }
 std::shared_ptr<const Contact> Backend::keep_contacts() {

@@ -42,12 +42,15 @@ public:
     /// The last step's contacts in device memory. Only for backends that run there. `worlds`: how
     /// many there are.
     virtual DeviceContacts device_contacts(std::uint32_t worlds);
-    /// Writes, for `some` bodies that have their places in device memory, the box that they reach
-    /// in a step from there (core/body/reach.hpp). `more`: for each of them, how far they reach
-    /// beyond their points. `anew`: these lists, or what they name, are not those of the last call.
-    /// `reach`: of all bodies; others stay as they are. Only for backends that run there.
-    virtual void measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
-                               View<const double> more, bool anew, View<Box> reach);
+    /// Measures, for `some` bodies that have their places in device memory, the boxes that they
+    /// reach in a step from there (core/body/reach.hpp). `more`: for each of them, how far they
+    /// reach beyond their points. `anew`: these lists, or what they name, are not those of the last
+    /// call. Returns how much further one of them reaches, at most, than fetch_reach() has told;
+    /// infinity if that is not known. Only for backends that run there.
+    virtual double measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
+                                 View<const double> more, bool anew);
+    /// Tells what measure_reach() has found. `reach`: of all bodies; others stay as they are.
+    virtual void fetch_reach(View<const std::uint32_t> some, View<Box> reach);
     /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }
