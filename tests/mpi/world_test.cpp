@@ -19,6 +19,7 @@
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
+#include "pierce/mpi/ranks_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/step_stats.hpp"
 #include "pierce/world.hpp"
@@ -332,6 +333,40 @@ TEST_P(RanksTest, GoOnOnAnotherNumberOfRanks) {
         }
     }
     MPI_Comm_free(&fewer);
+}
+
+/// Ranks that all have the whole world share its steps.
+TEST_P(RanksTest, ShareAWorldThatAllHave) {
+    const auto shared = [](int seed) {
+        return mpi::ranks_backend(MPI_COMM_WORLD, (rank_of(MPI_COMM_WORLD) + seed) % 2
+                                                      ? embree_backend(1)
+                                                      : bvh_backend());
+    };
+    One one = one_world(GetParam()), all{World(shared(0), GetParam().settings), GetParam(), 0, 0};
+    one.add_all();
+    all.add_all();
+    const int steps = GetParam().kind == Kind::sheets ? 30 : 60;
+    for (int step = 0; step < steps; ++step) {
+        one.put(step);
+        all.put(step);
+        if (step % 20 == 14) {
+            std::stringstream saved(std::ios::in | std::ios::out | std::ios::binary);
+            all.world.save(saved);
+            all.world = World::restore(saved, shared(step));
+        }
+        one.world.detect();
+        all.world.detect();
+        bool same = contact_hash(all.world.contacts()) == contact_hash(one.world.contacts()) &&
+                    all.world.contacts().size() == one.world.contacts().size();
+        for (std::size_t c = 0; same && c < one.world.contacts().size(); ++c)
+            same = all.world.contacts()[c].age == one.world.contacts()[c].age;
+        EXPECT_EQ(all.world.stats().pairs, one.world.stats().pairs);
+        EXPECT_EQ(all.world.stats().touching_pairs, one.world.stats().touching_pairs);
+        EXPECT_EQ(all.world.stats().penetration_max, one.world.stats().penetration_max);
+        EXPECT_EQ(all.world.body_boxes().size(), one.world.body_boxes().size());
+        ASSERT_EQ(sum(same, MPI_COMM_WORLD), static_cast<std::uint64_t>(size_of(MPI_COMM_WORLD)))
+            << step;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -16,6 +16,7 @@
 #include "app/commands/report_command.hpp"
 #include "app/commands/sweep.hpp"
 #include "app/commands/validate.hpp"
+#include "app/output/ranks.hpp"
 
 namespace pierce::app {
 namespace {
@@ -58,7 +59,12 @@ void add_run(CLI::App& app, int& code) {
                   "pierce run tori --count 5 --seconds 1 --soft --json run.json --png last.png",
                   "pierce run tori --count 5 --seconds 1 --html page.html",
                   "pierce -q run tori --count 5 --seconds 1 --json /dev/stdout"});
-    command->callback([options, &code] { code = run(*options); });
+    command->callback([options, &code] {
+        share_among_ranks(options->detection.rays);
+        leave_to_first_rank({&options->record, &options->png, &options->detection.json,
+                             &options->detection.page.file});
+        code = run(*options);
+    });
 }
 
 void add_replay(CLI::App& app, int& code) {
@@ -76,7 +82,13 @@ void add_replay(CLI::App& app, int& code) {
     add_examples(*command, {"pierce replay motion --method gimpact --json gimpact.json",
                             "pierce replay motion --pictures frames",
                             "pierce replay motion --threads 1 --temporal off --html page.html"});
-    command->callback([options, &code] { code = replay(*options); });
+    command->callback([options, &code] {
+        if (!options->pictures.empty()) require_one_rank("--pictures");
+        share_among_ranks(options->detection.rays);
+        leave_to_first_rank(
+            {&options->png, &options->detection.json, &options->detection.page.file});
+        code = replay(*options);
+    });
 }
 
 void add_detect(CLI::App& app, int& code) {

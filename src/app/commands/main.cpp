@@ -6,6 +6,7 @@
 #include "app/commands/add_commands.hpp"
 #include "app/output/backends.hpp"
 #include "app/output/interrupt.hpp"
+#include "app/output/ranks.hpp"
 #include "app/output/terminal.hpp"
 #include "pierce/error.hpp"
 
@@ -33,6 +34,11 @@ Examples:
   pierce detect a.obj b.obj
   pierce doctor)";
 
+/// What cannot be used is the same for all ranks.
+void say(const std::exception& error) {
+    if (pierce::app::is_first_rank()) fmt::print(stderr, "pierce: {}\n", error.what());
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"Contacts between triangle meshes by ray tracing"};
     app.set_version_flag("--version", pierce::app::version_text,
@@ -44,6 +50,9 @@ int run(int argc, char** argv) {
                  "print nothing but errors, and show no progress; files are written");
     app.parse_complete_callback([&] {
         if (quiet || pierce::app::is_quiet()) pierce::app::be_quiet();
+        for (const CLI::App* command : app.get_subcommands())
+            if (command->get_name() != "run" && command->get_name() != "replay")
+                pierce::app::require_one_rank("'" + command->get_name() + "'");
     });
 
     int code = 0;
@@ -60,10 +69,10 @@ int run(int argc, char** argv) {
         fmt::print(stderr, "pierce: {}: {}\n", stop.what(), stop.missing);
         return exit_failure;
     } catch (const pierce::InputError& error) {
-        fmt::print(stderr, "pierce: {}\n", error.what());
+        say(error);
         return exit_bad_input;
     } catch (const std::filesystem::filesystem_error& error) {
-        fmt::print(stderr, "pierce: {}\n", error.what());
+        say(error);
         return exit_bad_input;
     } catch (const std::exception& error) {
         fmt::print(stderr, "pierce: {}\n", error.what());
@@ -75,7 +84,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     pierce::app::catch_interrupts();
-    const int code = run(argc, argv);
+    const pierce::app::Ranks ranks(argc, argv);
+    const int code = ranks.finish(run(argc, argv));
     const int signal = pierce::app::delayed_signal();
     return signal == 0 ? code : pierce::app::exit_code_of_signal(signal);
 }

@@ -18,6 +18,15 @@ bool has_others(const BodySet& bodies, const BodySet& known) {
 
 }  // namespace
 
+void PartScene::show(const Scene& whole, const Partition& partition, bool anew) {
+    const BodySet& near = partition.near(part_);
+    if (!anew && has(near)) return update(whole, {whole.changed.data, whole.changed.size}, near);
+    settle(whole, partition.owners(), partition.residents(part_));
+    std::vector<std::uint32_t> all(whole.bodies.size);
+    std::iota(all.begin(), all.end(), 0u);
+    update(whole, all, near);
+}
+
 void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners,
                        BodySet resident) {
     ++revision_;

@@ -22,16 +22,9 @@ class PartScene {
 public:
     explicit PartScene(std::uint32_t part) : part_(part) {}
 
-    /// Makes bodies resident, and forgets all others. `owners`: each body's part.
-    void settle(const Scene& whole, std::span<const std::uint32_t> owners, BodySet resident);
-
-    /// True if all of these bodies are resident.
-    bool has(const BodySet& bodies) const;
-
-    /// Brings the residents up to date; ghosts take part from the first time that they are near.
-    /// `changed`: bodies whose
-    /// input may differ since the last call or settle().
-    void update(const Scene& whole, std::span<const std::uint32_t> changed, const BodySet& near);
+    /// Brings what the part sees up to date; ghosts take part from the first time that they are
+    /// near. `anew`: there are other bodies, or they have other owners.
+    void show(const Scene& whole, const Partition& partition, bool anew);
 
     /// Takes over what the owners of ghosts that have arrived know of their shapes in the last
     /// step.
@@ -43,7 +36,7 @@ public:
     View<BodyView> bodies() { return view_of(views_); }
     View<const BodyId> ids() const { return view_of(ids_); }
     View<const View<SeenPatch>> seen() const { return view_of(seen_); }
-    /// Ghosts that take part since the last update().
+    /// Ghosts that take part since the last show().
     const std::vector<std::uint32_t>& arrived() const { return arrived_; }
 
 private:
@@ -54,6 +47,14 @@ private:
         std::vector<BoxNode> box_nodes;
         std::vector<SeenPatch> seen;
     };
+
+    /// Makes bodies resident, and forgets all others. `owners`: each body's part.
+    void settle(const Scene& whole, std::span<const std::uint32_t> owners, BodySet resident);
+    /// True if all of these bodies are resident.
+    bool has(const BodySet& bodies) const;
+    /// Brings the residents up to date. `changed`: bodies whose input may differ since the last
+    /// call or settle().
+    void update(const Scene& whole, std::span<const std::uint32_t> changed, const BodySet& near);
 
     bool is_own(std::uint32_t body) const { return views_[body].part == part_; }
     void place(const Scene& whole, std::uint32_t body, std::uint32_t owner);

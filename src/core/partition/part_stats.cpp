@@ -45,6 +45,8 @@ double time_of(const StepStats& stats, StageId stage) {
 
 }  // namespace
 
+std::span<std::uint32_t StepStats::*const> added_counts() { return counts; }
+
 void add_parts(std::span<const StepStats> parts, StepStats& whole) {
     double depths = 0;
     for (const StepStats& part : parts) {

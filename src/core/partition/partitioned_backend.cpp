@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +16,7 @@
 #include "core/device/view.hpp"
 #include "core/partition/contact_order.hpp"
 #include "core/partition/memory_parts.hpp"
+#include "core/partition/merged_lists.hpp"
 #include "core/partition/part_scene.hpp"
 #include "core/partition/part_stats.hpp"
 #include "core/partition/partition.hpp"
@@ -149,7 +149,9 @@ private:
         keys_ = {whole.world_begins.size > 0};
         const bool moved = look_around(whole, anew);
         std::optional<StepMemory> memory = std::exchange(given_, std::nullopt);
-        const auto show_to = [&](Share& part) { show(whole, part, anew || moved); };
+        const auto show_to = [&](Share& part) {
+            part.scene.show(whole, partition_, anew || moved);
+        };
         // How far predictions look depends on where bodies were in the last step, also ghosts.
         const bool predicts = whole.plan->settings.temporal == Temporal::paper;
         const bool hands_out = memory || moved || predicts;
@@ -195,17 +197,6 @@ private:
                                                                     view_of(m.more),
                                                                     part.measured != m.revision);
         part.measured = m.revision;
-    }
-
-    /// Brings what a part sees up to date.
-    void show(const Scene& whole, Share& part, bool anew) {
-        const BodySet& near = partition_.near(part.number);
-        if (!anew && part.scene.has(near))
-            return part.scene.update(whole, {whole.changed.data, whole.changed.size}, near);
-        part.scene.settle(whole, partition_.owners(), partition_.residents(part.number));
-        std::vector<std::uint32_t> all(whole.bodies.size);
-        std::iota(all.begin(), all.end(), 0u);
-        part.scene.update(whole, all, near);
     }
 
     /// What is remembered goes with the pairs. `given`: what all parts are to remember, if that is
@@ -273,32 +264,15 @@ private:
             of_sheets.push_back({all.data + by_rays, all.size - by_rays});
             pairs.push_back(part.backend->pairs());
         }
-        const auto pair_of = [](const Contact& c) { return Pair{c.a.index, c.b.index}; };
-        append_merged(of_rays, pair_of, contacts_);
-        append_merged(of_sheets, pair_of, contacts_);
-        append_merged(
-            pairs, [](const Pair& pair) { return pair; }, pairs_);
-    }
-
-    template <class Item, class PairOf>
-    void append_merged(const std::vector<View<const Item>>& lists, const PairOf& pair_of,
-                       std::vector<Item>& merged) const {
-        constexpr std::uint64_t none = ~std::uint64_t{0};
-        std::vector<std::uint32_t> next(lists.size(), 0);
-        const auto key = [&](std::size_t p) {
-            if (next[p] == lists[p].size) return none;
-            const Pair pair = pair_of(lists[p][next[p]]);
+        const auto key_of = [&](std::size_t p, const Pair& pair) {
             return keys_.key(parts_[p].scene.bodies(), pair.a, pair.b);
         };
-        for (;;) {
-            std::size_t first = 0;
-            for (std::size_t p = 1; p < lists.size(); ++p)
-                if (key(p) < key(first)) first = p;
-            const std::uint64_t its_key = key(first);
-            if (its_key == none) return;
-            for (; key(first) == its_key; ++next[first])
-                merged.push_back(lists[first][next[first]]);
-        }
+        const auto key_of_contact = [&](std::size_t p, const Contact& c) {
+            return key_of(p, {c.a.index, c.b.index});
+        };
+        append_merged(of_rays, key_of_contact, contacts_);
+        append_merged(of_sheets, key_of_contact, contacts_);
+        append_merged(pairs, key_of, pairs_);
     }
 
     Partition partition_;

@@ -1,6 +1,7 @@
 #include "scenes/detect/method.hpp"
 
 #include <cstdint>
+#include <utility>
 
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
@@ -65,6 +66,13 @@ std::unique_ptr<Backend> make_parts(const RaySettings& settings) {
                                });
 }
 
+std::unique_ptr<Backend> make_own(const RaySettings& settings) {
+    if (settings.parts < 1) throw InputError("a world has at least one part");
+    if (settings.backend == "cuda" || (settings.backend == "automatic" && cuda_can_run()))
+        return make_cuda(settings);
+    return settings.parts > 1 ? make_parts(settings) : make_on_host(settings);
+}
+
 }  // namespace
 
 bool cuda_can_run() {
@@ -76,11 +84,10 @@ bool cuda_can_run() {
 }
 
 std::unique_ptr<Backend> make_backend(const RaySettings& settings) {
-    if (settings.parts < 1) throw InputError("a world has at least one part");
-    if (settings.backend == "cuda" || (settings.backend == "automatic" && cuda_can_run()))
-        return make_cuda(settings);
-    return settings.parts > 1 ? make_parts(settings) : make_on_host(settings);
+    std::unique_ptr<Backend> own = make_own(settings);
+    return settings.shared ? settings.shared(std::move(own)) : std::move(own);
 }
+
 void FrameResult::forget_times() {
     for (NamedTime& time : times) time.milliseconds = 0;
     milliseconds = update_ms = narrow_ms = response_ms = total_ms = 0;

@@ -54,6 +54,9 @@ struct RaySettings {
     std::filesystem::path mesh_cache = {};    ///< of what is measured of meshes; empty: none
     /// Told how far meshes are (MeshOptions).
     std::function<void(std::string_view what, double share)> mesh_progress = {};
+    /// Makes the backend that this process has in common with others from its own; empty: it is
+    /// alone.
+    std::function<std::unique_ptr<Backend>(std::unique_ptr<Backend>)> shared = {};
     int parts = 1;  ///< so many backends share a world: of "cuda" one per device, of others with a
                     ///< part of the threads
 

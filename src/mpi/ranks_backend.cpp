@@ -1,0 +1,293 @@
+#include "pierce/mpi/ranks_backend.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/body/body_view.hpp"
+#include "core/body/reach.hpp"
+#include "core/body/scene.hpp"
+#include "core/partition/contact_order.hpp"
+#include "core/partition/memory_parts.hpp"
+#include "core/partition/merged_lists.hpp"
+#include "core/partition/part_scene.hpp"
+#include "core/partition/part_stats.hpp"
+#include "core/partition/partition.hpp"
+#include "core/step/common/pairs.hpp"
+#include "core/trace/ray.hpp"
+#include "mpi/communicator.hpp"
+#include "mpi/failure.hpp"
+#include "mpi/messages.hpp"
+#include "pierce/error.hpp"
+#include "pierce/explain.hpp"
+#include "pierce/reference_backends.hpp"
+
+namespace pierce::mpi {
+namespace {
+
+/// What a rank has found in a step.
+struct Found {
+    std::vector<Contact> by_rays, of_sheets;
+    std::vector<Pair> pairs;
+    StepStats stats;
+};
+
+template <class Item>
+void append(std::string& bytes, View<const Item> items) {
+    const std::uint64_t count = items.size;
+    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+    if (count > 0) bytes.append(reinterpret_cast<const char*>(items.data), count * sizeof(Item));
+}
+
+template <class Item>
+void take(const std::string& bytes, std::size_t& at, std::vector<Item>& items) {
+    std::uint64_t count = 0;
+    std::memcpy(&count, bytes.data() + at, sizeof count);
+    at += sizeof count;
+    items.resize(count);
+    if (count > 0)
+        std::memcpy(static_cast<void*>(items.data()), bytes.data() + at, count * sizeof(Item));
+    at += count * sizeof(Item);
+}
+
+/// The numbers of a step, but for how long stages took.
+struct Numbers {
+    std::uint32_t status = step_ok;
+    std::uint64_t triangle_tests = 0;
+    double device_milliseconds = 0, penetration_mean = 0, penetration_max = 0;
+};
+
+class RanksBackend : public Backend {
+public:
+    RanksBackend(MPI_Comm ranks, std::unique_ptr<Backend> backend)
+        : comm_(ranks),
+          backend_(std::move(backend)),
+          partition_(std::vector<double>(static_cast<std::size_t>(comm_.size()), 1.0)),
+          scene_(static_cast<std::uint32_t>(comm_.rank())) {}
+
+    std::string description() const override {
+        return std::to_string(comm_.size()) + " ranks; " + backend_->description();
+    }
+    bool certificates_pay() const override { return backend_->certificates_pay(); }
+
+    void step(const Scene& whole, StepStats& stats) override {
+        contacts_.clear();
+        pairs_.clear();
+        try {
+            find_contacts(whole, stats);
+        } catch (...) {
+            given_.emplace();
+            throw;
+        }
+    }
+
+    View<const Contact> contacts() const override { return view_of(contacts_); }
+    View<const Pair> pairs() const override { return view_of(pairs_); }
+
+    /// Known for the pairs of this rank only.
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const override {
+        if (part_of(bodies, pair) != part()) return {};
+        return backend_->certificate(bodies, pair, side, vertex);
+    }
+
+    void fetch_bodies(View<BodyView> bodies) const override {
+        const View<BodyView> here = scene_.bodies();
+        backend_->fetch_bodies(here);
+        for (std::uint32_t b = 0; b < here.size && b < bodies.size; ++b)
+            if (here[b].active) static_cast<BodyBounds&>(bodies[b]) = here[b];
+        // Of bodies that no pair here can have, only the boxes are known.
+        for (std::uint32_t b = 0; b < bodies.size; ++b)
+            if (bodies[b].active && !(b < here.size && here[b].active))
+                bodies[b].world_box = box_of(bodies[b]);
+    }
+    void fetch_seen(View<const BodyId>, View<const View<SeenPatch>> seen) const override {
+        gather_seen(partition_.owners(), seen);
+    }
+
+    StepMemory memory() const override {
+        return given_ ? *given_ : gathered_memory(partition_.owners());
+    }
+    void remember(const StepMemory& memory) override { given_ = memory; }
+
+    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
+        outside_->closest_hits(bodies, rays, hits);
+    }
+
+private:
+    std::uint32_t part() const { return static_cast<std::uint32_t>(comm_.rank()); }
+    std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
+        const std::span<const std::uint32_t> owners = partition_.owners();
+        return part_of_pair(bodies[pair.a].motion, owners[pair.a], bodies[pair.b].motion,
+                            owners[pair.b]);
+    }
+    static Box box_of(const BodyView& body) {
+        if (body.motion != Motion::deforming) return placed_box(body.mesh.box, body.space).box;
+        Box box;
+        for (const Vec3f p : body.positions) box.extend(to_double(p));
+        return box;
+    }
+
+    template <class Run>
+    void together(const Run& run) const {
+        const std::exception_ptr failure = failure_of(run);
+        if (any_failed(comm_, failure)) throw_failure(comm_, failure);
+    }
+
+    void find_contacts(const Scene& whole, StepStats& stats) {
+        const bool anew = revision_ != whole.plan->revision;
+        revision_ = whole.plan->revision;
+        keys_ = {whole.world_begins.size > 0};
+        bool moved = false;
+        together([&] {
+            partition_.begin(whole, anew);
+            if (partition_.measures())
+                throw InputError("places in device memory are for worlds of one rank");
+            if (!partition_.is_out_of_date(0)) return;
+            for (std::uint32_t p = 0; p < partition_.parts(); ++p) partition_.look_around(p);
+            moved = partition_.cut(whole);
+        });
+        scene_.show(whole, partition_, anew || moved);
+        hand_out(whole, moved);
+        Found found;
+        together([&] { backend_->step(scene_.scene(whole), found.stats); });
+        share(whole, found.stats, stats);
+    }
+
+    /// What is remembered goes with the pairs.
+    void hand_out(const Scene& whole, bool moved) {
+        std::optional<StepMemory> given = std::exchange(given_, std::nullopt);
+        // How far predictions look depends on where bodies were in the last step, also ghosts.
+        bool arrivals = false;
+        if (!given && whole.plan->settings.temporal == Temporal::paper) {
+            const auto mine = static_cast<std::uint8_t>(!scene_.arrived().empty());
+            arrivals = std::ranges::count(comm_.all_gather(mine), 1) > 0;
+        }
+        if (!given) {
+            const std::span<const std::uint32_t> owners = moved ? partition_.owners_before()
+                                                                : partition_.owners();
+            if (owners.empty() || !(moved || arrivals)) return;
+            given = gathered_memory(owners);
+            gather_seen(owners, whole.seen);
+        }
+        backend_->remember(part_of_memory(*given, [&](std::uint64_t key) {
+            const Pair pair = keys_.pair(key);
+            return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
+                   part_of(whole.bodies, pair) == part();
+        }));
+        scene_.copy_seen(whole);
+    }
+
+    StepMemory gathered_memory(std::span<const std::uint32_t> owners) const {
+        StepMemory mine = backend_->memory();
+        std::vector<StepMemory> all;
+        for (std::string& bytes : comm_.all_gather(to_bytes(mine)))
+            all.push_back(from_bytes<StepMemory>(std::move(bytes)));
+        return join_memory(all, owners);
+    }
+
+    /// How deforming bodies looked in the last step, which their owners know.
+    void gather_seen(std::span<const std::uint32_t> owners,
+                     View<const View<SeenPatch>> seen) const {
+        std::string bytes;
+        const auto is_told = [&](std::uint32_t b, std::uint32_t by) {
+            return b < owners.size() && owners[b] == by && seen[b].size > 0;
+        };
+        for (std::uint32_t b = 0; b < seen.size; ++b)
+            if (is_told(b, part())) append<SeenPatch>(bytes, {seen[b].data, seen[b].size});
+        const std::vector<std::string> all = comm_.all_gather(bytes);
+        for (std::uint32_t from = 0; from < all.size(); ++from) {
+            std::size_t at = 0;
+            std::vector<SeenPatch> patches;
+            for (std::uint32_t b = 0; b < seen.size; ++b) {
+                if (!is_told(b, from)) continue;
+                take(all[from], at, patches);
+                std::ranges::copy(patches, seen[b].begin());
+            }
+        }
+    }
+
+    /// Tells all ranks what this one has found, and joins the lists.
+    void share(const Scene& whole, const StepStats& mine, StepStats& stats) {
+        const View<const Contact> contacts = backend_->contacts();
+        const View<const BodyView> bodies = whole.bodies;
+        const auto by_rays = static_cast<std::uint32_t>(
+            std::partition_point(contacts.begin(), contacts.end(),
+                                 [&](const Contact& c) { return is_by_ray(c, bodies); }) -
+            contacts.begin());
+        std::string bytes;
+        append<Contact>(bytes, {contacts.data, by_rays});
+        append<Contact>(bytes, {contacts.data + by_rays, contacts.size - by_rays});
+        append<Pair>(bytes, backend_->pairs());
+        std::vector<std::uint32_t> counts;
+        for (const auto count : added_counts()) counts.push_back(mine.*count);
+        append(bytes, view_of(std::as_const(counts)));
+        const std::vector<Numbers> numbers{{mine.status, mine.triangle_tests,
+                                            mine.device_milliseconds, mine.penetration_mean,
+                                            mine.penetration_max}};
+        append(bytes, view_of(numbers));
+        append(bytes, view_of(mine.stages));
+
+        std::vector<Found> all;
+        for (const std::string& its : comm_.all_gather(bytes)) {
+            Found& found = all.emplace_back();
+            std::size_t at = 0;
+            take(its, at, found.by_rays);
+            take(its, at, found.of_sheets);
+            take(its, at, found.pairs);
+            take(its, at, counts);
+            for (std::size_t k = 0; k < counts.size(); ++k)
+                found.stats.*added_counts()[k] = counts[k];
+            std::vector<Numbers> its_numbers;
+            take(its, at, its_numbers);
+            found.stats.status = its_numbers.at(0).status;
+            found.stats.triangle_tests = its_numbers[0].triangle_tests;
+            found.stats.device_milliseconds = its_numbers[0].device_milliseconds;
+            found.stats.penetration_mean = its_numbers[0].penetration_mean;
+            found.stats.penetration_max = its_numbers[0].penetration_max;
+            take(its, at, found.stats.stages);
+        }
+        std::vector<View<const Contact>> of_rays, of_sheets;
+        std::vector<View<const Pair>> pairs;
+        std::vector<StepStats> of_ranks;
+        for (const Found& found : all) {
+            of_rays.push_back(view_of(found.by_rays));
+            of_sheets.push_back(view_of(found.of_sheets));
+            pairs.push_back(view_of(found.pairs));
+            of_ranks.push_back(found.stats);
+        }
+        const auto key_of = [&](std::size_t, const Pair& pair) {
+            return keys_.key(bodies, pair.a, pair.b);
+        };
+        const auto key_of_contact = [&](std::size_t, const Contact& c) {
+            return keys_.key(bodies, c.a.index, c.b.index);
+        };
+        append_merged(of_rays, key_of_contact, contacts_);
+        append_merged(of_sheets, key_of_contact, contacts_);
+        append_merged(pairs, key_of, pairs_);
+        add_parts(of_ranks, stats);
+    }
+
+    Communicator comm_;
+    std::unique_ptr<Backend> backend_;
+    Partition partition_;
+    mutable PartScene scene_;
+    std::unique_ptr<Backend> outside_ = bvh_backend();
+    std::uint64_t revision_ = 0;
+    stages::PairKeys keys_;
+    std::optional<StepMemory> given_;  ///< for the next step
+    std::vector<Contact> contacts_;
+    std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> ranks_backend(MPI_Comm ranks, std::unique_ptr<Backend> backend) {
+    if (!backend) throw InputError("a rank has no backend");
+    return std::make_unique<RanksBackend>(ranks, std::move(backend));
+}
+
+}  // namespace pierce::mpi
