@@ -11,6 +11,7 @@
 #include "fuzz/player.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/error.hpp"
+#include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #include "support/random.hpp"
 
@@ -68,6 +69,22 @@ TEST(TwoWorldsTest, RunInTwoThreadsAsTheyDoAlone) {
         }
         EXPECT_EQ(of_one, hashes(one, own_trees)) << "seed " << seed;
         EXPECT_EQ(of_other, hashes(other, own_trees)) << "seed " << seed + 1000;
+    }
+}
+
+std::unique_ptr<Backend> parts_with_own_trees() {
+    std::vector<Part> parts;
+    for (int k = 0; k < 3; ++k) parts.push_back({.backend = bvh_backend(), .share = 1});
+    return partitioned_backend(std::move(parts));
+}
+
+TEST(PartsThreadsTest, PartsInTheirThreadsFindWhatOneFinds) {
+    constexpr std::uint64_t first = 700;
+    SCOPED_TRACE("seeds from " + std::to_string(first));
+    for (std::uint64_t seed = first; seed < first + 20; ++seed) {
+        const fuzz::Program program = program_of_seed(seed);
+        EXPECT_EQ(hashes(program, parts_with_own_trees), hashes(program, own_trees))
+            << "seed " << seed;
     }
 }
 
