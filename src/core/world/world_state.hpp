@@ -55,7 +55,7 @@ struct BodyEntry {
     std::vector<SeenPatch> seen;
     std::uint64_t positions_version = 0;  ///< another one whenever `positions` are others, or
                                           ///< elsewhere in memory
-    bool usable = true;      ///< all coordinates are finite and none is too large
+    bool usable = true;                   ///< all coordinates are finite and none is too large
     std::uint32_t part = 0;  ///< which of the worlds that share their bodies owns this one
     bool away = false;       ///< it belongs to another one, and is not near
 
