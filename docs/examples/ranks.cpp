@@ -1,4 +1,4 @@
-// A row of balls over several processes: mpirun -n 3 ./ranks
+// A row of octahedra over several processes: mpirun -n 3 ./ranks
 #include <pierce/embree_backend.hpp>
 #include <pierce/mpi/world.hpp>
 

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "core/partition/body_reach.hpp"
 #include "core/partition/contact_order.hpp"
 #include "core/partition/memory_parts.hpp"
 #include "core/step/common/pairs.hpp"
+#include "mpi/items.hpp"
 #include "mpi/world_state.hpp"
 #include "pierce/reference_backends.hpp"
 
@@ -25,16 +25,11 @@ std::vector<Contact> World::gather_contacts(int root) const {
         mine.push_back(gathered);
     }
     std::vector<std::string> to(s.others.size());
-    std::string& bytes = to.at(static_cast<std::size_t>(root));
-    bytes.resize(mine.size() * sizeof(GatheredContact));
-    if (!mine.empty())
-        std::memcpy(bytes.data(), static_cast<const void*>(mine.data()), bytes.size());
+    append_items<GatheredContact>(to.at(static_cast<std::size_t>(root)), mine);
     std::vector<GatheredContact> all;
     for (const std::string& its : Exchange(s.comm, std::move(to)).finish()) {
-        const std::size_t before = all.size();
-        all.resize(before + its.size() / sizeof(GatheredContact));
-        if (!its.empty())
-            std::memcpy(static_cast<void*>(all.data() + before), its.data(), its.size());
+        std::size_t at = 0;
+        if (!its.empty()) take_items(its, at, all);
     }
     // All contacts of a pair come from one rank, in their order.
     std::ranges::stable_sort(all, {}, [](const GatheredContact& gathered) {

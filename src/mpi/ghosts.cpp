@@ -32,37 +32,44 @@ void World::State::agree_on_news() {
     const std::vector<std::string> all = comm.all_gather(to_bytes(news));
     const std::vector<BodyId> added = std::exchange(news, {}).added;
     has_news = false;
-    together([&] {
-        BodyKinds elsewhere;
-        std::map<std::uint32_t, std::uint32_t> adders;
-        for (std::uint32_t from = 0; from < all.size(); ++from) {
-            const News its = from_bytes<News>(all[from]);
-            for (const BodyIdPair& pair : its.included) excluded.erase(pair);
-            excluded.insert(its.excluded.begin(), its.excluded.end());
-            for (const BodyId body : its.removed) {
-                std::erase_if(excluded, [&](const BodyIdPair& pair) {
-                    return pair.a == body || pair.b == body;
-                });
-                if (from != rank() && !is_own(body)) inside.bodies.retire(body);
-            }
-            if (from != rank()) elsewhere.add(its.kinds);
-            for (const BodyId body : its.added) {
-                const auto [first, is_new] = adders.emplace(body.index, from);
-                const bool taken = from != rank() && belongs_to(body.index, rank());
-                if (is_new && !taken) continue;
-                // As long as both have it, every step fails.
-                news.added = added;
-                has_news = true;
-                throw InputError("body " + std::to_string(body.index) + " was added on rank " +
-                                 std::to_string(is_new ? rank() : first->second) + " and on rank " +
-                                 std::to_string(from));
-            }
+    try {
+        together([&] { take_in_news(all); });
+    } catch (...) {
+        // As long as two ranks have the same body, every step fails.
+        news.added = added;
+        has_news = true;
+        throw;
+    }
+}
+
+void World::State::take_in_news(const std::vector<std::string>& all) {
+    BodyKinds elsewhere;
+    std::string conflict;
+    std::map<std::uint32_t, std::uint32_t> adders;
+    for (std::uint32_t from = 0; from < all.size(); ++from) {
+        const News its = from_bytes<News>(all[from]);
+        for (const BodyIdPair& pair : its.included) excluded.erase(pair);
+        excluded.insert(its.excluded.begin(), its.excluded.end());
+        for (const BodyId body : its.removed) {
+            std::erase_if(excluded,
+                          [&](const BodyIdPair& pair) { return pair.a == body || pair.b == body; });
+            if (from != rank() && !is_own(body)) inside.bodies.retire(body);
         }
-        // Other bodies are elsewhere, and some pairs may not be wanted.
-        inside.elsewhere = elsewhere;
-        inside.change();
-        exclude_pairs();
-    });
+        if (from != rank()) elsewhere.add(its.kinds);
+        for (const BodyId body : its.added) {
+            const auto [first, is_new] = adders.emplace(body.index, from);
+            const bool taken = from != rank() && belongs_to(body.index, rank());
+            if (is_new && !taken) continue;
+            conflict = "body " + std::to_string(body.index) + " was added on rank " +
+                       std::to_string(is_new ? rank() : first->second) + " and on rank " +
+                       std::to_string(from);
+        }
+    }
+    // Other bodies are elsewhere, and some pairs may not be wanted.
+    inside.elsewhere = elsewhere;
+    inside.change();
+    exclude_pairs();
+    if (!conflict.empty()) throw InputError(conflict);
 }
 
 void World::State::make_lists() {

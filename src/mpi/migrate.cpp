@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "core/partition/memory_parts.hpp"
 #include "core/partition/space_partition.hpp"
 #include "core/step/common/pairs.hpp"
+#include "mpi/items.hpp"
 #include "mpi/world_state.hpp"
 
 /// Bodies that go from one rank to another, with what is remembered of their pairs.
@@ -29,13 +29,12 @@ std::vector<std::uint32_t> World::State::cut() {
     std::vector<PlacedBody> mine;
     mine.reserve(own.size());
     for (const std::uint32_t b : own) mine.push_back(placed(b, inside.views[b], reach[b]));
-    std::string bytes(mine.size() * sizeof(PlacedBody), '\0');
-    if (!mine.empty()) std::memcpy(bytes.data(), mine.data(), bytes.size());
+    std::string bytes;
+    append_items<PlacedBody>(bytes, mine);
     std::vector<PlacedBody> all;
     for (const std::string& its : comm.all_gather(bytes)) {
-        const std::size_t before = all.size();
-        all.resize(before + its.size() / sizeof(PlacedBody));
-        if (!its.empty()) std::memcpy(all.data() + before, its.data(), its.size());
+        std::size_t at = 0;
+        take_items(its, at, all);
     }
     std::ranges::sort(all, {}, &PlacedBody::number);
     return owners_of(all, others.size());

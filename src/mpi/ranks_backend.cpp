@@ -1,7 +1,6 @@
 #include "pierce/mpi/ranks_backend.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,6 +19,7 @@
 #include "core/trace/ray.hpp"
 #include "mpi/communicator.hpp"
 #include "mpi/failure.hpp"
+#include "mpi/items.hpp"
 #include "mpi/messages.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
@@ -34,24 +34,6 @@ struct Found {
     std::vector<Pair> pairs;
     StepStats stats;
 };
-
-template <class Item>
-void append(std::string& bytes, View<const Item> items) {
-    const std::uint64_t count = items.size;
-    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-    if (count > 0) bytes.append(reinterpret_cast<const char*>(items.data), count * sizeof(Item));
-}
-
-template <class Item>
-void take(const std::string& bytes, std::size_t& at, std::vector<Item>& items) {
-    std::uint64_t count = 0;
-    std::memcpy(&count, bytes.data() + at, sizeof count);
-    at += sizeof count;
-    items.resize(count);
-    if (count > 0)
-        std::memcpy(static_cast<void*>(items.data()), bytes.data() + at, count * sizeof(Item));
-    at += count * sizeof(Item);
-}
 
 /// The numbers of a step, but for how long stages took.
 struct Numbers {
@@ -80,6 +62,7 @@ public:
             find_contacts(whole, stats);
         } catch (...) {
             given_.emplace();
+            revision_ = 0;  // all is looked at anew
             throw;
         }
     }
@@ -144,8 +127,6 @@ private:
         bool moved = false;
         together([&] {
             partition_.begin(whole, anew);
-            if (partition_.measures())
-                throw InputError("places in device memory are for worlds of one rank");
             if (!partition_.is_out_of_date(0)) return;
             for (std::uint32_t p = 0; p < partition_.parts(); ++p) partition_.look_around(p);
             moved = partition_.cut(whole);
@@ -197,14 +178,14 @@ private:
             return b < owners.size() && owners[b] == by && seen[b].size > 0;
         };
         for (std::uint32_t b = 0; b < seen.size; ++b)
-            if (is_told(b, part())) append<SeenPatch>(bytes, {seen[b].data, seen[b].size});
+            if (is_told(b, part())) append_items<SeenPatch>(bytes, {seen[b].data, seen[b].size});
         const std::vector<std::string> all = comm_.all_gather(bytes);
         for (std::uint32_t from = 0; from < all.size(); ++from) {
             std::size_t at = 0;
-            std::vector<SeenPatch> patches;
             for (std::uint32_t b = 0; b < seen.size; ++b) {
                 if (!is_told(b, from)) continue;
-                take(all[from], at, patches);
+                std::vector<SeenPatch> patches;
+                take_items(all[from], at, patches);
                 std::ranges::copy(patches, seen[b].begin());
             }
         }
@@ -219,36 +200,38 @@ private:
                                  [&](const Contact& c) { return is_by_ray(c, bodies); }) -
             contacts.begin());
         std::string bytes;
-        append<Contact>(bytes, {contacts.data, by_rays});
-        append<Contact>(bytes, {contacts.data + by_rays, contacts.size - by_rays});
-        append<Pair>(bytes, backend_->pairs());
+        append_items<Contact>(bytes, {contacts.data, by_rays});
+        append_items<Contact>(bytes, {contacts.data + by_rays, contacts.size - by_rays});
+        const View<const Pair> its_pairs = backend_->pairs();
+        append_items<Pair>(bytes, {its_pairs.data, its_pairs.size});
         std::vector<std::uint32_t> counts;
         for (const auto count : added_counts()) counts.push_back(mine.*count);
-        append(bytes, view_of(std::as_const(counts)));
+        append_items<std::uint32_t>(bytes, counts);
         const std::vector<Numbers> numbers{{mine.status, mine.triangle_tests,
                                             mine.device_milliseconds, mine.penetration_mean,
                                             mine.penetration_max}};
-        append(bytes, view_of(numbers));
-        append(bytes, view_of(mine.stages));
+        append_items<Numbers>(bytes, numbers);
+        append_items<StageTime>(bytes, mine.stages);
 
         std::vector<Found> all;
         for (const std::string& its : comm_.all_gather(bytes)) {
             Found& found = all.emplace_back();
             std::size_t at = 0;
-            take(its, at, found.by_rays);
-            take(its, at, found.of_sheets);
-            take(its, at, found.pairs);
-            take(its, at, counts);
+            take_items(its, at, found.by_rays);
+            take_items(its, at, found.of_sheets);
+            take_items(its, at, found.pairs);
+            counts.clear();
+            take_items(its, at, counts);
             for (std::size_t k = 0; k < counts.size(); ++k)
                 found.stats.*added_counts()[k] = counts[k];
             std::vector<Numbers> its_numbers;
-            take(its, at, its_numbers);
+            take_items(its, at, its_numbers);
             found.stats.status = its_numbers.at(0).status;
             found.stats.triangle_tests = its_numbers[0].triangle_tests;
             found.stats.device_milliseconds = its_numbers[0].device_milliseconds;
             found.stats.penetration_mean = its_numbers[0].penetration_mean;
             found.stats.penetration_max = its_numbers[0].penetration_max;
-            take(its, at, found.stats.stages);
+            take_items(its, at, found.stats.stages);
         }
         std::vector<View<const Contact>> of_rays, of_sheets;
         std::vector<View<const Pair>> pairs;

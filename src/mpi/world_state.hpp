@@ -107,6 +107,7 @@ struct World::State {
     std::vector<std::string> messages();
     void take_in(std::vector<std::string> all);
 
+    void take_in_news(const std::vector<std::string>& all);
     Summary summary();
     GhostMessage message_to(std::uint32_t other);
     void take_in(std::uint32_t from, GhostMessage message);

@@ -9,19 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "core/body/body_view.hpp"
-#include "core/device/view.hpp"
-#include "core/step/common/step_memory.hpp"
-#include "core/trace/ray.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
-#include "pierce/explain.hpp"
 #include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/step_stats.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
+#include "support/failing_backend.hpp"
 
 namespace pierce {
 namespace {
@@ -192,35 +188,10 @@ TEST(PartsOptionsTest, AreChecked) {
     EXPECT_TRUE(world.detect().pairs == 0 && world.contacts().empty());
 }
 
-/// Throws in its third step.
-class FailingBackend : public Backend {
-public:
-    std::string description() const override { return "fails"; }
-    void step(const Scene& scene, StepStats& stats) override {
-        if (++steps_ == 3) throw std::runtime_error("the device is gone");
-        inner_->step(scene, stats);
-    }
-    View<const Contact> contacts() const override { return inner_->contacts(); }
-    View<const Pair> pairs() const override { return inner_->pairs(); }
-    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
-                            std::uint32_t vertex) const override {
-        return inner_->certificate(bodies, pair, side, vertex);
-    }
-    StepMemory memory() const override { return inner_->memory(); }
-    void remember(const StepMemory& memory) override { inner_->remember(memory); }
-    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
-        inner_->closest_hits(bodies, rays, hits);
-    }
-
-private:
-    std::unique_ptr<Backend> inner_ = bvh_backend();
-    int steps_ = 0;
-};
-
 TEST(PartsOptionsTest, APartThatFailsEndsTheStepWithItsErrorAndNoContacts) {
     std::vector<Part> all;
     all.push_back({.backend = bvh_backend()});
-    all.push_back({.backend = std::make_unique<FailingBackend>()});
+    all.push_back({.backend = std::make_unique<test::FailingBackend>()});
     Swarms swarms(partitioned_backend(std::move(all)), {Kind::rigid, {}, ""});
     for (int step = 24; step < 26; ++step) {
         swarms.put(step);

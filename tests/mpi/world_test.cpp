@@ -11,19 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "core/body/body_view.hpp"
-#include "core/device/view.hpp"
-#include "core/step/common/step_memory.hpp"
-#include "core/trace/ray.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
-#include "pierce/explain.hpp"
 #include "pierce/mpi/ranks_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/step_stats.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
+#include "support/failing_backend.hpp"
 
 namespace pierce {
 namespace {
@@ -385,33 +381,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{Kind::torn, {}, "torn"}),
     [](const testing::TestParamInfo<Case>& tested) { return tested.param.name; });
 
-/// A step of it fails on one rank.
-class FailingBackend : public Backend {
-public:
-    explicit FailingBackend(bool fails) : fails_(fails) {}
-    std::string description() const override { return "fails"; }
-    void step(const Scene& scene, StepStats& stats) override {
-        if (++steps_ == 3 && fails_) throw std::runtime_error("the device is gone");
-        inner_->step(scene, stats);
-    }
-    View<const Contact> contacts() const override { return inner_->contacts(); }
-    View<const Pair> pairs() const override { return inner_->pairs(); }
-    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
-                            std::uint32_t vertex) const override {
-        return inner_->certificate(bodies, pair, side, vertex);
-    }
-    StepMemory memory() const override { return inner_->memory(); }
-    void remember(const StepMemory& memory) override { inner_->remember(memory); }
-    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
-        inner_->closest_hits(bodies, rays, hits);
-    }
-
-private:
-    std::unique_ptr<Backend> inner_ = bvh_backend();
-    bool fails_;
-    int steps_ = 0;
-};
-
 /// What a call throws.
 template <class Error, class Call>
 std::string message_of(const Call& call) {
@@ -426,9 +395,9 @@ std::string message_of(const Call& call) {
 TEST(RanksFailTest, AllWithTheMessageOfOneAndGoOn) {
     const Case tested{Kind::soft, {}, "soft"};
     const int last = size_of(MPI_COMM_WORLD) - 1, rank = rank_of(MPI_COMM_WORLD);
-    Many many{
-        mpi::World(MPI_COMM_WORLD, std::make_unique<FailingBackend>(rank == last), tested.settings),
-        tested, rank, last + 1};
+    Many many{mpi::World(MPI_COMM_WORLD, std::make_unique<test::FailingBackend>(rank == last),
+                         tested.settings),
+              tested, rank, last + 1};
     One one = one_world(tested);
     one.add_all();
     many.add_all();
@@ -474,6 +443,14 @@ TEST(RanksFailTest, WhereTwoHaveAddedTheSameBodyUntilOneIsRemoved) {
     }
     world.detect();
     EXPECT_EQ(world.bodies().size(), rank == 0 ? 1u : 0u);
+    // The same where the first one is there already; the last rank cannot know.
+    if (ranks == 1) return;
+    if (rank == ranks - 1) body = world.add_rigid_body(4, box);
+    for (int again = 0; again < 2; ++again)
+        EXPECT_EQ(message_of<InputError>([&] { world.detect(); }),
+                  "rank 0: body 4 was added on rank 0 and on rank " + std::to_string(ranks - 1));
+    if (rank == ranks - 1) world.remove_body(body);
+    world.detect();
 }
 
 TEST(RanksFailTest, WhatOnesBodiesAreNotIsRefused) {

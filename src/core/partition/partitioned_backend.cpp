@@ -75,6 +75,7 @@ public:
             find_contacts(whole, stats);
         } catch (...) {
             given_.emplace();
+            revision_ = 0;  // all is looked at anew
             throw;
         }
         merged_ = false;

@@ -121,9 +121,8 @@ inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_s
 
 /// The parts of a scene that several backends share: how much more than its share of the work a
 /// part may have until space is cut anew [1]; how much further than bodies reach its residents are
-/// chosen, its ghosts half as much, and how large a body is whose reach counts by itself [mean
-/// extent]; how many boxes show a part's reach; how many cuts allow for ghosts; from which count
-/// waking threads pays.
+/// chosen, its ghosts half as much, and how large a body is that counts by itself [mean extent];
+/// how many boxes show a part's reach; how many cuts allow for ghosts; when waking threads pays.
 inline constexpr double uneven_parts = 1.2, spare_reach = 0.5, large_body = 4;
 inline constexpr std::uint32_t part_cells = 64, cut_rounds = 3, many_bodies = 4096;
 
