@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds, tests and measures the GPU backend on a machine with an NVIDIA GPU, in one call: bench/gpu.sh [OUT]
-# Writes CSV files to OUT (default bench/results/gpu) and prints a table last. Needs CUDA 12.6 or later and the packages of
+# Writes CSV files to OUT (default bench/results/gpu) and prints a table last. Needs CUDA 12.8 or later and the packages of
 # tools/setup.sh; a machine that reaches no package registry may have them as .deb files in .gpu/debs (then run as root).
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -4,12 +4,15 @@
 //   RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT|tori:COUNT|hand:COUNT|nut:COUNT...
 //       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
 //       [--coverage vertices|overlaps|complete] [--reproject on|off] [--devices N]
+//       [--host-share S]
+//       [--host-share S]
 // A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
 // wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. The last
 // three are COUNT small worlds (scenes/recording/small_worlds.hpp). Places are named once and then
 // only written, so that the host does nothing per body. MODE is what rays remember of the last
 // step: full (nothing), walk, walk-predict or certified. With several devices, each has the places
-// of the bodies that it owns. Prints CSV.
+// of the bodies that it owns. With a host's share, places are written on the host, and Embree does
+// so much of one device's work beside it; 0 is for comparison. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -28,6 +31,8 @@
 #include "pierce/contact_hash.hpp"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/embree_backend.hpp"
+#include "pierce/partitioned_backend.hpp"
+#include "pierce/plan.hpp"
 #include "pierce/world.hpp"
 #include "scenes/recording/lattice.hpp"
 #include "scenes/recording/recording.hpp"
@@ -183,6 +188,7 @@ std::vector<std::vector<std::uint32_t>> bodies_of_devices(const scenes::Recordin
 struct Options {
     std::uint32_t steps = 64, checks = 8, devices = 1;
     bool stages = false;
+    std::optional<double> host_share = std::nullopt;  ///< none: places are on the device
     std::string builder = "trbvh", memory = "certified";
     Coverage coverage = Settings{}.coverage;
     bool reproject = Settings{}.reproject;
@@ -215,19 +221,34 @@ TreeBuilder builder_named(const std::string& name) {
     return name == "ploc" ? TreeBuilder::ploc : TreeBuilder::trbvh;
 }
 
+std::unique_ptr<Backend> backend_of(const Options& options) {
+    CudaOptions cuda{.builder = builder_named(options.builder), .graph = !options.stages};
+    if (options.host_share.value_or(0) > 0) {
+        std::vector<std::unique_ptr<Backend>> devices;
+        for (std::uint32_t d = 0; d < options.devices; ++d) {
+            cuda.devices = {static_cast<int>(d)};
+            devices.push_back(cuda_backend(cuda));
+        }
+        return partitioned_backend(std::move(devices), embree_backend(), *options.host_share);
+    }
+    for (std::uint32_t d = 0; d < options.devices; ++d) cuda.devices.push_back(static_cast<int>(d));
+    return cuda_backend(cuda);
+}
+
 void run(const std::string& name, const scenes::Recording& recording, const Options& options,
          const std::vector<Filter>& filters = {}) {
-    const auto& [steps, checks, devices, stages, builder, memory, coverage, reproject] = options;
-    CudaOptions cuda{.builder = builder_named(builder), .graph = !stages};
-    for (std::uint32_t d = 0; d < devices; ++d) cuda.devices.push_back(static_cast<int>(d));
-    Player gpu(recording, filters, cuda_backend(cuda), settings_of(options));
+    const auto& [steps, checks, devices, stages, host_share, builder, memory, coverage,
+                 reproject] = options;
+    Player gpu(recording, filters, backend_of(options), settings_of(options));
     std::size_t triangles = 0;
     for (const auto& body : recording.bodies)
         triangles += recording.meshes[body.mesh].data.triangles.size();
     std::vector<std::unique_ptr<DevicePlaces>> places;
-    for (const auto& bodies : bodies_of_devices(recording, devices))
+    for (const auto& bodies : bodies_of_devices(recording, devices)) {
+        if (host_share) break;
         places.push_back(
             std::make_unique<DevicePlaces>(gpu, static_cast<int>(places.size()), bodies));
+    }
 
     std::vector<double> wall, on_device, full_rays, walks, lost;
     std::map<std::string, std::vector<double>> by_stage;
@@ -237,6 +258,7 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     const auto frame_of_step = [&](std::uint32_t i) { return i % recording.frame_count; };
     for (std::uint32_t i = 0; i < steps; ++i) {
         for (const auto& of_device : places) of_device->write(frame_of_step(i));
+        if (host_share) gpu.put(frame_of_step(i));
         last = gpu.world.detect();
         if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
         if (i < 8) continue;  // trees, buffers and graphs come into being
@@ -263,12 +285,17 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     }
     std::printf(
         "%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f,%s,"
-        "%s,%u\n",
+        "%s,%u,%s\n",
         name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
         stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
         last.touching_pairs, median(on_device), median(wall), median(embree), checks, differ,
         memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks), mean(lost),
-        name_of(coverage), reproject ? "on" : "off", devices);
+        name_of(coverage), reproject ? "on" : "off", devices,
+        host_share ? std::to_string(*host_share).c_str() : "");
+    for (const PlannedPart& part : gpu.world.plan().parts)
+        std::printf("# %s: %u bodies, %u ghosts, %llu triangles\n", part.backend.c_str(),
+                    part.bodies, part.ghosts, static_cast<unsigned long long>(part.triangles));
+    for (const double ms : last.part_milliseconds) std::printf("# part %.4f ms\n", ms);
     if (stages)
         for (const std::string& stage : order)
             std::printf("# %s %.4f ms\n", stage.c_str(), median(by_stage[stage]));
@@ -297,6 +324,8 @@ int main(int argc, char** argv) {
             options.reproject = std::string(argv[++i]) == "on";
         else if (argument == "--devices" && i + 1 < argc)
             options.devices = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+        else if (argument == "--host-share" && i + 1 < argc)
+            options.host_share = std::stod(argv[++i]);
         else if (argument == "--stages")
             options.stages = true;
         else
@@ -306,7 +335,7 @@ int main(int argc, char** argv) {
     std::puts(
         "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,"
         "embree_ms,checked,differ,memory,device_mean_ms,wall_mean_ms,mean_full_rays,mean_walks,"
-        "mean_lost,coverage,reproject,devices");
+        "mean_lost,coverage,reproject,devices,host_share");
     for (const std::string& scene : scenes) {
         using pierce::scenes::LatticeMotion;
         const std::size_t colon = scene.find(':');

@@ -1,9 +1,10 @@
 // Steps of a world over the ranks of MPI: mpirun -n RANKS pierce_ranks COUNT... [--steps N]
-//   [--threads N] [--rigid]
+//   [--threads N] [--rigid] [--exchange]
 // A lattice of COUNT soft tori that touch their neighbours and wobble, or rigid ones that turn;
 // every rank has the same number of threads. Prints CSV: the median of what a step takes on the
 // slowest rank, how much of that is detection on its own bodies, how uneven the work is, and what
-// was found.
+// was found. With --exchange, it prints instead what it takes that every rank sends so many bytes
+// to every other one, as a step does.
 #include <mpi.h>
 
 #include <algorithm>
@@ -12,8 +13,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "mpi/communicator.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/mpi/world.hpp"
@@ -82,6 +85,20 @@ void run(std::uint32_t count, std::uint32_t steps, int threads, bool rigid) {
                     static_cast<unsigned long long>(contact_hash(all)));
 }
 
+void exchange(std::size_t bytes, std::uint32_t times) {
+    const mpi::Communicator comm(MPI_COMM_WORLD);
+    std::vector<double> took;
+    for (std::uint32_t i = 0; i < times; ++i) {
+        std::vector<std::string> to(static_cast<std::size_t>(comm.size()), std::string(bytes, 'x'));
+        MPI_Barrier(MPI_COMM_WORLD);
+        const auto begin = std::chrono::steady_clock::now();
+        mpi::Exchange(comm, std::move(to)).finish();
+        took.push_back(most(milliseconds_since(begin)));
+    }
+    if (comm.rank() == 0)
+        std::printf("%d,%zu,%.1f\n", comm.size(), bytes, 1e3 * median(std::move(took)));
+}
+
 }  // namespace
 }  // namespace pierce
 
@@ -90,7 +107,7 @@ int main(int argc, char** argv) {
     int rank = 0, threads = 1;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     std::uint32_t steps = 40;
-    bool rigid = false;
+    bool rigid = false, exchanges = false;
     std::vector<std::uint32_t> counts;
     const auto number = [](const char* text) {
         return static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
@@ -99,12 +116,20 @@ int main(int argc, char** argv) {
         const std::string word = argv[i];
         if (word == "--rigid")
             rigid = true;
+        else if (word == "--exchange")
+            exchanges = true;
         else if (word == "--steps" && i + 1 < argc)
             steps = number(argv[++i]);
         else if (word == "--threads" && i + 1 < argc)
             threads = static_cast<int>(number(argv[++i]));
         else
             counts.push_back(number(argv[i]));
+    }
+    if (exchanges) {
+        if (rank == 0) std::puts("ranks,bytes,us");
+        for (const std::uint32_t bytes : counts) pierce::exchange(bytes, steps);
+        MPI_Finalize();
+        return 0;
     }
     if (rank == 0) std::printf("scene,ranks,threads,ms,own_ms,uneven,contacts,hash\n");
     for (const std::uint32_t count : counts) pierce::run(count, steps, threads, rigid);

@@ -124,6 +124,13 @@ void bind_inputs(nb::module_& module) {
 }
 
 void bind_plan_and_stats(nb::module_& module) {
+    Record<PlannedPart>(module, "PlannedPart", "What one of the backends that share a world does.")
+        .ro("backend", &PlannedPart::backend, "for people")
+        .ro("on_device", &PlannedPart::on_device, "it runs on a GPU")
+        .ro("share", &PlannedPart::share, "of the work, as was asked for")
+        .ro("bodies", &PlannedPart::bodies, "that it owns, since the last step")
+        .ro("ghosts", &PlannedPart::ghosts, "bodies of other parts that were near")
+        .ro("triangles", &PlannedPart::triangles, "of both");
     Record<Plan>(module, "Plan", "What a world's bodies require of a step.")
         .ro("revision", &Plan::revision, "changes with every new plan")
         .ro("fixed_bodies", &Plan::fixed_bodies, "")
@@ -134,6 +141,7 @@ void bind_plan_and_stats(nb::module_& module) {
         .ro("excluded_pairs", &Plan::excluded_pairs, "by exclude()")
         .ro("settings", &Plan::settings, "in effect: what no body needs is off")
         .ro("notes", &Plan::notes, "rules that do not apply to some body, and why")
+        .ro("parts", &Plan::parts, "what runs where; empty if one backend does all")
         .get(
             "stages",
             [](const Plan& plan) {
@@ -155,6 +163,7 @@ void bind_plan_and_stats(nb::module_& module) {
             "[ms] of the stages that ran, in their order", "def stages(self) -> dict[str, float]")
         .ro("milliseconds", &StepStats::milliseconds, "[ms] the whole step")
         .ro("device_milliseconds", &StepStats::device_milliseconds, "[ms] of it on a GPU")
+        .ro("part_milliseconds", &StepStats::part_milliseconds, "[ms] of each part's own step")
         .ro("at_rest", &StepStats::at_rest, "nothing had changed: counts are the last step's")
         .ro("status", &StepStats::status, "0, or 1 if a body was left out")
         .ro("penetration_mean", &StepStats::penetration_mean, "[length] over the contacts")

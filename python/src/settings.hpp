@@ -17,6 +17,7 @@ namespace nb = nanobind;
 Settings settings_from(nb::handle settings, const nb::kwargs& fields);
 
 /// The backend of a name: auto, embree, cuda, bvh or reference. `threads`: 0 is one per processor.
-std::unique_ptr<Backend> backend_named(const std::string& name, int threads, int parts = 1);
+std::unique_ptr<Backend> backend_named(const std::string& name, int threads, int parts = 1,
+                                       double host_share = 0);
 
 }  // namespace pierce::python

@@ -32,9 +32,9 @@ void PyWorld::rethrow() {
 namespace {
 
 void make_world(PyWorld* self, const std::string& backend, int threads, nb::handle settings,
-                int parts, const nb::kwargs& fields) {
+                int parts, double host_share, const nb::kwargs& fields) {
     const Settings all = settings_from(settings, fields);
-    std::unique_ptr<Backend> made = backend_named(backend, threads, parts);
+    std::unique_ptr<Backend> made = backend_named(backend, threads, parts, host_share);
     const bool on_device = made->runs_on_device();
     new (self) PyWorld(std::make_shared<World>(std::move(made), all), on_device);
 }
@@ -237,14 +237,17 @@ void bind_steps(nb::class_<PyWorld>& c) {
                      "Those of the last step.")
         .def(
             "device_contacts",
-            [](nb::handle_t<PyWorld> self) {
+            [](nb::handle_t<PyWorld> self, std::uint32_t part) {
                 const Use world(nb::cast<PyWorld&>(self));
-                const DeviceContacts found = world->device_contacts();
+                const DeviceContacts found = world->device_contacts(part);
                 return nb::make_tuple(DeviceList{found.solids, nb::borrow(self)},
                                       DeviceList{found.sheets, nb::borrow(self)});
             },
-            nb::sig("def device_contacts(self) -> tuple[DeviceContactList, DeviceContactList]"),
-            "The last step's contacts in device memory, of solids and of sheets, without waiting.")
+            nb::arg("part") = 0,
+            nb::sig("def device_contacts(self, part: int = 0) -> tuple[DeviceContactList, "
+                    "DeviceContactList]"),
+            "The last step's contacts in device memory, of solids and of sheets, without waiting; "
+            "of several devices, those that one has found.")
         .def_prop_ro(
             "stats", [](PyWorld& w) { return Use(w)->stats(); }, "Of the last step, a copy.")
         .def_prop_ro(
@@ -268,15 +271,16 @@ void bind_steps(nb::class_<PyWorld>& c) {
             "The world as bytes, without contacts.")
         .def_static(
             "restore",
-            [](nb::bytes saved, const std::string& backend, int threads, int parts) {
-                std::unique_ptr<Backend> made = backend_named(backend, threads, parts);
+            [](nb::bytes saved, const std::string& backend, int threads, int parts,
+               double host_share) {
+                std::unique_ptr<Backend> made = backend_named(backend, threads, parts, host_share);
                 const bool on_device = made->runs_on_device();
                 std::istringstream in(std::string(saved.c_str(), saved.size()), std::ios::binary);
                 return std::make_shared<PyWorld>(
                     std::make_shared<World>(World::restore(in, std::move(made))), on_device);
             },
             nb::arg("saved"), nb::arg("backend") = "auto", nb::arg("threads") = 0,
-            nb::arg("parts") = 1,
+            nb::arg("parts") = 1, nb::arg("host_share") = 0.0,
             "Makes a world from what save() has returned. Handles stay valid.");
 }
 
@@ -301,12 +305,15 @@ void bind_world(nb::module_& module) {
         "Bodies and their contacts. Methods have the names of the C++ class, whose pages say more. "
         "One thread uses a world at a time; worlds in different threads run side by side.");
     c.def("__init__", make_world, nb::arg("backend") = "auto", nb::arg("threads") = 0,
-          nb::arg("settings") = nb::none(), nb::arg("parts") = 1, nb::arg("fields"),
+          nb::arg("settings") = nb::none(), nb::arg("parts") = 1, nb::arg("host_share") = 0.0,
+          nb::arg("fields"),
           nb::sig("def __init__(self, backend: str = 'auto', threads: int = 0, "
-                  "settings: Settings | None = None, parts: int = 1, **fields: object) -> None"),
+                  "settings: Settings | None = None, parts: int = 1, host_share: float = 0.0, "
+                  "**fields: object) -> None"),
           "`backend`: auto, embree, cuda, bvh or reference; `threads`: 0 is one per processor; "
           "`settings`: Settings, or their fields by name; `parts`: so many backends share the "
-          "world, of cuda one per device.")
+          "world, of cuda one per device; `host_share`: of a device's work, which processors do "
+          "beside cuda.")
         .def("__repr__", [](PyWorld& w) {
             const Use world(w);
             const Plan& plan = world->plan();

@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
@@ -25,7 +28,8 @@ constexpr pierce_backend_options default_options{.struct_size = sizeof(pierce_ba
                                                  .tree_builder = PIERCE_TREES_DEFAULT,
                                                  .rebuild = 0,
                                                  .stage_by_stage = 0,
-                                                 .parts = 0};
+                                                 .parts = 0,
+                                                 .host_share = 0};
 
 TreeBuilder builder_of(const pierce_backend_options& options, TreeBuilder otherwise) {
     switch (enumerated(options.tree_builder, PIERCE_TREES_PLOC, "backend.tree_builder")) {
@@ -60,12 +64,25 @@ std::unique_ptr<Backend> embree(const pierce_backend_options&) {
 }
 #endif
 
+/// Where steps run on the host.
+std::unique_ptr<Backend> host_of(const pierce_backend_options& options) {
+    return has_embree ? embree(options) : own_trees(options);
+}
+
 #ifdef PIERCE_HAS_CUDA
 std::string problem_of_cuda() { return cuda_problem(); }
 std::unique_ptr<Backend> cuda(const pierce_backend_options& options) {
     CudaOptions cuda{.builder = builder_of(options, CudaOptions{}.builder),
                      .rebuild = options.rebuild != 0,
                      .graph = options.stage_by_stage == 0};
+    if (options.host_share > 0) {
+        std::vector<std::unique_ptr<Backend>> devices;
+        for (std::uint32_t device = 0; device < std::max(options.parts, 1u); ++device) {
+            cuda.devices = {static_cast<int>(device)};
+            devices.push_back(cuda_backend(cuda));
+        }
+        return partitioned_backend(std::move(devices), host_of(options), options.host_share);
+    }
     for (std::uint32_t device = 0; options.parts > 1 && device < options.parts; ++device)
         cuda.devices.push_back(static_cast<int>(device));
     return cuda_backend(std::move(cuda));
@@ -80,7 +97,7 @@ std::unique_ptr<Backend> one_backend(const pierce_backend_options& options,
                                      pierce_backend_kind kind) {
     switch (kind) {
         case PIERCE_BACKEND_DEFAULT:
-            return has_embree ? embree(options) : own_trees(options);
+            return host_of(options);
         case PIERCE_BACKEND_REFERENCE:
             return reference_backend();
         case PIERCE_BACKEND_BVH:
@@ -109,6 +126,8 @@ std::unique_ptr<Backend> backend_of(const pierce_backend_options* given) {
     // Of every backend, so that a mistake does not wait for another machine.
     builder_of(options, TreeBuilder::lbvh);
     const auto kind = enumerated(options.kind, PIERCE_BACKEND_CUDA, "backend.kind");
+    if (options.host_share != 0 && (kind != PIERCE_BACKEND_CUDA || !(options.host_share > 0)))
+        throw InputError("backend.host_share is positive, and for CUDA");
     if (options.parts <= 1 || kind == PIERCE_BACKEND_CUDA) return one_backend(options, kind);
     return partitioned_backend(options.parts, options.threads, [&](int threads) {
         pierce_backend_options of_part = options;

@@ -76,13 +76,14 @@ pierce_status pierce_set_stream(pierce_world* world, void* stream) {
     return guarded([&] { world_of(world).set_stream(stream); });
 }
 
-pierce_status pierce_device_contacts(const pierce_world* world, pierce_device_contact_list* solids,
+pierce_status pierce_device_contacts(const pierce_world* world, uint32_t part,
+                                     pierce_device_contact_list* solids,
                                      pierce_device_contact_list* sheets) {
     return guarded([&] {
         auto& inner = world_of(world);
         check_struct(solids, "solids");
         check_struct(sheets, "sheets");
-        const pierce::DeviceContacts contacts = inner.device_contacts();
+        const pierce::DeviceContacts contacts = inner.device_contacts(part);
         write_struct(list_of(contacts.solids), solids);
         write_struct(list_of(contacts.sheets), sheets);
     });

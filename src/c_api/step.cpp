@@ -53,6 +53,8 @@ pierce_step_stats stats_of(const StepStats& s) {
             .own_rays = s.own_rays,
             .refits = s.refits,
             .rebuilds = s.rebuilds,
+            .part_milliseconds = nullptr,
+            .part_count = 0,
             .at_rest = s.at_rest};
 }
 
@@ -78,6 +80,9 @@ pierce_status pierce_stats(pierce_world* world, pierce_step_stats* stats) {
         pierce_step_stats result = stats_of(last);
         result.stages = world->stage_times.data();
         result.stage_count = world->stage_times.size();
+        world->part_milliseconds = last.part_milliseconds;
+        result.part_milliseconds = world->part_milliseconds.data();
+        result.part_count = world->part_milliseconds.size();
         write_struct(result, stats);
     });
 }
@@ -93,8 +98,15 @@ pierce_status pierce_plan(pierce_world* world, pierce_plan_info* plan) {
             copy.stages.push_back(pierce::name_of(stage));
         // Strings keep their place when the list that holds them is moved.
         for (const std::string& note : copy.plan.notes) copy.notes.push_back(note.c_str());
+        for (const pierce::PlannedPart& part : copy.plan.parts)
+            copy.parts.push_back({.backend = part.backend.c_str(),
+                                  .share = part.share,
+                                  .triangles = part.triangles,
+                                  .bodies = part.bodies,
+                                  .ghosts = part.ghosts,
+                                  .on_device = part.on_device});
         world->plan = std::move(copy);
-        const auto& [made, settings, stages, notes] = world->plan;
+        const auto& [made, settings, stages, notes, parts] = world->plan;
         write_struct(pierce_plan_info{.struct_size = sizeof(pierce_plan_info),
                                       .settings = &settings,
                                       .stages = stages.data(),
@@ -107,7 +119,9 @@ pierce_status pierce_plan(pierce_world* world, pierce_plan_info* plan) {
                                       .deforming_bodies = made.deforming_bodies,
                                       .open_bodies = made.open_bodies,
                                       .worlds = made.worlds,
-                                      .excluded_pairs = made.excluded_pairs},
+                                      .excluded_pairs = made.excluded_pairs,
+                                      .parts = parts.data(),
+                                      .part_count = parts.size()},
                      plan);
     });
 }

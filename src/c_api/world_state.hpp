@@ -22,6 +22,7 @@ struct pierce_world {
     std::vector<pierce_body_id> bodies;
     pierce::WorldOffsets offsets;
     std::vector<pierce_stage_time> stage_times;
+    std::vector<double> part_milliseconds;
     std::vector<pierce_body_box> boxes;
     std::vector<pierce_contact_patch> patches;
     std::vector<pierce_impact> impacts;
@@ -30,6 +31,7 @@ struct pierce_world {
         pierce::Plan plan;
         pierce_settings settings;
         std::vector<const char*> stages, notes;
+        std::vector<pierce_planned_part> parts;
     } plan{};
 
     struct {

@@ -12,9 +12,11 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/pipeline.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
+#include "gpu_cuda/caller_stream.hpp"
 #include "gpu_cuda/contact_arrays.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/on_device.hpp"
+#include "gpu_cuda/place_fetcher.cuh"
 #include "gpu_cuda/reach_meter.cuh"
 #include "gpu_cuda/scene_mirror.cuh"
 #include "pierce/cuda_backend.hpp"
@@ -45,14 +47,12 @@ public:
           mirror_(executor_),
           pipeline_(executor_, tracer_) {
         for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
-        check(cudaEventCreateWithFlags(&handover_, cudaEventDisableTiming), "an event");
     }
     ~CudaBackend() override {
         // What is freed after this body needs the device, too.
         current_at_end_.emplace(device_);
         drop_graphs();
         for (cudaEvent_t event : events_) cudaEventDestroy(event);
-        cudaEventDestroy(handover_);
     }
 
     std::string description() const override { return "cuda, " + name_; }
@@ -60,24 +60,26 @@ public:
     bool certificates_pay() const override { return false; }
 
     void set_stream(void* stream) override {
-        stream_of_caller_ = static_cast<cudaStream_t>(stream);
+        const cuda::OnDevice here(device_);
+        caller_.set(static_cast<cudaStream_t>(stream));
     }
 
     void step(const Scene& host, StepStats& stats) override {
         const cuda::OnDevice here(device_);
-        wait_for_caller();
+        caller_.hold_up(executor_.stream());
         find_contacts(host, stats);
-        let_caller_go_on();
+        caller_.let_go_on(executor_.stream());
     }
 
-    DeviceContacts device_contacts(std::uint32_t worlds) override {
+    DeviceContacts device_contacts(std::uint32_t part, std::uint32_t worlds) override {
+        if (part > 0) throw InputError("there is one part only");
         const cuda::OnDevice here(device_);
         const View<const BodyView> bodies = mirror_.scene().bodies;
         DeviceContacts contacts;
         contacts.solids = solids_.fill(executor_, pipeline_.contacts(), bodies, worlds);
         if (mirror_.scene().plan->sheets)
             contacts.sheets = sheets_.fill(executor_, pipeline_.sheet_contacts(), bodies, worlds);
-        let_caller_go_on();
+        caller_.let_go_on(executor_.stream());
         return contacts;
     }
 
@@ -98,11 +100,19 @@ public:
     double measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
                          View<const double> more, bool anew) override {
         const cuda::OnDevice here(device_);
+        caller_.hold_up(executor_.stream());
         return meter_.measure(bodies, some, more, anew, executor_.stream());
     }
     void fetch_reach(View<const std::uint32_t> some, View<Box> reach) override {
         const cuda::OnDevice here(device_);
         meter_.fetch(some, reach, executor_.stream());
+    }
+
+    View<const FetchedPlace> fetch_places(View<const BodyView> bodies,
+                                          View<const std::uint32_t> some) override {
+        const cuda::OnDevice here(device_);
+        caller_.hold_up(executor_.stream());
+        return fetcher_.fetch(bodies, some, executor_.stream());
     }
 
     void fetch_bodies(View<BodyView> bodies) const override {
@@ -133,17 +143,6 @@ private:
     // The first steps after a change run stage by stage, so that the trees exist and the buffers
     // are large enough.
     static constexpr std::uint32_t rehearsals = 2;
-
-    void wait_for_caller() {
-        if (stream_of_caller_ == nullptr) return;
-        check(cudaEventRecord(handover_, stream_of_caller_), "an event");
-        check(cudaStreamWaitEvent(executor_.stream(), handover_), "an event");
-    }
-    void let_caller_go_on() {
-        if (stream_of_caller_ == nullptr) return;
-        check(cudaEventRecord(handover_, executor_.stream()), "an event");
-        check(cudaStreamWaitEvent(stream_of_caller_, handover_), "an event");
-    }
 
     void find_contacts(const Scene& host, StepStats& stats) {
         using Change = cuda::SceneMirror::Change;
@@ -264,10 +263,10 @@ private:
     std::uint32_t bank_ = 0, repeated_ = 0, warm_ = 0;
     std::array<cudaGraphExec_t, 2> graphs_{};
     std::array<cudaEvent_t, 2> events_{};
-    cudaStream_t stream_of_caller_ = nullptr;
-    cudaEvent_t handover_ = nullptr;  ///< between that stream and ours
+    cuda::CallerStream caller_;
     cuda::ContactArrays solids_, sheets_;
     cuda::ReachMeter meter_;
+    cuda::PlaceFetcher fetcher_;
     mutable bool fetched_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;

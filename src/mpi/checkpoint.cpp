@@ -48,6 +48,8 @@ void World::save(std::ostream& out) const {
     StepMemory memory = s.memory_to_share();
     s.together([&] {
         s.make_lists();
+        s.inside.refresh_views();
+        s.fetch_places(s.own_on_device([](std::uint32_t) { return true; }));
         Handover handover;
         std::set<std::uint64_t> meshes;
         for (const std::uint32_t b : s.own) {
@@ -107,17 +109,18 @@ World World::restore(MPI_Comm ranks, std::istream& in, std::unique_ptr<Backend> 
     });
     State& s = *state;
     WorldInside::State& from = WorldInside::state(*whole);
+    std::vector<PlacedBody> bodies;
     s.together([&] {
-        // Every rank cuts the whole world alike, as if all of it belonged to rank 0.
         from.refresh_views();
-        std::vector<PlacedBody> bodies;
         for (std::uint32_t b = 0; b < from.views.size(); ++b)
             if (from.ids[b])
                 bodies.push_back(placed(b, from.views[b],
                                         from.views[b].active
                                             ? reach_on_host(from.views[b], from.plan.settings)
                                             : Box{}));
-        const std::vector<std::uint32_t> owners = owners_of(bodies, s.others.size());
+    });
+    const std::vector<std::uint32_t> owners = s.cut(bodies);
+    s.together([&] {
         StepMemory memory = from.backend->memory();
         const bool by_world = !from.world_begins.empty();
         s.handed = memory_of_part(memory, by_world, from.bodies.slots(), owners, s.rank());

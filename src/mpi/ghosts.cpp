@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <span>
 #include <utility>
 
+#include "core/body/fetched_place.hpp"
 #include "core/partition/body_reach.hpp"
 #include "core/partition/space_partition.hpp"
 #include "mpi/world_state.hpp"
@@ -90,10 +92,15 @@ void World::State::look_around() {
     const std::vector<Summary> all = comm.all_gather(mine);
     if (std::ranges::any_of(all, &Summary::failed)) fail(failure);
     work.clear();
-    for (std::size_t other = 0; other < all.size(); ++other) {
+    std::vector<Box> boxes;
+    std::vector<std::uint32_t> of_ranks;
+    for (std::uint32_t other = 0; other < all.size(); ++other) {
         work.push_back(all[other].work);
-        others[other].reach = Region({all[other].reach, all[other].reach + all[other].boxes});
+        if (other == rank()) continue;
+        boxes.insert(boxes.end(), all[other].reach, all[other].reach + all[other].boxes);
+        of_ranks.resize(boxes.size(), other);
     }
+    near_ranks = NearRanks(std::move(boxes), std::move(of_ranks));
 }
 
 Summary World::State::summary() {
@@ -105,8 +112,11 @@ Summary World::State::summary() {
     for (const std::uint32_t b : inside.refreshed) {
         const BodyView& view = inside.views[b];
         if (view.part == rank())
-            reach[b] = view.active ? reach_on_host(view, inside.plan.settings) : Box{};
+            reach[b] = view.active && !entry(b).is_on_device()
+                           ? reach_on_host(view, inside.plan.settings)
+                           : Box{};
     }
+    measure_on_device();
     Summary mine;
     for (const BodyView& view : inside.views)
         if (view.active) mine.work += view.mesh.triangles.size;
@@ -154,6 +164,15 @@ WholeBody World::State::whole(std::uint32_t b, const StepMemory* memory) const {
                    .mesh_key = inside.meshes.get(slot.thing.mesh, "mesh").key,
                    .entry = slot.thing,
                    .in_last = {}};
+    if (const auto place = fetched.find(b); place != fetched.end()) {
+        const auto& [pose, positions, start] = place->second;
+        body.entry.leave_device();
+        body.entry.usable = is_usable_there(b);
+        body.entry.moved = start.size > 0;
+        body.entry.pose = pose;
+        body.entry.positions.assign(positions.begin(), positions.end());
+        body.entry.start.assign(start.begin(), start.end());
+    }
     if (memory == nullptr)
         body.entry.seen.clear();
     else if (b < memory->bodies.size())
@@ -167,56 +186,51 @@ void World::State::add_mesh_to(std::vector<SavedMesh>& meshes, std::uint32_t b,
     if (has.insert(mesh.key).second) meshes.push_back(saved(mesh));
 }
 
-GhostMessage World::State::message_to(std::uint32_t to) {
+std::vector<std::vector<NearBody>> World::State::near_bodies() const {
+    std::vector<std::vector<NearBody>> near(others.size());
+    const double spare = constants::spare_reach * mean_extent;
+    for (const std::uint32_t b : own) near_ranks.note(b, reach[b], spare, near);
+    return near;
+}
+
+GhostMessage World::State::message_to(std::uint32_t to, const std::vector<NearBody>& near) {
     OtherRank& other = others[to];
-    other.has.resize(inside.views.size());
     GhostMessage message;
     for (const std::uint32_t b : removed)
-        if (std::exchange(other.has[b], std::uint8_t{0})) message.left.push_back(b);
+        if (std::erase(other.has, b) > 0) message.left.push_back(b);
 
     // Pairs of two moving bodies belong to the lower one of their ranks.
     const auto may_be_pair = [&](std::uint32_t b) { return to < rank() || !is_moving(b); };
-    const auto meets = [&](std::uint32_t b, double more) {
-        return !reach[b].empty() && other.reach.meets(reach[b].inflated(more));
-    };
     // Where ghosts come at all, those come, too, that are nearly near: a new ghost costs a plan.
-    bool comes = false;
-    for (const std::uint32_t b : own)
-        comes = comes || (may_be_pair(b) && !other.has[b] && meets(b, 0));
-    const double spare = constants::spare_reach * mean_extent;
+    const bool comes = std::ranges::any_of(near, [&](const NearBody& body) {
+        return body.nearness == Nearness::near && may_be_pair(body.number) &&
+               !std::ranges::binary_search(other.has, body.number);
+    });
+    std::vector<std::uint32_t> has;
     const auto send_whole = [&](std::uint32_t b) {
         add_mesh_to(message.meshes, b, other.meshes);
         message.bodies.push_back(whole(b, tells_seen() ? &to_remember() : nullptr));
-        other.has[b] = 1;
     };
-    for (const std::uint32_t b : own) {
-        if (!other.has[b]) {
-            if (comes && may_be_pair(b) && meets(b, spare)) send_whole(b);
-        } else if (!meets(b, 2 * spare)) {
-            other.has[b] = 0;
-            message.left.push_back(b);
-        } else if (changed_bodies.contains(b)) {
+    auto had = other.has.begin();
+    const auto leave_until = [&](std::uint32_t number) {
+        for (; had != other.has.end() && *had < number; ++had) message.left.push_back(*had);
+    };
+    for (const auto& [b, nearness] : near) {
+        leave_until(b);
+        if (had != other.has.end() && *had == b) {
+            ++had;
+            has.push_back(b);
+            if (changed_bodies.contains(b))
+                send_whole(b);
+            else if (refreshed_now[b] || fetched.contains(b))
+                add_moved(message.moved, b);
+        } else if (comes && nearness >= Nearness::nearly && may_be_pair(b)) {
+            has.push_back(b);
             send_whole(b);
         }
     }
-    for (const std::uint32_t b : inside.refreshed) {
-        const BodyEntry& body = entry(b);
-        if (body.part != rank() || !other.has[b] || changed_bodies.contains(b)) continue;
-        const bool deforms = body.motion == Motion::deforming;
-        if (deforms ? body.positions_version == told[b].positions_version
-                    : !body.moved && are_identical(body.pose, told[b].pose))
-            continue;
-        MovedBody moved;
-        moved.number = b;
-        moved.tells_start = inside.plan.sheets && body.moved;
-        moved.pose = body.pose;
-        moved.positions = body.positions;
-        if (moved.tells_start) {
-            moved.start_pose = body.start_pose;
-            moved.start = body.start;
-        }
-        message.moved.push_back(std::move(moved));
-    }
+    leave_until(UINT32_MAX);
+    other.has = std::move(has);
     for (auto key = other.meshes.begin(); key != other.meshes.end();) {
         const bool is_kept = std::ranges::any_of(inside.meshes.slots(), [&](const auto& slot) {
             return slot.used && slot.thing.key == *key;
@@ -227,12 +241,43 @@ GhostMessage World::State::message_to(std::uint32_t to) {
     return message;
 }
 
+void World::State::add_moved(std::vector<MovedBody>& all, std::uint32_t b) const {
+    const BodyEntry& body = inside.bodies.slots()[b].thing;
+    const bool deforms = body.motion == Motion::deforming;
+    if (const auto place = fetched.find(b); place != fetched.end()) {
+        const auto& [pose, positions, start] = place->second;
+        all.push_back({.number = b,
+                       .tells_start = start.size > 0,
+                       .pose = pose,
+                       .start_pose = {},
+                       .positions = {positions.begin(), positions.end()},
+                       .start = {start.begin(), start.end()}});
+        return;
+    }
+    if (deforms ? body.positions_version == told[b].positions_version
+                : !body.moved && are_identical(body.pose, told[b].pose))
+        return;
+    MovedBody& moved = all.emplace_back();
+    moved.number = b;
+    moved.tells_start = inside.plan.sheets && body.moved;
+    moved.pose = body.pose;
+    moved.positions = body.positions;
+    if (moved.tells_start) {
+        moved.start_pose = body.start_pose;
+        moved.start = body.start;
+    }
+}
+
 std::vector<std::string> World::State::messages() {
     std::vector<std::string> to(others.size());
     together([&] {
+        refreshed_now.assign(inside.views.size(), 0);
+        for (const std::uint32_t b : inside.refreshed) refreshed_now[b] = 1;
+        std::vector<std::vector<NearBody>> near = near_bodies();
+        bring_places(near);
         for (std::uint32_t other = 0; other < others.size(); ++other) {
             if (other == rank()) continue;
-            GhostMessage message = message_to(other);
+            GhostMessage message = message_to(other, near[other]);
             if (!message.empty()) to[other] = to_bytes(message);
         }
         for (const std::uint32_t b : inside.refreshed)
@@ -241,110 +286,6 @@ std::vector<std::string> World::State::messages() {
         removed.clear();
     });
     return to;
-}
-
-void World::State::take_in(std::vector<std::string> all) {
-    for (std::uint32_t from = 0; from < all.size(); ++from)
-        if (from != rank() && !all[from].empty())
-            take_in(from, from_bytes<GhostMessage>(std::move(all[from])));
-    if (!inside.planned) exclude_pairs();
-    if (handed) {
-        inside.refresh_views();
-        inside.backend->remember(*handed);
-        handed.reset();
-    }
-    hands_over = false;
-}
-
-void World::State::take_meshes(std::vector<SavedMesh> meshes) {
-    for (SavedMesh& mesh : meshes) {
-        const std::uint64_t key = mesh.key;
-        if (!known_meshes.contains(key))
-            known_meshes[key] = inside.meshes.add(made_from(std::move(mesh)));
-    }
-}
-
-/// Puts a body where its number says, with what this rank has measured of it.
-void World::State::put(const WholeBody& body, std::uint32_t owner) {
-    auto& slots = inside.bodies.slots();
-    BodyEntry entry = body.entry;
-    entry.mesh = known_meshes.at(body.mesh_key);
-    entry.part = owner;
-    entry.away = false;
-    // Trees point to positions until these have another version.
-    entry.positions_version = inside.next_key++;
-    if (body.id.index < slots.size() && slots[body.id.index].used && entry.seen.empty())
-        entry.seen = std::move(slots[body.id.index].thing.seen);
-    if (entry.seen.size() != patch_count(inside.mesh_of(entry).view({}))) entry.seen.clear();
-    inside.bodies.put(body.id, std::move(entry));
-    inside.change();
-}
-
-void World::State::take_in(std::uint32_t from, GhostMessage message) {
-    auto& slots = inside.bodies.slots();
-    take_meshes(std::move(message.meshes));
-    for (const std::uint32_t b : message.left) {
-        if (!belongs_to(b, from)) continue;
-        entry(b).away = true;
-        inside.note_change(id(b));
-    }
-    for (const WholeBody& body : message.bodies) {
-        put(body, from);
-        if (!tells_seen()) continue;
-        std::vector<SeenBody>& bodies = to_remember().bodies;
-        bodies.resize(std::max<std::size_t>(bodies.size(), body.id.index + std::size_t{1}));
-        bodies[body.id.index] = body.in_last;
-    }
-    for (MovedBody& moved : message.moved) {
-        if (!belongs_to(moved.number, from)) continue;
-        BodyEntry& body = inside.begin_motion(id(moved.number));
-        if (body.motion == Motion::deforming) {
-            body.positions = std::move(moved.positions);
-            if (moved.tells_start) body.start = std::move(moved.start);
-            body.positions_version = inside.next_key++;
-        } else {
-            body.pose = moved.pose;
-            if (moved.tells_start) body.start_pose = moved.start_pose;
-        }
-    }
-    if (inside.planned && message.forgotten.empty()) return;
-    // A new plan is made in any case.
-    for (std::uint32_t b = 0; b < slots.size(); ++b)
-        if (slots[b].used && slots[b].thing.away) {
-            inside.bodies.take(id(b), "body");
-            inside.change();
-        }
-    for (const std::uint64_t key : message.forgotten) {
-        const auto known = known_meshes.find(key);
-        if (known == known_meshes.end()) continue;
-        const bool is_used = std::ranges::any_of(
-            slots, [&](const auto& slot) { return slot.used && slot.thing.mesh == known->second; });
-        if (!is_used) inside.meshes.remove(known->second, "mesh");
-        known_meshes.erase(known);
-    }
-}
-
-void World::State::exclude_pairs() {
-    const auto& slots = inside.bodies.slots();
-    const auto is_here = [&](BodyId body) {
-        return body.index < slots.size() && slots[body.index].used &&
-               slots[body.index].generation == body.generation;
-    };
-    inside.excluded.clear();
-    for (const BodyIdPair& pair : excluded)
-        if (is_here(pair.a) && is_here(pair.b)) inside.excluded.insert(pair);
-}
-
-StepMemory& World::State::to_remember() {
-    if (!handed) handed = remembered();
-    return *handed;
-}
-
-StepMemory World::State::remembered() {
-    if (inside.planned)
-        inside.backend->fetch_seen(view_of(std::as_const(inside.ids)),
-                                   view_of(std::as_const(inside.seen)));
-    return inside.backend->memory();
 }
 
 }  // namespace pierce::mpi

@@ -2,10 +2,11 @@
 #include <utility>
 
 #include "core/partition/memory_parts.hpp"
-#include "core/partition/space_partition.hpp"
+#include "core/partition/space_cut.hpp"
 #include "core/step/common/pairs.hpp"
 #include "mpi/items.hpp"
 #include "mpi/world_state.hpp"
+#include "pierce/constants.hpp"
 
 /// Bodies that go from one rank to another, with what is remembered of their pairs.
 namespace pierce::mpi {
@@ -25,7 +26,7 @@ StepMemory memory_of_part(const StepMemory& all, bool by_world, const BodySlots&
     return memory;
 }
 
-std::vector<std::uint32_t> World::State::cut() {
+std::vector<PlacedBody> World::State::all_placed() const {
     std::vector<PlacedBody> mine;
     mine.reserve(own.size());
     for (const std::uint32_t b : own) mine.push_back(placed(b, inside.views[b], reach[b]));
@@ -36,31 +37,41 @@ std::vector<std::uint32_t> World::State::cut() {
         std::size_t at = 0;
         take_items(its, at, all);
     }
-    std::ranges::sort(all, {}, &PlacedBody::number);
-    return owners_of(all, others.size());
+    return all;
 }
 
 PlacedBody placed(std::uint32_t number, const BodyView& view, const Box& reach) {
-    return {
-        number,
-        !reach.empty(),
-        {reach.empty() ? Vec3d{} : reach.center(), static_cast<double>(view.mesh.triangles.size)}};
+    return {.number = number,
+            .facts = {.weight = static_cast<float>(view.mesh.triangles.size),
+                      .exists = true,
+                      .active = !reach.empty(),
+                      .moves = view.motion != Motion::fixed,
+                      .on_device = false,
+                      .is_ghost = false},
+            .reach = reach};
 }
 
-std::vector<std::uint32_t> owners_of(std::span<const PlacedBody> bodies, std::size_t ranks) {
-    std::vector<WeightedPoint> points;
-    points.reserve(bodies.size());
-    Vec3d last;
-    for (const PlacedBody& body : bodies) {
-        // Bodies that take no part go with the one before them.
-        if (body.is_placed) last = body.point.at;
-        points.push_back({last, body.is_placed ? body.point.weight : 0});
+std::vector<std::uint32_t> World::State::cut(std::span<const PlacedBody> all) const {
+    std::vector<BodyFacts> facts;
+    std::vector<Box> reaches;
+    for (const PlacedBody& body : all) {
+        facts.resize(std::max<std::size_t>(facts.size(), body.number + std::size_t{1}));
+        reaches.resize(facts.size());
+        facts[body.number] = body.facts;
+        reaches[body.number] = body.reach;
     }
-    const std::vector<std::uint32_t> parts = divide_space(points, std::vector<double>(ranks, 1.0));
-    std::vector<std::uint32_t> owners(bodies.empty() ? 0 : bodies.back().number + std::size_t{1},
-                                      0);
-    for (std::size_t k = 0; k < bodies.size(); ++k) owners[bodies[k].number] = parts[k];
-    return owners;
+    const std::vector<double> equal(others.size(), 1.0);
+    std::vector<double> shares = equal;
+    SpaceCut space;
+    for (std::uint32_t round = 0; round < constants::cut_rounds; ++round) {
+        space.divide(facts, reaches, shares);
+        // Every rank looks around for itself.
+        double load = 0;
+        space.seen_from(rank(), facts, reaches, constants::spare_reach * space.mean_extent(),
+                        &load);
+        shares = corrected_shares(std::move(shares), equal, comm.all_gather(load));
+    }
+    return {space.owners().begin(), space.owners().end()};
 }
 
 StepMemory World::State::memory_to_share() {
@@ -83,7 +94,7 @@ Migration World::migrate() {
     State& s = *state_;
     s.agree_on_news();
     s.look_around();
-    const std::vector<std::uint32_t> owners = s.cut();
+    const std::vector<std::uint32_t> owners = s.cut(s.all_placed());
     Migration migration;
     std::vector<std::string> to(s.others.size());
     StepMemory memory = s.memory_to_share(), kept;
@@ -92,6 +103,7 @@ Migration World::migrate() {
         s.handed->bodies = memory.bodies;
         s.hands_over = true;
         const BodySlots& slots = s.inside.bodies.slots();
+        s.fetch_places(s.own_on_device([&](std::uint32_t b) { return owners[b] != s.rank(); }));
         for (std::uint32_t other = 0; other < to.size(); ++other) {
             Handover handover;
             handover.memory = memory_of_part(memory, s.by_world, slots, owners, other);

@@ -165,6 +165,27 @@ void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
     state_->check_own({&body, 1});
     state_->local.set_motion(body, start, pose);
 }
+void World::set_device_positions(BodyId body, const Vec3f* positions) {
+    state_->check_own({&body, 1});
+    state_->local.set_device_positions(body, positions);
+}
+void World::set_device_positions(std::span<const BodyId> bodies, const Vec3f* positions) {
+    state_->check_own(bodies);
+    state_->local.set_device_positions(bodies, positions);
+}
+void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
+    state_->check_own({&body, 1});
+    state_->local.set_device_motion(body, start, positions);
+}
+void World::set_device_poses(std::span<const BodyId> bodies, const float* poses) {
+    state_->check_own(bodies);
+    state_->local.set_device_poses(bodies, poses);
+}
+void World::set_device_poses(std::span<const BodyId> bodies, const double* poses) {
+    state_->check_own(bodies);
+    state_->local.set_device_poses(bodies, poses);
+}
+void World::set_stream(void* stream) { state_->local.set_stream(stream); }
 void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
     state_->check_own({&body, 1});
     state_->local.set_mesh(body, mesh, positions);

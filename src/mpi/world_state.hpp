@@ -10,14 +10,17 @@
 #include <string>
 #include <vector>
 
+#include "core/body/fetched_place.hpp"
 #include "core/partition/partition.hpp"
 #include "core/partition/region.hpp"
+#include "core/partition/space_cut.hpp"
 #include "core/partition/space_partition.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/world/world_state.hpp"
 #include "mpi/communicator.hpp"
 #include "mpi/failure.hpp"
 #include "mpi/messages.hpp"
+#include "mpi/near_ranks.hpp"
 #include "pierce/mpi/world.hpp"
 
 namespace pierce::mpi {
@@ -26,9 +29,8 @@ using BodySlots = std::vector<SlotMap<BodyTag, BodyEntry>::Slot>;
 
 /// What this rank knows of another one, and has told it.
 struct OtherRank {
-    Region reach{std::vector<Box>{}};  ///< of its moving bodies
-    BodySet has;                       ///< own bodies that are its ghosts
-    std::set<std::uint64_t> meshes;    ///< keys of those that it got
+    std::vector<std::uint32_t> has;  ///< numbers of own bodies that are its ghosts, sorted
+    std::set<std::uint64_t> meshes;  ///< keys of those that it got
 };
 
 /// Where other ranks have seen a body last.
@@ -36,6 +38,14 @@ struct Told {
     std::uint64_t positions_version = 0;
     Pose pose;
 };
+
+/// A body where space is cut.
+struct PlacedBody {
+    std::uint32_t number = 0;
+    BodyFacts facts;
+    Box reach;
+};
+PlacedBody placed(std::uint32_t number, const BodyView& view, const Box& reach);
 
 /// What a World consists of; bodies of all ranks have their numbers as slots of `local`.
 struct World::State {
@@ -50,7 +60,11 @@ struct World::State {
     double cells_extent = 0;  ///< [length] of all cells when they were made
     std::vector<Box> reach;   ///< by number; of own bodies
     std::vector<Told> told;   ///< by number; of own bodies
+    BodySet refreshed_now;    ///< by number; bodies whose input may differ from the last step's
+    std::vector<std::uint32_t> on_device;  ///< own bodies whose reach the device has measured
+    std::map<std::uint32_t, FetchedPlace> fetched;  ///< by number; until others are fetched
     std::vector<OtherRank> others;
+    NearRanks near_ranks;      ///< what others' moving bodies reach
     std::vector<double> work;  ///< per rank, in the last step
 
     News news;
@@ -109,7 +123,20 @@ struct World::State {
 
     void take_in_news(const std::vector<std::string>& all);
     Summary summary();
-    GhostMessage message_to(std::uint32_t other);
+    void measure_on_device();
+    /// Brings places of own bodies from device memory; whole() and messages have them from there.
+    void fetch_places(const std::vector<std::uint32_t>& bodies);
+    void bring_places(std::vector<std::vector<NearBody>>& near);
+    /// False if a place that was fetched is none.
+    bool is_usable_there(std::uint32_t number) const;
+    /// Own bodies whose places are in device memory and that `wanted` is true for.
+    std::vector<std::uint32_t> own_on_device(
+        const std::function<bool(std::uint32_t number)>& wanted) const;
+    /// Per rank, the own bodies that are near it, by number.
+    std::vector<std::vector<NearBody>> near_bodies() const;
+    GhostMessage message_to(std::uint32_t other, const std::vector<NearBody>& near);
+    /// Adds where a body is now, if others do not know.
+    void add_moved(std::vector<MovedBody>& all, std::uint32_t number) const;
     void take_in(std::uint32_t from, GhostMessage message);
     /// Leaves out pairs that are not wanted, of bodies that are here; before a plan is made.
     void exclude_pairs();
@@ -137,20 +164,11 @@ struct World::State {
     StepMemory memory_to_share();
     /// What the next step is to remember, if it is not to be what the last one has left.
     StepMemory& to_remember();
-    /// Cuts space: each body's new owner, by number.
-    std::vector<std::uint32_t> cut();
+    /// Collective. What is to be known of all ranks' bodies to cut space.
+    std::vector<PlacedBody> all_placed() const;
+    /// Collective. Cuts space, as all ranks do: each body's new owner, by number.
+    std::vector<std::uint32_t> cut(std::span<const PlacedBody> all) const;
 };
-
-/// What has to be known of a body to cut space.
-struct PlacedBody {
-    std::uint32_t number = 0;
-    bool is_placed = false;
-    WeightedPoint point;
-};
-PlacedBody placed(std::uint32_t number, const BodyView& view, const Box& reach);
-
-/// Each body's owner if space is cut into equal parts, by number. `bodies`: sorted by number.
-std::vector<std::uint32_t> owners_of(std::span<const PlacedBody> bodies, std::size_t ranks);
 
 /// Of what is remembered, the pairs of one part. `owners`: by number.
 StepMemory memory_of_part(const StepMemory& all, bool by_world, const BodySlots& bodies,

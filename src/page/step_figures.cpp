@@ -29,12 +29,20 @@ nlohmann::json plan_figures(const Plan& plan) {
     std::string stages;
     for (StageId stage : plan.stages)
         stages.append(stages.empty() ? "" : ", ").append(name_of(stage));
+    nlohmann::json parts = nlohmann::json::array();
+    for (const PlannedPart& part : plan.parts)
+        parts.push_back({{"backend", part.backend},
+                         {"share", part.share},
+                         {"bodies", part.bodies},
+                         {"ghosts", part.ghosts},
+                         {"triangles", part.triangles}});
     return {{"fixed_bodies", plan.fixed_bodies},
             {"rigid_bodies", plan.rigid_bodies},
             {"deforming_bodies", plan.deforming_bodies},
             {"open_bodies", plan.open_bodies},
             {"sheets", plan.sheets},
-            {"stages", stages}};
+            {"stages", stages},
+            {"parts", parts}};
 }
 
 }  // namespace pierce::page

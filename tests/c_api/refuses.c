@@ -83,6 +83,9 @@ static void worlds(void) {
     backend.tree_builder = 5;
     REFUSES(pierce_create_world(NULL, &backend, &world), "backend.tree_builder");
     backend.tree_builder = 0;
+    backend.host_share = 0.1;
+    REFUSES(pierce_create_world(NULL, &backend, &world), "backend.host_share");
+    backend.host_share = 0;
     backend.parts = 2;
     REFUSES(pierce_create_world(NULL, &backend, &world), "thread");
     backend.struct_size = 3;
@@ -389,12 +392,12 @@ static void device(scene* s) {
     REFUSES(pierce_set_device_poses_float(w, &one, 1, f), "");
     REFUSES(pierce_set_stream(NULL, NULL), "world is null");
     REFUSES(pierce_set_stream(w, w), "");
-    REFUSES(pierce_device_contacts(NULL, &solids, &sheets), "world is null");
-    REFUSES(pierce_device_contacts(w, NULL, &sheets), "solids is null");
-    REFUSES(pierce_device_contacts(w, &solids, NULL), "sheets is null");
-    REFUSES(pierce_device_contacts(w, &solids, &sheets), "");
+    REFUSES(pierce_device_contacts(NULL, 0, &solids, &sheets), "world is null");
+    REFUSES(pierce_device_contacts(w, 0, NULL, &sheets), "solids is null");
+    REFUSES(pierce_device_contacts(w, 0, &solids, NULL), "sheets is null");
+    REFUSES(pierce_device_contacts(w, 0, &solids, &sheets), "");
     sheets.struct_size = 5;
-    REFUSES(pierce_device_contacts(w, &solids, &sheets), "struct_size");
+    REFUSES(pierce_device_contacts(w, 0, &solids, &sheets), "struct_size");
 }
 
 static void steps(scene* s) {

@@ -128,7 +128,7 @@ TEST(WholeApiTest, EveryFieldOfAStructIsThere) {
         "sheets", "feature_bits",         "velocity_rays", "margins",          "reprojects"};
     const std::vector<Counterpart> all{
         {"settings.hpp", "struct Settings {", "pierce_settings", {}, 10},
-        {"step_stats.hpp", "struct StepStats {", "pierce_step_stats", {}, 35},
+        {"step_stats.hpp", "struct StepStats {", "pierce_step_stats", {}, 36},
         {"body.hpp", "struct Collision {", "pierce_collision", {}, 4},
         {"filter.hpp", "struct Filter {", "pierce_filter", {}, 4},
         {"contact.hpp", "Contact {", "pierce_contact", {}, 25},
@@ -137,7 +137,8 @@ TEST(WholeApiTest, EveryFieldOfAStructIsThere) {
         {"overlap.hpp", "struct Overlap {", "pierce_common_volume", {}, 7},
         {"parting.hpp", "struct Parting {", "pierce_translation", {}, 2},
         {"explain.hpp", "struct Explanation {", "pierce_explanation", {}, 7},
-        {"plan.hpp", "struct Plan {", "pierce_plan_info", flags, 18},
+        {"plan.hpp", "struct PlannedPart {", "pierce_planned_part", {}, 6},
+        {"plan.hpp", "struct Plan {", "pierce_plan_info", flags, 19},
         {"mesh.hpp", "struct MeshOptions {", "pierce_mesh_options", {}, 4},
         {"mesh.hpp", "struct MeshTraits {", "pierce_mesh_info", {}, 6},
         {"inside.hpp", "struct MeshInside {", "pierce_mesh_info", {"rule"}, 8},

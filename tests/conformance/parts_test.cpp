@@ -13,20 +13,32 @@
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
 #include "pierce/partitioned_backend.hpp"
+#include "pierce/plan.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/step_stats.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
+#include "support/device_backend.hpp"
 #include "support/failing_backend.hpp"
 
 namespace pierce {
 namespace {
 
+/// Of four parts, the third one is shared by three others.
 std::unique_ptr<Backend> parts(int count) {
     std::vector<Part> all;
-    for (int k = 0; k < count; ++k)
-        all.push_back({.backend = k % 2 ? embree_backend(1) : bvh_backend(), .share = 1.0 + k});
+    for (int k = 0; k < count; ++k) {
+        std::unique_ptr<Backend> one = k % 2 ? embree_backend(1) : bvh_backend();
+        if (count == 4 && k == 2) one = parts(3);
+        all.push_back({.backend = std::move(one), .share = 1.0 + k});
+    }
     return partitioned_backend(std::move(all));
+}
+
+std::unique_ptr<Backend> device_and_host() {
+    std::vector<std::unique_ptr<Backend>> devices;
+    devices.push_back(std::make_unique<test::DeviceBackend>());
+    return partitioned_backend(std::move(devices), embree_backend(1), 0.4);
 }
 
 enum class Kind { rigid, soft, mixed, sheets };
@@ -141,6 +153,36 @@ TEST_P(PartsTest, GoOnWithOtherParts) {
         shared.world.detect();
         ASSERT_EQ(contact_hash(shared.world.contacts()), contact_hash(one.world.contacts()))
             << step;
+    }
+}
+
+TEST(DeviceAndHostTest, FindWhatOneBackendFinds) {
+    for (const Temporal temporal : {Temporal::certified, Temporal::paper}) {
+        const Case tested{Kind::mixed, {.temporal = temporal}, ""};
+        Swarms one(bvh_backend(), tested), both(device_and_host(), tested);
+        EXPECT_TRUE(both.world.plan().parts[0].on_device);
+        EXPECT_FALSE(both.world.plan().parts[1].on_device);
+        std::uint32_t ghosts = 0;
+        for (int step = 0; step < 30; ++step) {
+            for (Swarms* swarms : {&one, &both}) {
+                if (step != 20) swarms->put(step);  // in one step, nothing changes
+                swarms->world.detect();
+            }
+            ASSERT_EQ(contact_hash(both.world.contacts()), contact_hash(one.world.contacts()))
+                << step;
+            const std::vector<PlannedPart>& parts = both.world.plan().parts;
+            EXPECT_GT(parts[0].bodies, parts[1].bodies);
+            EXPECT_EQ(parts[0].bodies + parts[1].bodies, one.world.body_boxes().size());
+            EXPECT_GT(parts[1].triangles, 0u);
+            ghosts += parts[0].ghosts + parts[1].ghosts;
+            EXPECT_EQ(both.world.stats().part_milliseconds.size(), 2u);
+        }
+        EXPECT_GT(ghosts, 10u);
+        // The host cannot read these, and the device cannot call that.
+        const Pose pose;
+        const BodyId body = both.world.body_boxes()[1].body;
+        EXPECT_THROW(both.world.set_device_poses({&body, 1}, &pose.position.x), InputError);
+        EXPECT_THROW(both.world.set_pair_filter([](BodyId, BodyId) { return true; }), InputError);
     }
 }
 

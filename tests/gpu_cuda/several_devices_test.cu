@@ -3,15 +3,20 @@
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <span>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "gpu_cuda/cuda_check.hpp"
 #include "gpu_cuda/on_device.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/cuda_backend.hpp"
+#include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
@@ -34,8 +39,9 @@ public:
         check(cudaMalloc(&data_, count * sizeof(T)), "an array");
     }
     ~ArrayThere() { cudaFree(data_); }
-    void write(const std::vector<T>& from) {
-        check(cudaMemcpy(data_, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice),
+    void write(const std::vector<T>& from, cudaStream_t stream) {
+        check(cudaMemcpyAsync(data_, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice,
+                              stream),
               "a copy");
     }
     const T* data() const { return data_; }
@@ -43,6 +49,47 @@ public:
 private:
     T* data_ = nullptr;
 };
+
+/// A stream of a device on which what is written is late.
+class LateStream {
+public:
+    explicit LateStream(int device) {
+        const cuda::OnDevice there(device);
+        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "a stream");
+    }
+    ~LateStream() { cudaStreamDestroy(stream_); }
+    cudaStream_t get() const { return stream_; }
+    void be_late() {
+        check(cudaLaunchHostFunc(
+                  stream_, [](void*) { std::this_thread::sleep_for(std::chrono::milliseconds(3)); },
+                  nullptr),
+              "a delay");
+    }
+
+private:
+    cudaStream_t stream_ = nullptr;
+};
+
+/// The contacts that all devices have, in the order of one world.
+std::vector<Contact> contacts_of_devices(const World& world, std::uint32_t devices,
+                                         cudaStream_t stream) {
+    std::vector<Contact> all;
+    for (std::uint32_t part = 0; part < devices; ++part) {
+        const DeviceContactList list = world.device_contacts(part).solids;
+        std::uint32_t count = 0;
+        check(cudaMemcpyAsync(&count, list.count, sizeof count, cudaMemcpyDeviceToHost, stream),
+              "a count");
+        check(cudaStreamSynchronize(stream), "waiting");
+        const std::size_t before = all.size();
+        all.resize(before + count);
+        check(cudaMemcpyAsync(all.data() + before, list.records, count * sizeof(Contact),
+                              cudaMemcpyDeviceToHost, stream),
+              "contacts");
+        check(cudaStreamSynchronize(stream), "waiting");
+    }
+    std::ranges::stable_sort(all, {}, [](const Contact& c) { return std::pair(c.a, c.b); });
+    return all;
+}
 
 class SeveralDevicesTest : public testing::TestWithParam<Coverage> {
 protected:
@@ -87,6 +134,9 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
                                                ArrayThere<Vec3f>(0, half * vertices)};
     ArrayThere<double> poses(last_, 7 * rigid.size());
     std::size_t contacts = 0;
+    LateStream stream(last_);
+    there.set_stream(stream.get());
+    EXPECT_THROW(there.device_contacts(3), InputError);
     for (int step = 0; step < 40; ++step) {
         std::array<std::vector<Vec3f>, 2> moved;
         std::vector<double> numbers;
@@ -104,8 +154,9 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
                 list.insert(list.end(), all.begin(), all.end());
             }
         }
-        for (int k = 0; k < 2; ++k) positions[k].write(moved[k]);
-        poses.write(numbers);
+        stream.be_late();
+        for (int k = 0; k < 2; ++k) positions[k].write(moved[k], stream.get());
+        poses.write(numbers, stream.get());
         if (step == 0) {
             const std::span<const BodyId> all(soft);
             there.set_device_positions(all.first(half), positions[0].data());
@@ -114,6 +165,9 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
         }
         there.detect();
         here.detect();
+        EXPECT_EQ(contact_hash(contacts_of_devices(there, 3, stream.get())),
+                  contact_hash(here.contacts()))
+            << step;
         EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts())) << step;
         contacts += here.contacts().size();
     }

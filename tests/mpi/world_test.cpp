@@ -15,10 +15,12 @@
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
 #include "pierce/mpi/ranks_backend.hpp"
+#include "pierce/partitioned_backend.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/step_stats.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
+#include "support/device_memory.hpp"
 #include "support/failing_backend.hpp"
 
 namespace pierce {
@@ -110,9 +112,15 @@ private:
 template <class AnyWorld>
 class Flight {
 public:
-    Flight(AnyWorld its_world, const Case& tested, int first_rank, int ranks)
-        : world(std::move(its_world)), swarms_(tested), rank_(first_rank), ranks_(ranks) {
+    Flight(AnyWorld its_world, const Case& tested, int first_rank, int ranks,
+           bool on_device = false)
+        : world(std::move(its_world)),
+          swarms_(tested),
+          rank_(first_rank),
+          ranks_(ranks),
+          on_device_(on_device) {
         ids_.resize(Swarms::bodies);
+        there_.resize(Swarms::bodies);
     }
 
     AnyWorld world;
@@ -163,8 +171,15 @@ public:
             soft5_ = true;
         }
         for (int b = 1; b < Swarms::bodies; ++b) {
-            if (Swarms::rests(b, step) || !has(b)) continue;
             const BodyId id = ids_[static_cast<std::size_t>(b)];
+            Place& there = there_[static_cast<std::size_t>(b)];
+            if (!has(b)) there = {};
+            there.start = there.positions;
+            if (Swarms::rests(b, step) || !has(b)) continue;
+            if (on_device_ && b != 5) {
+                put_on_device(there, id, b, step);
+                continue;
+            }
             if (swarms_.kind() == Kind::torn && (step + b) % 11 == 3) {
                 MeshData cut = swarms_.ring();
                 cut.triangles.resize(cut.triangles.size() - static_cast<std::size_t>(step % 7));
@@ -200,6 +215,33 @@ public:
     }
 
 private:
+    /// Where a body is, in what passes for a device's memory.
+    struct Place {
+        test::SharedVector<Vec3f> positions, start;
+        test::SharedVector<double> pose;
+    };
+
+    /// The world is told where a place is once, and reads it from then on.
+    void put_on_device(Place& there, BodyId id, int b, int step) {
+        const bool is_told = !there.positions.empty() || !there.pose.empty();
+        if (swarms_.is_soft(b)) {
+            const std::vector<Vec3f> now = swarms_.positions(b, step);
+            there.positions.assign(now.begin(), now.end());
+            // A body that has just come begins where it is.
+            if (!is_told) there.start = there.positions;
+            if (is_told) return;
+            if (swarms_.kind() == Kind::sheets)
+                world.set_device_motion(id, there.start.data(), there.positions.data());
+            else
+                world.set_device_positions(id, there.positions.data());
+            return;
+        }
+        const auto [position, rotation] = Swarms::pose(b, step);
+        there.pose = {position.x, position.y, position.z, rotation.x,
+                      rotation.y, rotation.z, rotation.w};
+        if (!is_told) world.set_device_poses({&id, 1}, there.pose.data());
+    }
+
     template <class Add>
     BodyId add(int b, const Add& add) {
         if constexpr (std::is_same_v<AnyWorld, mpi::World>)
@@ -215,8 +257,10 @@ private:
 
     Swarms swarms_;
     int rank_, ranks_;
+    bool on_device_;
     bool soft5_ = false;
     std::vector<BodyId> ids_;
+    std::vector<Place> there_;  ///< per body
 };
 
 using One = Flight<World>;
@@ -225,10 +269,21 @@ using Many = Flight<mpi::World>;
 One one_world(const Case& tested) {
     return {World(embree_backend(1), tested.settings), tested, 0, 0};
 }
+/// Rank 2 shares its bodies between two backends.
+std::unique_ptr<Backend> backend_of(int rank) {
+    if (rank == 2) return partitioned_backend(2, 2, [](int) { return bvh_backend(); });
+    return rank % 2 ? embree_backend(1) : bvh_backend();
+}
 Many many_ranks(const Case& tested, MPI_Comm comm) {
     const int rank = rank_of(comm);
-    return {mpi::World(comm, rank % 2 ? embree_backend(1) : bvh_backend(), tested.settings), tested,
-            rank, size_of(comm)};
+    return {mpi::World(comm, backend_of(rank), tested.settings), tested, rank, size_of(comm)};
+}
+/// Ranks with bodies in what passes for a device's memory, beside ranks without.
+Many ranks_with_devices(const Case& tested) {
+    const int rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
+    std::unique_ptr<Backend> backend = rank % 2 ? backend_of(rank) : test::device_backend();
+    return {mpi::World(MPI_COMM_WORLD, std::move(backend), tested.settings), tested, rank, ranks,
+            rank % 2 == 0};
 }
 
 /// Runs a step in both, and compares on rank 0.
@@ -276,6 +331,20 @@ TEST_P(RanksTest, FindWhatOneWorldFinds) {
     if (many.world.ranks() > 1) {
         EXPECT_GT(sum(elsewhere, MPI_COMM_WORLD), 100u) << "pairs cross borders";
         EXPECT_GT(sum(migrated, MPI_COMM_WORLD), 20u) << "bodies change owners";
+    }
+}
+
+TEST_P(RanksTest, FindWhatOneWorldFindsWithPlacesOnDevices) {
+    if (GetParam().kind == Kind::torn || GetParam().kind == Kind::sheets) return;
+    One one = one_world(GetParam());
+    Many many = ranks_with_devices(GetParam());
+    one.add_all();
+    many.add_all();
+    for (int step = 0; step < 40; ++step) {
+        one.put(step);
+        many.put(step);
+        if (step % 9 == 4) many.world.migrate();
+        ASSERT_TRUE(same_step(one, many, MPI_COMM_WORLD)) << step;
     }
 }
 

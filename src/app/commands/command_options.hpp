@@ -110,6 +110,10 @@ inline void add_rays(CLI::App& command, scenes::RaySettings& rays) {
                     "so many backends share the bodies; of cuda one per device")
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
+    command
+        .add_option("--host-share", rays.host_share,
+                    "the processors do so much of one device's work beside cuda, such as 0.02")
+        ->check(CLI::PositiveNumber);
     add_inside(command, rays.inside);
     command
         .add_option("--mesh-cache", rays.mesh_cache,

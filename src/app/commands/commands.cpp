@@ -111,6 +111,8 @@ int show_plan(const RunOptions& options) {
                                  : plan.settings.temporal == Temporal::paper
                                      ? "hits, and walks on from them between full passes"
                                      : "hits and proofs, and leaves out what they make needless");
+    for (const PlannedPart& part : plan.parts)
+        fmt::print("part      {}: {:g} of the work\n", part.backend, part.share);
     for (const std::string& note : plan.notes) fmt::print("note      {}\n", note);
     return 0;
 }

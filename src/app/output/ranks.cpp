@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <thread>
@@ -61,7 +62,9 @@ int Ranks::finish(int code) const {
         if (code != 0 && steady_clock::now() - begin > patience) MPI_Abort(MPI_COMM_WORLD, code);
         if (are_here == 0) std::this_thread::sleep_for(milliseconds(1));
     }
-    // The launcher ends the others as soon as one exits with a failure.
+    // The launcher ends the others as soon as one exits with a failure. All of them have ended by
+    // themselves, and have nothing to say about that.
+    std::signal(SIGTERM, SIG_IGN);
     return is_first_rank() ? worst : 0;
 }
 

@@ -21,14 +21,13 @@ bool has_others(const BodySet& bodies, const BodySet& known) {
 void PartScene::show(const Scene& whole, const Partition& partition, bool anew) {
     const BodySet& near = partition.near(part_);
     if (!anew && has(near)) return update(whole, {whole.changed.data, whole.changed.size}, near);
-    settle(whole, partition.owners(), partition.residents(part_));
+    settle(whole, partition, partition.residents(part_));
     std::vector<std::uint32_t> all(whole.bodies.size);
     std::iota(all.begin(), all.end(), 0u);
     update(whole, all, near);
 }
 
-void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners,
-                       BodySet resident) {
+void PartScene::settle(const Scene& whole, const Partition& partition, BodySet resident) {
     ++revision_;
     resident_ = std::move(resident);
     const std::size_t count = whole.bodies.size;
@@ -38,6 +37,7 @@ void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners
     views_.assign(count, nobody);
     ids_.assign(count, {});
     near_.assign(count, 0);
+    own_.assign(count, 0);
     shapes_.resize(count);
     blocks_.assign(count, {});
     patches_.assign(count, {});
@@ -45,7 +45,7 @@ void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners
     box_nodes_.assign(count, {});
     for (std::uint32_t b = 0; b < count; ++b) {
         if (resident_[b])
-            place(whole, b, owners[b]);
+            place(whole, b, partition);
         else
             shapes_[b] = {};
     }
@@ -54,12 +54,13 @@ void PartScene::settle(const Scene& whole, std::span<const std::uint32_t> owners
     plan_ = {};
 }
 
-void PartScene::place(const Scene& whole, std::uint32_t b, std::uint32_t owner) {
+void PartScene::place(const Scene& whole, std::uint32_t b, const Partition& partition) {
+    own_[b] = partition.owners()[b] == part_;
     views_[b] = whole.bodies[b];
-    views_[b].part = owner;
+    views_[b].part = partition.pair_part(b);
     ids_[b] = whole.ids[b];
     if (views_[b].motion != Motion::deforming) return;
-    if (owner == part_) {
+    if (own_[b]) {
         shapes_[b] = {};
         blocks_[b] = whole.blocks[b];
         patches_[b] = whole.patches[b];
@@ -109,6 +110,16 @@ bool PartScene::has(const BodySet& bodies) const {
     return bodies.size() == resident_.size() && !has_others(bodies, resident_);
 }
 
+PartScene::Sizes PartScene::sizes() const {
+    Sizes sizes;
+    for (std::uint32_t b = 0; b < views_.size(); ++b) {
+        if (!ids_[b] || !near_[b]) continue;
+        ++(own_[b] ? sizes.own : sizes.ghosts);
+        sizes.triangles += views_[b].mesh.triangles.size;
+    }
+    return sizes;
+}
+
 void PartScene::update(const Scene& whole, std::span<const std::uint32_t> changed,
                        const BodySet& near) {
     const bool replans = plan_.revision != revision_ ||
@@ -119,8 +130,8 @@ void PartScene::update(const Scene& whole, std::span<const std::uint32_t> change
         for (std::uint32_t b = 0; b < seen_.size(); ++b) {
             seen_[b] = {};
             if (!resident_[b] || whole.seen[b].size == 0) continue;
-            shapes_[b].seen.resize(is_own(b) ? 0 : whole.seen[b].size);
-            seen_[b] = is_own(b) ? whole.seen[b] : view_of(shapes_[b].seen);
+            shapes_[b].seen.resize(own_[b] ? 0 : whole.seen[b].size);
+            seen_[b] = own_[b] ? whole.seen[b] : view_of(shapes_[b].seen);
         }
     }
     changed_.clear();
@@ -137,7 +148,7 @@ void PartScene::update(const Scene& whole, std::span<const std::uint32_t> change
             if (near[b] <= near_[b]) continue;
             near_[b] = 1;
             views_[b].active = whole.bodies[b].active;
-            if (!is_own(b)) arrived_.push_back(b);
+            if (!own_[b]) arrived_.push_back(b);
             changed_.push_back(b);
         }
     std::ranges::sort(changed_);

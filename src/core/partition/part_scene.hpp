@@ -33,6 +33,13 @@ public:
     /// For the part's step.
     Scene scene(const Scene& whole);
 
+    struct Sizes {
+        std::uint32_t own = 0, ghosts = 0;  ///< bodies
+        std::uint64_t triangles = 0;        ///< of both
+    };
+    /// How much of the scene takes part.
+    Sizes sizes() const;
+
     View<BodyView> bodies() { return view_of(views_); }
     View<const BodyId> ids() const { return view_of(ids_); }
     View<const View<SeenPatch>> seen() const { return view_of(seen_); }
@@ -48,22 +55,21 @@ private:
         std::vector<SeenPatch> seen;
     };
 
-    /// Makes bodies resident, and forgets all others. `owners`: each body's part.
-    void settle(const Scene& whole, std::span<const std::uint32_t> owners, BodySet resident);
+    /// Makes bodies resident, and forgets all others.
+    void settle(const Scene& whole, const Partition& partition, BodySet resident);
     /// True if all of these bodies are resident.
     bool has(const BodySet& bodies) const;
     /// Brings the residents up to date. `changed`: bodies whose input may differ since the last
     /// call or settle().
     void update(const Scene& whole, std::span<const std::uint32_t> changed, const BodySet& near);
 
-    bool is_own(std::uint32_t body) const { return views_[body].part == part_; }
-    void place(const Scene& whole, std::uint32_t body, std::uint32_t owner);
+    void place(const Scene& whole, std::uint32_t body, const Partition& partition);
     void list_items(const Scene& whole);
     void arrange_worlds(const Scene& whole);
 
     std::uint32_t part_;
     std::uint64_t revision_ = 0;
-    BodySet resident_, near_;
+    BodySet resident_, near_, own_;
     std::vector<std::uint32_t> arrived_, changed_;
     Plan plan_;
     std::vector<BodyView> views_;

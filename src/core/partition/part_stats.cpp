@@ -50,6 +50,7 @@ std::span<std::uint32_t StepStats::*const> added_counts() { return counts; }
 void add_parts(std::span<const StepStats> parts, StepStats& whole) {
     double depths = 0;
     for (const StepStats& part : parts) {
+        whole.part_milliseconds.push_back(part.milliseconds);
         for (const auto count : counts) whole.*count += part.*count;
         whole.status |= part.status;
         whole.triangle_tests += part.triangle_tests;

@@ -1,12 +1,11 @@
 #include "core/partition/partition.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/body/body_view.hpp"
 #include "core/body/reach.hpp"
 #include "core/partition/body_reach.hpp"
-#include "core/partition/region.hpp"
-#include "core/partition/space_partition.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
@@ -48,7 +47,8 @@ void Partition::note(const Scene& scene, std::uint32_t b) {
                  .exists = exists,
                  .active = active,
                  .moves = body.motion != Motion::fixed,
-                 .on_device = is_on_device(body)};
+                 .on_device = is_on_device(body),
+                 .is_ghost = body.part != scene.part};
     reach_[b] = active && !facts_[b].on_device ? reach_on_host(body, scene.plan->settings) : Box{};
     if (b < looked_.size()) grown_ = std::max(grown_, growth_of(looked_[b], reach_[b]));
 }
@@ -67,7 +67,7 @@ void Partition::list_measured(const Scene& scene) {
     for (Measured& m : measured_) m = {{}, {}, m.revision + 1};
     for (std::uint32_t b = 0; b < scene.bodies.size; ++b) {
         if (!facts_[b].active || !facts_[b].on_device) continue;
-        Measured& m = measured_[b < owners_.size() ? owners_[b] : b % parts()];
+        Measured& m = measured_[b < owners().size() ? owners()[b] : b % parts()];
         m.bodies.push_back(b);
         m.more.push_back(reach_beyond_points(scene.bodies[b], scene.plan->settings));
     }
@@ -75,7 +75,7 @@ void Partition::list_measured(const Scene& scene) {
 }
 
 void Partition::look_around(std::uint32_t part) {
-    near_[part] = seen_from(part, spare(), &loads_[part]);
+    near_[part] = space_.seen_from(part, facts_, reach_, spare(), &loads_[part]);
 }
 
 double Partition::worst_load() const {
@@ -91,19 +91,12 @@ bool Partition::cut(const Scene& scene) {
     planned_ = scene.plan->revision;
     note_looked();
     if (same_bodies && worst_load() <= constants::uneven_parts * worst_at_first_) return false;
-    owners_before_ = owners_;
-    // Ghosts are work, too: parts that see more of them get less.
+    owners_before_.assign(owners().begin(), owners().end());
     std::vector<double> shares = shares_;
     for (std::uint32_t round = 0; round < constants::cut_rounds; ++round) {
-        divide(shares);
-        double all = 0, wanted = 0;
-        for (std::uint32_t part = 0; part < parts(); ++part) {
-            look_around(part);
-            all += loads_[part];
-            wanted += shares_[part];
-        }
-        for (std::uint32_t part = 0; part < parts(); ++part)
-            if (loads_[part] > 0) shares[part] *= all * shares_[part] / (wanted * loads_[part]);
+        space_.divide(facts_, reach_, shares);
+        for (std::uint32_t part = 0; part < parts(); ++part) look_around(part);
+        shares = corrected_shares(std::move(shares), shares_, loads_);
     }
     worst_at_first_ = worst_load();
     known_.assign(scene.ids.begin(), scene.ids.end());
@@ -111,60 +104,8 @@ bool Partition::cut(const Scene& scene) {
     return true;
 }
 
-void Partition::divide(const std::vector<double>& shares) {
-    std::vector<WeightedPoint> points(facts_.size());
-    Vec3d last;
-    double extents = 0;
-    for (std::uint32_t b = 0; b < facts_.size(); ++b) {
-        const Box& box = reach_[b];
-        extents += box.extent();
-        // Bodies that take no part go with the one before them.
-        if (!box.empty()) last = box.center();
-        points[b] = {last, box.empty() ? 0 : facts_[b].weight};
-    }
-    mean_extent_ = extents / std::max<double>(1, static_cast<double>(facts_.size()));
-    owners_ = divide_space(points, shares);
-    owned_.assign(parts(), {});
-    for (std::uint32_t b = 0; b < facts_.size(); ++b)
-        if (facts_[b].exists)
-            owned_[owners_[b]].push_back({.body = b,
-                                          .cell = 0,
-                                          .weight = facts_[b].active ? facts_[b].weight : 0,
-                                          .moves = facts_[b].moves});
-    const std::vector<double> equal(constants::part_cells, 1.0);
-    for (std::vector<Owned>& owned : owned_) {
-        std::vector<WeightedPoint> places;
-        places.reserve(owned.size());
-        for (const Owned& own : owned) places.push_back(points[own.body]);
-        const std::vector<std::uint32_t> cells = divide_space(places, equal);
-        for (std::size_t k = 0; k < owned.size(); ++k) owned[k].cell = cells[k];
-    }
-}
-
 BodySet Partition::residents(std::uint32_t part) const {
-    return seen_from(part, constants::spare_reach * mean_extent_, nullptr);
-}
-
-BodySet Partition::seen_from(std::uint32_t part, double more, double* load) const {
-    BodySet seen(facts_.size(), 0);
-    if (owned_.empty() || owners_.size() != facts_.size()) return seen;
-    Region region(constants::part_cells, mean_extent_);
-    double weight = 0;
-    for (const Owned& own : owned_[part]) {
-        seen[own.body] = 1;
-        weight += own.weight;
-        if (own.moves) region.add(own.cell, reach_[own.body]);
-    }
-    region.close(more);
-    for (std::uint32_t b = 0; b < facts_.size(); ++b) {
-        // Pairs of two moving bodies belong to the lower one of their parts.
-        const bool may_be_pair = owners_[b] > part || (owners_[b] < part && !facts_[b].moves);
-        if (!may_be_pair || !region.meets(reach_[b])) continue;
-        seen[b] = 1;
-        weight += facts_[b].weight;
-    }
-    if (load != nullptr) *load = weight;
-    return seen;
+    return space_.seen_from(part, facts_, reach_, 2 * spare(), nullptr);
 }
 
 }  // namespace pierce

@@ -6,13 +6,11 @@
 
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/partition/space_cut.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
-
-/// Per body: 1 if it belongs to a set of bodies, else 0.
-using BodySet = std::vector<std::uint8_t>;
 
 /// Bodies with places in device memory, whose reach a part is to measure.
 struct Measured {
@@ -29,8 +27,13 @@ public:
     explicit Partition(std::vector<double> shares);
 
     std::uint32_t parts() const { return static_cast<std::uint32_t>(shares_.size()); }
+    std::span<const double> shares() const { return shares_; }
     /// Each body's part; empty before the first cut().
-    std::span<const std::uint32_t> owners() const { return owners_; }
+    std::span<const std::uint32_t> owners() const { return space_.owners(); }
+    /// The part that counts for a body's pairs (SpaceCut).
+    std::uint32_t pair_part(std::uint32_t body) const {
+        return space_.pair_part(facts_[body], body);
+    }
 
     /// The same before the last cut.
     std::span<const std::uint32_t> owners_before() const { return owners_before_; }
@@ -59,42 +62,24 @@ public:
     BodySet residents(std::uint32_t part) const;
 
 private:
-    /// What is read of a body in every step.
-    struct Facts {
-        float weight = 0;
-        bool exists = false, active = false, moves = false, on_device = false;
-    };
-
-    /// A body of a part, and one of the part's cells, which are compact, too.
-    struct Owned {
-        std::uint32_t body = 0, cell = 0;
-        float weight = 0;
-        bool moves = false;
-    };
-
     void note(const Scene& scene, std::uint32_t body);
     void list_measured(const Scene& scene);
-    void divide(const std::vector<double>& shares);
     double worst_load() const;
     /// [length] How much further than bodies reach parts look for ghosts.
-    double spare() const { return 0.5 * constants::spare_reach * mean_extent_; }
+    double spare() const { return 0.5 * constants::spare_reach * space_.mean_extent(); }
     void note_looked();
-    /// The bodies of a part, and those that come within `more` [length] of its reach.
-    /// `load`: where the weight of all these goes; null: nowhere.
-    BodySet seen_from(std::uint32_t part, double more, double* load) const;
 
     std::vector<double> shares_;
     // Per body.
-    std::vector<Facts> facts_;
+    std::vector<BodyFacts> facts_;
     std::vector<Box> reach_;   ///< empty if it takes no part
     std::vector<Box> looked_;  ///< the same when parts last looked around
     double grown_ = 0;         ///< [length] the most that reach has grown since
-    std::vector<std::uint32_t> owners_, owners_before_;
+    std::vector<std::uint32_t> owners_before_;
     std::vector<BodyId> known_;  ///< whom the owner was chosen for
     std::uint64_t planned_ = 0;  ///< revision of the plan of the last cut()
-    double mean_extent_ = 0;
+    SpaceCut space_;
     // Per part.
-    std::vector<std::vector<Owned>> owned_;
     std::vector<Measured> measured_;
     bool measures_ = false;  ///< there is something to measure
     std::vector<BodySet> near_;

@@ -1,6 +1,7 @@
 #include "pierce/partitioned_backend.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "core/base/crew.hpp"
 #include "core/body/body_view.hpp"
+#include "core/body/fetched_place.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/partition/contact_order.hpp"
@@ -25,8 +27,10 @@
 #include "core/trace/ray.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/contact.hpp"
+#include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
+#include "pierce/plan.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/step_stats.hpp"
 
@@ -60,10 +64,41 @@ public:
         for (const Share& part : parts_) text += "; " + part.backend->description();
         return text;
     }
-    bool runs_on_device() const override { return parts_[0].backend->runs_on_device(); }
+    bool runs_on_device() const override {
+        return std::ranges::all_of(parts_, &PartitionedBackend::is_on_device);
+    }
+    bool calls_pair_filters() const override {
+        return std::ranges::all_of(
+            parts_, [](const Share& part) { return part.backend->calls_pair_filters(); });
+    }
+    std::vector<PlannedPart> parts() const override {
+        std::vector<PlannedPart> all;
+        all.reserve(parts_.size());
+        for (const Share& part : parts_) {
+            const auto [own, ghosts, triangles] = part.scene.sizes();
+            all.push_back({.backend = part.backend->description(),
+                           .on_device = is_on_device(part),
+                           .share = partition_.shares()[part.number],
+                           .bodies = own,
+                           .ghosts = ghosts,
+                           .triangles = triangles});
+        }
+        return all;
+    }
     bool certificates_pay() const override {
         return std::ranges::all_of(
             parts_, [](const Share& part) { return part.backend->certificates_pay(); });
+    }
+
+    void set_stream(void* stream) override {
+        for (Share& part : parts_) part.backend->set_stream(stream);
+    }
+
+    DeviceContacts device_contacts(std::uint32_t part, std::uint32_t worlds) override {
+        if (part >= parts_.size())
+            throw InputError("there is no part " + std::to_string(part) + " among " +
+                             std::to_string(parts_.size()));
+        return parts_[part].backend->device_contacts(0, worlds);
     }
 
     void step(const Scene& whole, StepStats& stats) override {
@@ -82,7 +117,7 @@ public:
     }
 
     bool step_at_rest() override {
-        if (runs_on_device()) return false;
+        if (std::ranges::any_of(parts_, &PartitionedBackend::is_on_device)) return false;
         for (Share& part : parts_)
             if (!part.backend->step_at_rest()) return false;
         merged_ = false;
@@ -100,7 +135,26 @@ public:
 
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
                             std::uint32_t vertex) const override {
-        return parts_[part_of(bodies, pair)].backend->certificate(bodies, pair, side, vertex);
+        const std::uint32_t part = part_of(bodies, pair);
+        if (part == parts_.size()) return {};
+        return parts_[part].backend->certificate(bodies, pair, side, vertex);
+    }
+
+    /// Of several devices, each reads the memory of all.
+    double measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
+                         View<const double> more, bool anew) override {
+        if (!runs_on_device()) return Backend::measure_reach(bodies, some, more, anew);
+        parts_[0].measured = 0;  // it measures its own bodies anew
+        return parts_[0].backend->measure_reach(bodies, some, more, true);
+    }
+    void fetch_reach(View<const std::uint32_t> some, View<Box> reach) override {
+        if (!runs_on_device()) return Backend::fetch_reach(some, reach);
+        parts_[0].backend->fetch_reach(some, reach);
+    }
+    View<const FetchedPlace> fetch_places(View<const BodyView> bodies,
+                                          View<const std::uint32_t> some) override {
+        if (!runs_on_device()) return Backend::fetch_places(bodies, some);
+        return parts_[0].backend->fetch_places(bodies, some);
     }
 
     void fetch_bodies(View<BodyView> bodies) const override {
@@ -138,10 +192,12 @@ private:
         double grown = 0;            ///< [length] the most that what it measures has
     };
 
+    static bool is_on_device(const Share& part) { return part.backend->runs_on_device(); }
+
+    /// Which part looks at a pair; one more than there are if none does.
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
-        const std::span<const std::uint32_t> owners = partition_.owners();
-        return part_of_pair(bodies[pair.a].motion, owners[pair.a], bodies[pair.b].motion,
-                            owners[pair.b]);
+        return part_of_pair(bodies[pair.a].motion, partition_.pair_part(pair.a),
+                            bodies[pair.b].motion, partition_.pair_part(pair.b));
     }
 
     void find_contacts(const Scene& whole, StepStats& stats) {
@@ -161,9 +217,13 @@ private:
             hand_out(whole, std::move(memory), moved);
         }
         for_each_part(true, [&](Share& part) {
+            const auto begin = std::chrono::steady_clock::now();
             part.stats = {};
             if (!hands_out) show_to(part);
             part.backend->step(part.scene.scene(whole), part.stats);
+            part.stats.milliseconds = std::chrono::duration<double, std::milli>(
+                                          std::chrono::steady_clock::now() - begin)
+                                          .count();
         });
         std::vector<StepStats> of_parts;
         of_parts.reserve(parts_.size());
@@ -296,8 +356,6 @@ std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
         if (!part.backend) throw InputError("a part of a partitioned backend has no backend");
         if (!(part.share > 0) || std::isinf(part.share))
             throw InputError("the share of a part must be positive and finite");
-        if (part.backend->runs_on_device() != parts[0].backend->runs_on_device())
-            throw InputError("either all parts run on a device, or none");
     }
     return std::make_unique<PartitionedBackend>(std::move(parts));
 }
@@ -313,6 +371,16 @@ std::unique_ptr<Backend> partitioned_backend(
     equal.reserve(parts);
     for (std::uint32_t k = 0; k < parts; ++k) equal.push_back({.backend = make(each)});
     return partitioned_backend(std::move(equal));
+}
+
+std::unique_ptr<Backend> partitioned_backend(std::vector<std::unique_ptr<Backend>> devices,
+                                             std::unique_ptr<Backend> host, double share) {
+    std::vector<Part> parts;
+    parts.reserve(devices.size() + 1);
+    for (std::unique_ptr<Backend>& device : devices)
+        parts.push_back({.backend = std::move(device)});
+    parts.push_back({.backend = std::move(host), .share = share});
+    return partitioned_backend(std::move(parts));
 }
 
 }  // namespace pierce

@@ -16,8 +16,6 @@ class Region {
 public:
     Region(std::uint32_t cells, double mean_extent)
         : large_(constants::large_body * mean_extent), cells_(cells) {}
-    /// What boxes() of another one, closed with `more` = 0, has told.
-    explicit Region(std::vector<Box> boxes) : cells_(std::move(boxes)) { close(0); }
 
     void add(std::uint32_t cell, const Box& box) {
         if (length_squared(box.upper - box.lower) > large_ * large_)

@@ -4,17 +4,20 @@
 #include <vector>
 
 #include "core/body/body_view.hpp"
+#include "core/body/fetched_place.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/box.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
+#include "pierce/plan.hpp"
 
 namespace pierce {
 
+std::vector<PlannedPart> Backend::parts() const { return {}; }
 void Backend::set_stream(void*) { throw InputError("this backend has no streams"); }
-DeviceContacts Backend::device_contacts(std::uint32_t) {
+DeviceContacts Backend::device_contacts(std::uint32_t, std::uint32_t) {
     throw InputError("this backend has no contacts in device memory");
 }
 double Backend::measure_reach(View<const BodyView>, View<const std::uint32_t>, View<const double>,
@@ -22,6 +25,9 @@ double Backend::measure_reach(View<const BodyView>, View<const std::uint32_t>, V
     throw InputError("this backend reads no places in device memory");
 }
 void Backend::fetch_reach(View<const std::uint32_t>, View<Box>) {
+    throw InputError("this backend reads no places in device memory");
+}
+View<const FetchedPlace> Backend::fetch_places(View<const BodyView>, View<const std::uint32_t>) {
     throw InputError("this backend reads no places in device memory");
 }
 std::shared_ptr<const Contact> Backend::keep_contacts() {

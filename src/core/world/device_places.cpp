@@ -80,10 +80,11 @@ void World::set_stream(void* stream) {
     state_->backend->set_stream(stream);
 }
 
-DeviceContacts World::device_contacts() const {
+DeviceContacts World::device_contacts(std::uint32_t part) const {
     require_device(*state_->backend, "contacts");
     state_->check_stepped("device_contacts");
-    return state_->backend->device_contacts(static_cast<std::uint32_t>(state_->worlds.size()));
+    return state_->backend->device_contacts(part,
+                                            static_cast<std::uint32_t>(state_->worlds.size()));
 }
 
 }  // namespace pierce

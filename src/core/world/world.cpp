@@ -359,6 +359,7 @@ const StepStats& World::stats() const { return state_->stats; }
 
 const Plan& World::plan() {
     if (!state_->planned) state_->make_plan();
+    state_->plan.parts = state_->backend->parts();
     return state_->plan;
 }
 

@@ -62,8 +62,8 @@ void World::include(BodyId a, BodyId b) {
 }
 
 void World::set_pair_filter(PairFilter filter) {
-    if (filter && state_->backend->runs_on_device())
-        throw InputError("pairs are found on the device, which cannot call a pair filter");
+    if (filter && !state_->backend->calls_pair_filters())
+        throw InputError("pairs are found on a device, which cannot call a pair filter");
     state_->pair_filter = std::move(filter);
     state_->change();
 }

@@ -1,7 +1,9 @@
 #include "scenes/detect/method.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
@@ -32,6 +34,15 @@ namespace {
 std::unique_ptr<Backend> make_cuda(const RaySettings& settings) {
     CudaOptions options{.rebuild = settings.rebuild, .graph = settings.graph};
     options.builder = settings.builder.value_or(options.builder);
+    if (settings.host_share > 0) {
+        std::vector<std::unique_ptr<Backend>> devices;
+        for (int device = 0; device < settings.parts; ++device) {
+            options.devices = {device};
+            devices.push_back(cuda_backend(options));
+        }
+        return partitioned_backend(std::move(devices), embree_backend(settings.threads),
+                                   settings.host_share);
+    }
     for (int device = 0; settings.parts > 1 && device < settings.parts; ++device)
         options.devices.push_back(device);
     return cuda_backend(options);
@@ -68,6 +79,9 @@ std::unique_ptr<Backend> make_parts(const RaySettings& settings) {
 
 std::unique_ptr<Backend> make_own(const RaySettings& settings) {
     if (settings.parts < 1) throw InputError("a world has at least one part");
+    const bool has_devices = settings.backend == "cuda" || settings.backend == "automatic";
+    if (settings.host_share != 0 && !(settings.host_share > 0 && has_devices))
+        throw InputError("a share of the host is positive, and beside cuda");
     if (settings.backend == "cuda" || (settings.backend == "automatic" && cuda_can_run()))
         return make_cuda(settings);
     return settings.parts > 1 ? make_parts(settings) : make_on_host(settings);

@@ -59,6 +59,7 @@ struct RaySettings {
     std::function<std::unique_ptr<Backend>(std::unique_ptr<Backend>)> shared = {};
     int parts = 1;  ///< so many backends share a world: of "cuda" one per device, of others with a
                     ///< part of the threads
+    double host_share = 0;  ///< of the work of one device, which Embree does beside "cuda"
 
     MeshOptions mesh_options() const {
         return {.inside = inside,
@@ -71,7 +72,8 @@ struct RaySettings {
 /// True if this build has CUDA and there is a device for it.
 bool cuda_can_run();
 
-/// Throws InputError for an unknown backend, negative threads, or less than one part.
+/// Throws InputError for an unknown backend, negative threads, less than one part, or
+/// a share of the host without a device.
 std::unique_ptr<Backend> make_backend(const RaySettings& settings);
 
 /// How long a part of a frame took; the method names the part.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pierce/ids.hpp"
 
@@ -15,8 +16,10 @@ struct Box;
 struct Certificate;
 struct Contact;
 struct DeviceContacts;
+struct FetchedPlace;
 struct Hit;
 struct Pair;
+struct PlannedPart;
 struct Ray;
 struct Scene;
 struct SeenPatch;
@@ -36,12 +39,16 @@ public:
     virtual std::string description() const = 0;
     /// True if steps run where set_device_positions() keeps positions.
     virtual bool runs_on_device() const { return false; }
+    /// True if steps can call a PairFilter.
+    virtual bool calls_pair_filters() const { return !runs_on_device(); }
+    /// What runs where, if several backends share a world; else empty.
+    virtual std::vector<PlannedPart> parts() const;
     /// Makes steps wait for what was issued on a stream of the device, and the stream for steps.
     /// Only for backends that run there.
     virtual void set_stream(void* stream);
-    /// The last step's contacts in device memory. Only for backends that run there. `worlds`: how
-    /// many there are.
-    virtual DeviceContacts device_contacts(std::uint32_t worlds);
+    /// The last step's contacts in device memory. Only for backends that run there. `part`: the one
+    /// of parts() that has found them. `worlds`: how many there are.
+    virtual DeviceContacts device_contacts(std::uint32_t part, std::uint32_t worlds);
     /// Measures, for `some` bodies that have their places in device memory, the boxes that they
     /// reach in a step from there (core/body/reach.hpp). `more`: for each of them, how far they
     /// reach beyond their points. `anew`: these lists, or what they name, are not those of the last
@@ -51,6 +58,10 @@ public:
                                  View<const double> more, bool anew);
     /// Tells what measure_reach() has found. `reach`: of all bodies; others stay as they are.
     virtual void fetch_reach(View<const std::uint32_t> some, View<Box> reach);
+    /// Brings the places of some bodies from device memory, one entry each; valid until the next
+    /// call. Only for backends that run there.
+    virtual View<const FetchedPlace> fetch_places(View<const BodyView> bodies,
+                                                  View<const std::uint32_t> some);
     /// False if tracing a ray costs less than proving that it is needless; Temporal::certified is
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }

@@ -10,6 +10,18 @@
 
 namespace pierce {
 
+/// What one of the backends that share a world does.
+struct PlannedPart {
+    std::string backend;          ///< Backend::description()
+    bool on_device = false;       ///< it runs on a GPU
+    double share = 1;             ///< of the work, as its maker has asked for
+    std::uint32_t bodies = 0;     ///< that it owns, since the last step; 0 before the first one
+    std::uint32_t ghosts = 0;     ///< bodies of other parts that were near in the last step
+    std::uint64_t triangles = 0;  ///< of both
+
+    friend bool operator==(const PlannedPart&, const PlannedPart&) = default;
+};
+
 /// What a world's bodies require of a step, decided when bodies are added, removed or change kind.
 struct Plan {
     std::uint64_t revision = 0;  ///< changes with every new plan
@@ -31,6 +43,7 @@ struct Plan {
     Settings settings;            ///< the settings in effect: what no body needs is off
     std::vector<StageId> stages;  ///< the stages that run, in their order
     std::vector<std::string> notes;  ///< rules that do not apply to some body, and why
+    std::vector<PlannedPart> parts;  ///< what runs where; empty if one backend does all
 
     bool remembers() const { return settings.temporal != Temporal::off; }
     bool is_complete() const { return settings.coverage == Coverage::complete; }

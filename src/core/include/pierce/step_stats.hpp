@@ -25,9 +25,11 @@ void add_time(std::vector<StageTime>& times, StageId stage, double milliseconds)
 
 /// How long one step took and what it found.
 struct StepStats {
-    std::vector<StageTime> stages;   ///< the stages that ran, in their order; empty for a step that
-                                     ///< a GPU repeats as a whole, and for one at rest
-    double milliseconds = 0;         ///< the whole step
+    std::vector<StageTime> stages;  ///< the stages that ran, in their order; empty for a step that
+                                    ///< a GPU repeats as a whole, and for one at rest
+    double milliseconds = 0;        ///< the whole step
+    std::vector<double> part_milliseconds;  ///< of each part's own step, in the order of
+                                            ///< Plan::parts
     double device_milliseconds = 0;  ///< of `milliseconds`, the part of a step that a GPU repeats
                                      ///< as a whole
     bool at_rest = false;            ///< nothing had changed: counts are those of the last step

@@ -190,8 +190,8 @@ public:
     void set_device_poses(std::span<const BodyId> bodies, const double* poses);
     /// Names the CUDA stream, a cudaStream_t, on which the caller writes places and reads contacts
     /// in device memory: a step begins when what was issued there before is done, and what is
-    /// issued there after detect() or device_contacts() sees their results. Null: none. Throws
-    /// InputError unless the backend runs on the device.
+    /// issued there after detect() or device_contacts() sees their results. It may be a stream of
+    /// any of several devices. Null: none. Throws InputError unless the backend runs on the device.
     void set_stream(void* stream);
     /// Gives a deforming body other triangles: the topology of `mesh`, at `positions`. Only what
     /// belongs to this body is made anew. What is remembered of pairs without it stays.
@@ -234,9 +234,10 @@ public:
     /// is copied unless there are contacts of sheets, or steps run on a device.
     KeptContacts keep_contacts();
     /// The same contacts in device memory, without waiting for them; valid until the next detect().
-    /// Throws InputError unless the backend runs on the device, or if bodies were added, removed,
-    /// moved or changed since.
-    DeviceContacts device_contacts() const;
+    /// With several devices, those that one of them has found (Plan::parts). Throws InputError
+    /// unless the backend runs on the device, if there is no such part, or if bodies were added,
+    /// removed, moved or changed since.
+    DeviceContacts device_contacts(std::uint32_t part = 0) const;
     /// The last step's stages, counts and status bits.
     const StepStats& stats() const;
     /// Which stages this world's steps run and which rules do not apply to some body.

@@ -65,8 +65,9 @@ typedef struct pierce_backend_options {
     uint32_t tree_builder;   /**< a pierce_tree_builder, for BVH and CUDA */
     uint32_t rebuild;        /**< 0, 1: BVH and CUDA build all trees anew in every step */
     uint32_t stage_by_stage; /**< 0, 1: CUDA times every stage, and captures no graph */
-    uint32_t parts; /**< so many backends share the world: of CUDA one per device, of Embree
-                         with a part of the threads; 0: one */
+    uint32_t parts;    /**< so many backends share the world: of CUDA one per device, of Embree
+                            with a part of the threads; 0: one */
+    double host_share; /**< of the work of one device, which processors do beside CUDA; 0: none */
 } pierce_backend_options;
 
 /** Fills options with their defaults. `struct_size`: sizeof *options. */

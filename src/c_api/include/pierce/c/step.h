@@ -61,11 +61,23 @@ typedef struct pierce_step_stats {
     uint32_t own_rays;
     uint32_t refits;
     uint32_t rebuilds;
+    const double* part_milliseconds; /**< each part's own step; valid as `stages` are */
+    size_t part_count;               /**< 0 if one backend does all */
     uint32_t at_rest; /**< 1: nothing had changed, counts are those of the last step */
 } pierce_step_stats;
 
 /** The last step's stages, counts and status bits; `stats->struct_size` must be set. */
 PIERCE_API pierce_status pierce_stats(pierce_world* world, pierce_step_stats* stats);
+
+/** What one of the backends that share a world does. */
+typedef struct pierce_planned_part {
+    const char* backend; /**< for people */
+    double share;        /**< of the work, as was asked for */
+    uint64_t triangles;  /**< of its bodies and ghosts */
+    uint32_t bodies;     /**< that it owns, since the last step; 0 before the first one */
+    uint32_t ghosts;     /**< bodies of other parts that were near in the last step */
+    uint32_t on_device;  /**< 0, 1: it runs on a GPU */
+} pierce_planned_part;
 
 /** Which stages steps run, and which rules do not apply to some body. Valid until pierce_plan() is
  *  called again. */
@@ -83,6 +95,8 @@ typedef struct pierce_plan_info {
     uint32_t open_bodies; /**< without an inside: sources only */
     uint32_t worlds;      /**< without PIERCE_ALL_WORLDS */
     uint32_t excluded_pairs;
+    const pierce_planned_part* parts; /**< what runs where */
+    size_t part_count;                /**< 0 if one backend does all */
 } pierce_plan_info;
 
 /** The world's plan; `plan->struct_size` must be set. */

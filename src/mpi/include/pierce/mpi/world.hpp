@@ -77,6 +77,16 @@ public:
     void set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions);
     void set_mesh(BodyId body, MeshId mesh);
 
+    // The same for backends that run on a device, whose memory has the places. Bodies that are near
+    // other ranks are sent through pinned memory of the host.
+
+    void set_device_positions(BodyId body, const Vec3f* positions);
+    void set_device_positions(std::span<const BodyId> bodies, const Vec3f* positions);
+    void set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions);
+    void set_device_poses(std::span<const BodyId> bodies, const float* poses);
+    void set_device_poses(std::span<const BodyId> bodies, const double* poses);
+    void set_stream(void* stream);
+
     /// As in pierce::World, for bodies of any ranks; one rank has to say it.
     void exclude(BodyId a, BodyId b);
     void include(BodyId a, BodyId b);
@@ -99,7 +109,8 @@ public:
 
     /// Collective. Gives ranks other bodies, so that all have the same work and what is near each
     /// other is together: space is cut into compact parts. What the last step remembers goes with
-    /// the bodies. Meshes of bodies that arrive are added to those of this rank.
+    /// the bodies. Meshes of bodies that arrive are added to those of this rank. Bodies with places
+    /// in device memory arrive with the places that they have had, on the host.
     Migration migrate();
     /// The work of the busiest rank over the mean, in triangles that were near in the last step; 1
     /// before it.

@@ -1,0 +1,75 @@
+#include "core/partition/space_cut.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/partition/region.hpp"
+#include "core/partition/space_partition.hpp"
+#include "pierce/constants.hpp"
+
+namespace pierce {
+
+void SpaceCut::divide(std::span<const BodyFacts> bodies, std::span<const Box> reach,
+                      std::span<const double> shares) {
+    std::vector<WeightedPoint> points(bodies.size());
+    Vec3d last;
+    double extents = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        extents += reach[b].extent();
+        // Bodies that take no part go with the one before them.
+        if (!reach[b].empty()) last = reach[b].center();
+        points[b] = {last, reach[b].empty() ? 0 : bodies[b].weight};
+    }
+    mean_extent_ = extents / std::max<double>(1, static_cast<double>(bodies.size()));
+    owners_ = divide_space(points, {shares.begin(), shares.end()});
+    owned_.assign(shares.size(), {});
+    for (std::uint32_t b = 0; b < bodies.size(); ++b)
+        if (bodies[b].exists)
+            owned_[owners_[b]].push_back({.body = b,
+                                          .cell = 0,
+                                          .weight = bodies[b].active ? bodies[b].weight : 0,
+                                          .has_pairs = bodies[b].moves && !bodies[b].is_ghost});
+    const std::vector<double> equal(constants::part_cells, 1.0);
+    for (std::vector<Owned>& owned : owned_) {
+        std::vector<WeightedPoint> places;
+        places.reserve(owned.size());
+        for (const Owned& own : owned) places.push_back(points[own.body]);
+        const std::vector<std::uint32_t> cells = divide_space(places, equal);
+        for (std::size_t k = 0; k < owned.size(); ++k) owned[k].cell = cells[k];
+    }
+}
+
+BodySet SpaceCut::seen_from(std::uint32_t part, std::span<const BodyFacts> bodies,
+                            std::span<const Box> reach, double more, double* load) const {
+    BodySet seen(bodies.size(), 0);
+    if (owned_.empty() || owners_.size() != bodies.size()) return seen;
+    Region region(constants::part_cells, mean_extent_);
+    double weight = 0;
+    for (const Owned& own : owned_[part]) {
+        seen[own.body] = 1;
+        weight += own.weight;
+        if (own.has_pairs) region.add(own.cell, reach[own.body]);
+    }
+    region.close(more);
+    for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+        // Pairs of two moving bodies belong to the lower one of their parts.
+        const std::uint32_t other = pair_part(bodies[b], b);
+        const bool may_be_pair = other > part || (other < part && !bodies[b].moves);
+        if (!may_be_pair || seen[b] || !region.meets(reach[b])) continue;
+        seen[b] = 1;
+        weight += bodies[b].weight;
+    }
+    if (load != nullptr) *load = weight;
+    return seen;
+}
+
+std::vector<double> corrected_shares(std::vector<double> shares, std::span<const double> wanted,
+                                     std::span<const double> loads) {
+    const double all = std::accumulate(loads.begin(), loads.end(), 0.0),
+                 all_wanted = std::accumulate(wanted.begin(), wanted.end(), 0.0);
+    for (std::size_t part = 0; part < shares.size(); ++part)
+        if (loads[part] > 0) shares[part] *= all * wanted[part] / (all_wanted * loads[part]);
+    return shares;
+}
+
+}  // namespace pierce
