@@ -1,18 +1,19 @@
 // Steps on the GPU, places already there: times beside what was found, and Embree's answer to the
 // same frames.
 //   pierce_gpu_steps
-//   RECORDING|lattice:COUNT|rigid:COUNT|rest:COUNT|tori:COUNT|hand:COUNT|nut:COUNT...
+//   RECORDING|lattice:COUNT|tower:COUNT|rigid:COUNT|rest:COUNT|tori:COUNT|hand:COUNT|nut:COUNT...
 //       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
 //       [--coverage vertices|overlaps|complete] [--reproject on|off] [--devices N]
 //       [--host-share S]
 //       [--host-share S]
 // A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
-// wobble; in `rigid` they are rigid and turn, and in `rest` they stay where they are. The last
-// three are COUNT small worlds (scenes/recording/small_worlds.hpp). Places are named once and then
-// only written, so that the host does nothing per body. MODE is what rays remember of the last
-// step: full (nothing), walk, walk-predict or certified. With several devices, each has the places
-// of the bodies that it owns. With a host's share, places are written on the host, and Embree does
-// so much of one device's work beside it; 0 is for comparison. Prints CSV.
+// wobble; a tower is one of 25 x 25 in each layer, so that twice as many have twice as much to do;
+// in `rigid` they are rigid and turn, and in `rest` they stay where they are. The last three are
+// COUNT small worlds (scenes/recording/small_worlds.hpp). Places are named once and then only
+// written, so that the host does nothing per body. MODE is what rays remember of the last step:
+// full (nothing), walk, walk-predict or certified. With several devices, each has the places of the
+// bodies that it owns. With a host's share, places are written on the host, and Embree does so much
+// of one device's work beside it; 0 is for comparison. Prints CSV.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -340,13 +341,16 @@ int main(int argc, char** argv) {
         using pierce::scenes::LatticeMotion;
         const std::size_t colon = scene.find(':');
         const std::string kind = scene.substr(0, colon);
-        if (kind == "lattice" || kind == "rigid" || kind == "rest") {
+        if (kind == "lattice" || kind == "tower" || kind == "rigid" || kind == "rest") {
             const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(colon + 1)));
-            const LatticeMotion motion = kind == "lattice" ? LatticeMotion::soft
-                                         : kind == "rigid" ? LatticeMotion::rigid
-                                                           : LatticeMotion::rest;
-            const std::uint32_t frames = kind != "lattice" ? 32 : count > 2000 ? 4 : 16;
-            pierce::run(scene, pierce::scenes::lattice(count, frames, motion), options);
+            const LatticeMotion motion = kind == "rigid"  ? LatticeMotion::rigid
+                                         : kind == "rest" ? LatticeMotion::rest
+                                                          : LatticeMotion::soft;
+            const std::uint32_t frames = motion != LatticeMotion::soft ? 32
+                                         : count > 2000                ? 4
+                                                                       : 16,
+                                side = kind == "tower" ? 25 : 0;
+            pierce::run(scene, pierce::scenes::lattice(count, frames, motion, side), options);
         } else if (const auto small = pierce::scenes::small_world_named(kind)) {
             const auto count = static_cast<std::uint32_t>(std::stoul(scene.substr(colon + 1)));
             const auto worlds = pierce::scenes::small_worlds(*small, count, 4);

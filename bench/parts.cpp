@@ -104,6 +104,8 @@ void run(const std::string& name, const scenes::Recording& recording, std::uint3
             bodies.put(f);
             const Scene scene = bodies.scene();
             partition.begin(scene, f == 0);
+            for (std::uint32_t p = 0; p < partition.parts(); ++p)
+                partition.measure_on_host(scene, p);
             if (partition.is_out_of_date(0)) {
                 for (std::uint32_t p = 0; p < parts; ++p) partition.look_around(p);
                 cuts += partition.cut(scene);

@@ -127,6 +127,8 @@ private:
         bool moved = false;
         together([&] {
             partition_.begin(whole, anew);
+            for (std::uint32_t p = 0; p < partition_.parts(); ++p)
+                partition_.measure_on_host(whole, p);
             if (!partition_.is_out_of_date(0)) return;
             for (std::uint32_t p = 0; p < partition_.parts(); ++p) partition_.look_around(p);
             moved = partition_.cut(whole);

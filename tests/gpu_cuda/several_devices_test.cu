@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <span>
 #include <thread>
 #include <utility>
@@ -137,7 +138,10 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
     LateStream stream(last_);
     there.set_stream(stream.get());
     EXPECT_THROW(there.device_contacts(3), InputError);
-    for (int step = 0; step < 40; ++step) {
+    // Sanitizers of devices take minutes for a few steps.
+    const char* const few = std::getenv("PIERCE_TEST_STEPS");
+    const int steps = few == nullptr ? 40 : std::atoi(few);
+    for (int step = 0; step < steps; ++step) {
         std::array<std::vector<Vec3f>, 2> moved;
         std::vector<double> numbers;
         for (int b = 0; b < bodies; ++b) {
@@ -171,7 +175,7 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
         EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts())) << step;
         contacts += here.contacts().size();
     }
-    EXPECT_GT(contacts, 2000u);
+    EXPECT_GT(contacts, 50u * static_cast<unsigned>(steps));
 }
 
 INSTANTIATE_TEST_SUITE_P(Coverages, SeveralDevicesTest,

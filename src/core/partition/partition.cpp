@@ -1,6 +1,7 @@
 #include "core/partition/partition.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/body/body_view.hpp"
@@ -19,6 +20,7 @@ bool is_on_device(const BodyView& body) {
 
 Partition::Partition(std::vector<double> shares)
     : shares_(std::move(shares)),
+      grown_(shares_.size(), 0),
       measured_(shares_.size()),
       near_(shares_.size()),
       loads_(shares_.size(), 0) {}
@@ -29,38 +31,52 @@ void Partition::begin(const Scene& scene, bool anew) {
         facts_.assign(scene.bodies.size, {});
         reach_.assign(scene.bodies.size, {});
         looked_.clear();
-        for (std::uint32_t b = 0; b < scene.bodies.size; ++b) note(scene, b);
+        noted_.resize(scene.bodies.size);
+        std::iota(noted_.begin(), noted_.end(), 0u);
     } else {
-        for (const std::uint32_t b : scene.changed) {
-            const bool was_on_device = facts_[b].on_device;
-            note(scene, b);
-            others_are_measured = others_are_measured || was_on_device || facts_[b].on_device;
-        }
+        noted_.assign(scene.changed.begin(), scene.changed.end());
+    }
+    for (const std::uint32_t b : noted_) {
+        const bool was_on_device = facts_[b].on_device;
+        note(scene, b);
+        others_are_measured = others_are_measured || was_on_device || facts_[b].on_device;
     }
     if (others_are_measured) list_measured(scene);
 }
 
 void Partition::note(const Scene& scene, std::uint32_t b) {
     const BodyView& body = scene.bodies[b];
-    const bool exists = static_cast<bool>(scene.ids[b]), active = exists && body.active;
+    const bool exists = static_cast<bool>(scene.ids[b]);
     facts_[b] = {.weight = static_cast<float>(body.mesh.triangles.size),
                  .exists = exists,
-                 .active = active,
+                 .active = exists && body.active,
                  .moves = body.motion != Motion::fixed,
                  .on_device = is_on_device(body),
                  .is_ghost = body.part != scene.part};
-    reach_[b] = active && !facts_[b].on_device ? reach_on_host(body, scene.plan->settings) : Box{};
-    if (b < looked_.size()) grown_ = std::max(grown_, growth_of(looked_[b], reach_[b]));
+}
+
+void Partition::measure_on_host(const Scene& scene, std::uint32_t part) {
+    const std::size_t first = noted_.size() * part / parts(),
+                      last = noted_.size() * (part + 1) / parts();
+    for (std::size_t k = first; k < last; ++k) {
+        const std::uint32_t b = noted_[k];
+        reach_[b] = facts_[b].active && !facts_[b].on_device
+                        ? reach_on_host(scene.bodies[b], scene.plan->settings)
+                        : Box{};
+        if (b < looked_.size())
+            grown_[part] = std::max(grown_[part], growth_of(looked_[b], reach_[b]));
+    }
 }
 
 bool Partition::is_out_of_date(double grown) const {
     // Two bodies may come nearer to each other by twice as much.
-    return looked_.empty() || !(2 * std::max(grown, grown_) <= spare());
+    for (const double of_part : grown_) grown = std::max(grown, of_part);
+    return looked_.empty() || !(2 * grown <= spare());
 }
 
 void Partition::note_looked() {
     looked_ = reach_;
-    grown_ = 0;
+    grown_.assign(parts(), 0);
 }
 
 void Partition::list_measured(const Scene& scene) {

@@ -40,6 +40,11 @@ public:
 
     /// Begins a step: notes what bodies are. `anew`: bodies were added, removed or changed.
     void begin(const Scene& scene, bool anew);
+    /// Then, for every part: measures what some of the bodies reach whose places the host knows.
+    /// Parts may do so at the same time.
+    void measure_on_host(const Scene& scene, std::uint32_t part);
+    /// How many bodies these are, of all parts.
+    std::size_t noted() const { return noted_.size(); }
     /// What each part is to measure in a step.
     bool measures() const { return measures_; }
     const Measured& measured(std::uint32_t part) const { return measured_[part]; }
@@ -72,14 +77,15 @@ private:
     std::vector<double> shares_;
     // Per body.
     std::vector<BodyFacts> facts_;
-    std::vector<Box> reach_;   ///< empty if it takes no part
-    std::vector<Box> looked_;  ///< the same when parts last looked around
-    double grown_ = 0;         ///< [length] the most that reach has grown since
+    std::vector<Box> reach_;            ///< empty if it takes no part
+    std::vector<Box> looked_;           ///< the same when parts last looked around
+    std::vector<std::uint32_t> noted_;  ///< bodies that may differ from the last step
     std::vector<std::uint32_t> owners_before_;
     std::vector<BodyId> known_;  ///< whom the owner was chosen for
     std::uint64_t planned_ = 0;  ///< revision of the plan of the last cut()
     SpaceCut space_;
     // Per part.
+    std::vector<double> grown_;  ///< [length] the most that reach has grown since, as it measured
     std::vector<Measured> measured_;
     bool measures_ = false;  ///< there is something to measure
     std::vector<BodySet> near_;

@@ -234,6 +234,8 @@ private:
     /// Finds out what is near each part. Returns true if bodies have other owners.
     bool look_around(const Scene& whole, bool anew) {
         partition_.begin(whole, anew);
+        for_each_part(partition_.noted() >= constants::many_bodies,
+                      [&](Share& part) { partition_.measure_on_host(whole, part.number); });
         double grown = 0;
         if (partition_.measures()) {
             for_each_part(true, [&](Share& part) { measure(whole, part); });

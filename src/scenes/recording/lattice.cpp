@@ -7,8 +7,7 @@
 namespace pierce::scenes {
 namespace {
 
-Pose pose_in_lattice(std::uint32_t i, std::uint32_t count, double time) {
-    const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(count))));
+Pose pose_in_lattice(std::uint32_t i, std::uint32_t side, double time) {
     const double t = time + 0.7 * i;
     const std::uint32_t x = i % side, y = i / side % side, z = i / side / side;
     return {{4.2 * x, 4.2 * y, 1.7 * z},
@@ -33,7 +32,10 @@ void add_bent(RecordedBody& body, const MeshData& mesh, const Pose& pose, double
 
 }  // namespace
 
-Recording lattice(std::uint32_t count, std::uint32_t frames, LatticeMotion motion) {
+Recording lattice(std::uint32_t count, std::uint32_t frames, LatticeMotion motion,
+                  std::uint32_t side) {
+    if (side == 0)
+        side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(count))));
     Recording recording;
     recording.dt = SceneSetup{}.dt;
     recording.frame_count = frames;
@@ -45,7 +47,7 @@ Recording lattice(std::uint32_t count, std::uint32_t frames, LatticeMotion motio
         body.motion = motion == LatticeMotion::soft ? Motion::deforming : Motion::rigid;
         for (std::uint32_t f = 0; f < frames; ++f) {
             const double time = motion == LatticeMotion::rest ? 0 : 0.05 * f;
-            const Pose pose = pose_in_lattice(i, count, time);
+            const Pose pose = pose_in_lattice(i, side, time);
             if (motion == LatticeMotion::soft)
                 add_bent(body, recording.meshes[0].data, pose, time + 0.7 * i);
             else

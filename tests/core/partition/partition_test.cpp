@@ -123,6 +123,8 @@ TEST(PartitionTest, PairsAreSeenByTheirPart) {
             boxes.bodies[3].world_box = {at[3] - Vec3d{30, 30, 1}, at[3] + Vec3d{30, 30, 1}};
             const Scene scene = boxes.scene();
             partition.begin(scene, step == 0);
+            for (std::uint32_t p = 0; p < partition.parts(); ++p)
+                partition.measure_on_host(scene, p);
             if (partition.is_out_of_date(0)) {
                 for (std::uint32_t p = 0; p < partition.parts(); ++p) partition.look_around(p);
                 cuts += partition.cut(scene);
