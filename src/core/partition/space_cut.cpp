@@ -57,7 +57,7 @@ BodySet SpaceCut::seen_from(std::uint32_t part, std::span<const BodyFacts> bodie
         const bool may_be_pair = other > part || (other < part && !bodies[b].moves);
         if (!may_be_pair || seen[b] || !region.meets(reach[b])) continue;
         seen[b] = 1;
-        weight += bodies[b].weight;
+        weight += constants::ghost_work * bodies[b].weight;
     }
     if (load != nullptr) *load = weight;
     return seen;

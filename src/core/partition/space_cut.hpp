@@ -39,7 +39,7 @@ public:
     double mean_extent() const { return mean_extent_; }
 
     /// The bodies of a part, and those that come within `more` [length] of its reach.
-    /// `load`: where the weight of all these goes; null: nowhere.
+    /// `load`: where the weight of all these goes, ghosts counted in part; null: nowhere.
     BodySet seen_from(std::uint32_t part, std::span<const BodyFacts> bodies,
                       std::span<const Box> reach, double more, double* load) const;
 

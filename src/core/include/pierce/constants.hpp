@@ -120,10 +120,10 @@ inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_s
                         edge_skin_wait = 2;
 
 /// The parts of a scene that several backends share: how much more than its share of the work a
-/// part may have until space is cut anew [1]; how much further than bodies reach its residents are
-/// chosen, its ghosts half as much, and how large a body is that counts by itself [mean extent];
-/// how many boxes show a part's reach; how many cuts allow for ghosts; when waking threads pays.
-inline constexpr double uneven_parts = 1.2, spare_reach = 0.5, large_body = 4;
+/// part may have until space is cut anew, and how much of a body's work a ghost is [1]; how much
+/// further than bodies reach residents are chosen, ghosts half as much, and how large a body is
+/// that counts by itself [mean extent]; boxes of a part's reach; cuts; when waking threads pays.
+inline constexpr double uneven_parts = 1.2, ghost_work = 0.5, spare_reach = 0.5, large_body = 4;
 inline constexpr std::uint32_t part_cells = 64, cut_rounds = 3, many_bodies = 4096;
 
 /// For how many steps a pair that has contacts without its edges keeps them.
