@@ -2,8 +2,8 @@
 //   pierce_parts RECORDING|lattice:COUNT... [--frames N]
 // A lattice is COUNT rigid tori that touch their neighbours and turn. Prints CSV: in how many
 // frames parts looked around, how many times space was cut, how uneven the work is (that of the
-// busiest part over the mean, ghosts counted), ghosts of a part, from how many parts they come, and
-// what their positions take [bytes of float32].
+// busiest part over the mean, ghosts counted in part), ghosts of a part, from how many parts they
+// come, and what their positions take [bytes of float32].
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -14,6 +14,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/partition/partition.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/plan.hpp"
 #include "scenes/recording/lattice.hpp"
 #include "scenes/recording/recording.hpp"
@@ -113,19 +114,19 @@ void run(const std::string& name, const scenes::Recording& recording, std::uint3
             }
             Spread load;
             for (std::uint32_t p = 0; p < parts; ++p) {
-                std::uint32_t seen = 0, foreign = 0;
-                double foreign_bytes = 0;
+                std::uint32_t foreign = 0;
+                double work = 0, foreign_bytes = 0;
                 std::set<std::uint32_t> from;
                 for (std::uint32_t b = 0; b < bodies.count(); ++b) {
                     if (!partition.near(p)[b]) continue;
-                    ++seen;
+                    work += partition.owners()[b] == p ? 1 : constants::ghost_work;
                     // What does not move goes over once, not in every step.
                     if (partition.owners()[b] == p || !bodies.moves(b)) continue;
                     ++foreign;
                     from.insert(partition.owners()[b]);
                     foreign_bytes += bodies.bytes_of(b);
                 }
-                load.add(seen);
+                load.add(work);
                 ghosts.add(foreign);
                 sources.add(static_cast<double>(from.size()));
                 bytes.add(foreign_bytes);

@@ -119,7 +119,9 @@ Summary World::State::summary() {
     measure_on_device();
     Summary mine;
     for (const BodyView& view : inside.views)
-        if (view.active) mine.work += view.mesh.triangles.size;
+        if (view.active)
+            mine.work += (view.part == rank() ? 1 : constants::ghost_work) *
+                         view.mesh.triangles.size;
 
     const auto region = [&] {
         Region made(constants::part_cells, mean_extent);

@@ -112,8 +112,8 @@ public:
     /// the bodies. Meshes of bodies that arrive are added to those of this rank. Bodies with places
     /// in device memory arrive with the places that they have had, on the host.
     Migration migrate();
-    /// The work of the busiest rank over the mean, in triangles that were near in the last step; 1
-    /// before it.
+    /// The work of the busiest rank over the mean, in triangles in the last step, ghosts counted in
+    /// part; 1 before it.
     double uneven() const;
 
     /// Collective. Writes all ranks' bodies on rank 0 as one world, which pierce::World::restore()
