@@ -53,9 +53,9 @@ pierce_step_stats stats_of(const StepStats& s) {
             .own_rays = s.own_rays,
             .refits = s.refits,
             .rebuilds = s.rebuilds,
+            .at_rest = s.at_rest,
             .part_milliseconds = nullptr,
-            .part_count = 0,
-            .at_rest = s.at_rest};
+            .part_count = 0};
 }
 
 }  // namespace

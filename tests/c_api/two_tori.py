@@ -37,7 +37,8 @@ class Settings(ctypes.Structure):
 class BackendOptions(ctypes.Structure):
     _fields_ = [
         ("struct_size", c_size_t), ("kind", c_uint32), ("threads", c_int32), ("tree_builder", c_uint32),
-        ("rebuild", c_uint32), ("stage_by_stage", c_uint32), ("parts", c_uint32)]
+        ("rebuild", c_uint32), ("stage_by_stage", c_uint32), ("parts", c_uint32),
+        ("host_share", c_double)]
 
 
 library = ctypes.CDLL(sys.argv[1])

@@ -61,9 +61,9 @@ typedef struct pierce_step_stats {
     uint32_t own_rays;
     uint32_t refits;
     uint32_t rebuilds;
+    uint32_t at_rest; /**< 1: nothing had changed, counts are those of the last step */
     const double* part_milliseconds; /**< each part's own step; valid as `stages` are */
     size_t part_count;               /**< 0 if one backend does all */
-    uint32_t at_rest; /**< 1: nothing had changed, counts are those of the last step */
 } pierce_step_stats;
 
 /** The last step's stages, counts and status bits; `stats->struct_size` must be set. */
