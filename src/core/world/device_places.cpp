@@ -31,7 +31,8 @@ void set_device_pose(State& state, std::span<const BodyId> bodies, const PoseAt&
 }  // namespace
 
 void World::set_device_positions(BodyId body, const Vec3f* positions) {
-    if (plan().sheets)
+    if (!state_->planned) state_->make_plan();
+    if (state_->plan.sheets)
         throw InputError(
             "a world with a sheet needs positions at both ends of a step: use set_device_motion()");
     set_device_motion(body, nullptr, positions);
