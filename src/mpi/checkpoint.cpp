@@ -48,8 +48,11 @@ void World::save(std::ostream& out) const {
     StepMemory memory = s.memory_to_share();
     s.together([&] {
         s.make_lists();
-        s.inside.refresh_views();
-        s.fetch_places(s.own_on_device([](std::uint32_t) { return true; }));
+        const std::vector<std::uint32_t> there = s.own_on_device(
+            [](std::uint32_t) { return true; });
+        if (!there.empty()) s.inside.refresh_views();
+        s.fetch_places(there);
+        for (auto& [body, place] : s.fetched) place.start = {};  // the step is over
         Handover handover;
         std::set<std::uint64_t> meshes;
         for (const std::uint32_t b : s.own) {

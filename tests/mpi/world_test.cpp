@@ -363,6 +363,19 @@ TEST_P(RanksTest, FindWhatOneWorldFindsWithPlacesOnDevices) {
         if (step % 9 == 4) many.world.migrate();
         ASSERT_TRUE(same_step(one, many, MPI_COMM_WORLD)) << step;
     }
+    // What is saved has its places on the host.
+    std::stringstream saved(std::ios::in | std::ios::out | std::ios::binary);
+    many.world.save(saved);
+    if (many.world.rank() > 0) return;
+    One again(World::restore(saved, bvh_backend()), GetParam(), 0, 0);
+    again.learn_as_of(40);
+    for (int step = 40; step < 44; ++step) {
+        for (One* world : {&one, &again}) {
+            world->put(step);
+            world->world.detect();
+        }
+        EXPECT_EQ(contact_hash(again.world.contacts()), contact_hash(one.world.contacts())) << step;
+    }
 }
 
 /// A world saved on some ranks goes on on others, and as one world.

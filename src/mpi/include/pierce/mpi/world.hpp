@@ -110,14 +110,15 @@ public:
     /// Collective. Gives ranks other bodies, so that all have the same work and what is near each
     /// other is together: space is cut into compact parts. What the last step remembers goes with
     /// the bodies. Meshes of bodies that arrive are added to those of this rank. Bodies with places
-    /// in device memory arrive with the places that they have had, on the host.
+    /// in device memory arrive with them on the host, as they are now, for the next step.
     Migration migrate();
     /// The work of the busiest rank over the mean, in triangles in the last step, ghosts counted in
     /// part; 1 before it.
     double uneven() const;
 
     /// Collective. Writes all ranks' bodies on rank 0 as one world, which pierce::World::restore()
-    /// reads, too. `out` is not used on other ranks.
+    /// reads, too. `out` is not used on other ranks. Places in device memory are saved as they are
+    /// now.
     void save(std::ostream& out) const;
     /// Collective. Reads a world that save(), or pierce::World::save(), has written, for any number
     /// of ranks; every rank reads all of it and keeps its part. Bodies keep their handles, and the
