@@ -16,10 +16,12 @@
 namespace pierce::test {
 namespace {
 
+/// The first part, which has ghosts of the second one, is shared by two itself.
 std::unique_ptr<Backend> two_parts() {
     std::vector<Part> parts;
-    parts.push_back({.backend = bvh_backend()});
-    parts.push_back({.backend = embree_backend(1), .share = 2});
+    parts.push_back(
+        {.backend = partitioned_backend(2, 1, [](int) { return bvh_backend(); }), .share = 2});
+    parts.push_back({.backend = embree_backend(1)});
     return partitioned_backend(std::move(parts));
 }
 

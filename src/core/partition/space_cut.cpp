@@ -25,10 +25,8 @@ void SpaceCut::divide(std::span<const BodyFacts> bodies, std::span<const Box> re
     owned_.assign(shares.size(), {});
     for (std::uint32_t b = 0; b < bodies.size(); ++b)
         if (bodies[b].exists)
-            owned_[owners_[b]].push_back({.body = b,
-                                          .cell = 0,
-                                          .weight = bodies[b].active ? bodies[b].weight : 0,
-                                          .has_pairs = bodies[b].moves && !bodies[b].is_ghost});
+            owned_[owners_[b]].push_back(
+                {.body = b, .cell = 0, .weight = bodies[b].active ? bodies[b].weight : 0});
     const std::vector<double> equal(constants::part_cells, 1.0);
     for (std::vector<Owned>& owned : owned_) {
         std::vector<WeightedPoint> places;
@@ -48,7 +46,9 @@ BodySet SpaceCut::seen_from(std::uint32_t part, std::span<const BodyFacts> bodie
     for (const Owned& own : owned_[part]) {
         seen[own.body] = 1;
         weight += own.weight;
-        if (own.has_pairs) region.add(own.cell, reach[own.body]);
+        // What is a ghost of the whole scene may have changed since space was cut.
+        const BodyFacts& facts = bodies[own.body];
+        if (facts.moves && !facts.is_ghost) region.add(own.cell, reach[own.body]);
     }
     region.close(more);
     for (std::uint32_t b = 0; b < bodies.size(); ++b) {

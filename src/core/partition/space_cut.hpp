@@ -48,7 +48,6 @@ private:
     struct Owned {
         std::uint32_t body = 0, cell = 0;
         float weight = 0;
-        bool has_pairs = false;  ///< with ghosts
     };
 
     std::vector<std::uint32_t> owners_;
