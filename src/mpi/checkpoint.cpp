@@ -48,16 +48,14 @@ void World::save(std::ostream& out) const {
     StepMemory memory = s.memory_to_share();
     s.together([&] {
         s.make_lists();
-        const std::vector<std::uint32_t> there = s.own_on_device(
-            [](std::uint32_t) { return true; });
-        if (!there.empty()) s.inside.refresh_views();
-        s.fetch_places(there);
-        for (auto& [body, place] : s.fetched) place.start = {};  // the step is over
+        s.inside.bring_places(s.own);
         Handover handover;
         std::set<std::uint64_t> meshes;
         for (const std::uint32_t b : s.own) {
             s.add_mesh_to(handover.meshes, b, meshes);
-            handover.bodies.push_back(s.whole(b, &memory));
+            WholeBody body = s.whole(b, &memory);
+            if (s.entry(b).is_on_device()) body.entry.moved = false;  // the step is over
+            handover.bodies.push_back(std::move(body));
         }
         handover.memory = std::move(memory);
         handover.memory.bodies.clear();

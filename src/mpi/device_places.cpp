@@ -28,43 +28,15 @@ void World::State::measure_on_device() {
     inside.backend->fetch_reach(some, view_of(reach));
 }
 
-std::vector<std::uint32_t> World::State::own_on_device(
-    const std::function<bool(std::uint32_t number)>& wanted) const {
-    std::vector<std::uint32_t> bodies;
-    for (const std::uint32_t b : own)
-        if (inside.bodies.slots()[b].thing.is_on_device() && wanted(b)) bodies.push_back(b);
-    return bodies;
-}
-
-void World::State::fetch_places(const std::vector<std::uint32_t>& bodies) {
-    fetched.clear();
-    if (bodies.empty()) return;
-    const View<const FetchedPlace> places = inside.backend->fetch_places(
-        view_of(std::as_const(inside.views)), view_of(bodies));
-    for (std::uint32_t k = 0; k < places.size; ++k) fetched[bodies[k]] = places[k];
-}
-
-bool World::State::is_usable_there(std::uint32_t b) const {
-    const auto place = fetched.find(b);
-    if (place == fetched.end()) return true;
-    const auto& [pose, positions, start] = place->second;
-    if (inside.bodies.slots()[b].thing.motion != Motion::deforming) return is_usable(pose);
-    return is_usable(std::span(positions.data, positions.size)) &&
-           is_usable(std::span(start.data, start.size));
-}
-
-/// Brings the places that others have to know from device memory. Bodies whose places there are
-/// unusable are near nobody.
 void World::State::bring_places(std::vector<std::vector<NearBody>>& near) {
     std::vector<std::uint32_t> bodies;
     for (const std::vector<NearBody>& of_rank : near)
-        for (const NearBody& body : of_rank)
-            if (entry(body.number).is_on_device()) bodies.push_back(body.number);
+        for (const NearBody& body : of_rank) bodies.push_back(body.number);
     std::ranges::sort(bodies);
     bodies.erase(std::ranges::unique(bodies).begin(), bodies.end());
-    fetch_places(bodies);
+    inside.bring_places(bodies);
     for (std::vector<NearBody>& of_rank : near)
-        std::erase_if(of_rank, [&](const NearBody& b) { return !is_usable_there(b.number); });
+        std::erase_if(of_rank, [&](const NearBody& b) { return !entry(b.number).is_placed(); });
 }
 
 }  // namespace pierce::mpi

@@ -2,7 +2,6 @@
 #include <span>
 #include <utility>
 
-#include "core/body/fetched_place.hpp"
 #include "core/partition/body_reach.hpp"
 #include "core/partition/space_partition.hpp"
 #include "mpi/world_state.hpp"
@@ -166,14 +165,10 @@ WholeBody World::State::whole(std::uint32_t b, const StepMemory* memory) const {
                    .mesh_key = inside.meshes.get(slot.thing.mesh, "mesh").key,
                    .entry = slot.thing,
                    .in_last = {}};
-    if (const auto place = fetched.find(b); place != fetched.end()) {
-        const auto& [pose, positions, start] = place->second;
+    if (slot.thing.is_on_device()) {
+        body.entry.usable = slot.thing.is_placed();
+        body.entry.moved = slot.thing.device_start != nullptr;
         body.entry.leave_device();
-        body.entry.usable = is_usable_there(b);
-        body.entry.moved = start.size > 0;
-        body.entry.pose = pose;
-        body.entry.positions.assign(positions.begin(), positions.end());
-        body.entry.start.assign(start.begin(), start.end());
     }
     if (memory == nullptr)
         body.entry.seen.clear();
@@ -224,7 +219,7 @@ GhostMessage World::State::message_to(std::uint32_t to, const std::vector<NearBo
             has.push_back(b);
             if (changed_bodies.contains(b))
                 send_whole(b);
-            else if (refreshed_now[b] || fetched.contains(b))
+            else if (refreshed_now[b] || entry(b).is_on_device())
                 add_moved(message.moved, b);
         } else if (comes && nearness >= Nearness::nearly && may_be_pair(b)) {
             has.push_back(b);
@@ -245,23 +240,13 @@ GhostMessage World::State::message_to(std::uint32_t to, const std::vector<NearBo
 
 void World::State::add_moved(std::vector<MovedBody>& all, std::uint32_t b) const {
     const BodyEntry& body = inside.bodies.slots()[b].thing;
-    const bool deforms = body.motion == Motion::deforming;
-    if (const auto place = fetched.find(b); place != fetched.end()) {
-        const auto& [pose, positions, start] = place->second;
-        all.push_back({.number = b,
-                       .tells_start = start.size > 0,
-                       .pose = pose,
-                       .start_pose = {},
-                       .positions = {positions.begin(), positions.end()},
-                       .start = {start.begin(), start.end()}});
-        return;
-    }
-    if (deforms ? body.positions_version == told[b].positions_version
-                : !body.moved && are_identical(body.pose, told[b].pose))
+    const bool deforms = body.motion == Motion::deforming, there = body.is_on_device();
+    if (!there && (deforms ? body.positions_version == told[b].positions_version
+                           : !body.moved && are_identical(body.pose, told[b].pose)))
         return;
     MovedBody& moved = all.emplace_back();
     moved.number = b;
-    moved.tells_start = inside.plan.sheets && body.moved;
+    moved.tells_start = there ? body.device_start != nullptr : inside.plan.sheets && body.moved;
     moved.pose = body.pose;
     moved.positions = body.positions;
     if (moved.tells_start) {

@@ -103,7 +103,10 @@ Migration World::migrate() {
         s.handed->bodies = memory.bodies;
         s.hands_over = true;
         const BodySlots& slots = s.inside.bodies.slots();
-        s.fetch_places(s.own_on_device([&](std::uint32_t b) { return owners[b] != s.rank(); }));
+        std::vector<std::uint32_t> leaving;
+        for (const std::uint32_t b : s.own)
+            if (owners[b] != s.rank()) leaving.push_back(b);
+        s.inside.bring_places(leaving);
         for (std::uint32_t other = 0; other < to.size(); ++other) {
             Handover handover;
             handover.memory = memory_of_part(memory, s.by_world, slots, owners, other);

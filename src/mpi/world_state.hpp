@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "core/body/fetched_place.hpp"
 #include "core/partition/partition.hpp"
 #include "core/partition/region.hpp"
 #include "core/partition/space_cut.hpp"
@@ -62,7 +61,6 @@ struct World::State {
     std::vector<Told> told;   ///< by number; of own bodies
     BodySet refreshed_now;    ///< by number; bodies whose input may differ from the last step's
     std::vector<std::uint32_t> on_device;  ///< own bodies whose reach the device has measured
-    std::map<std::uint32_t, FetchedPlace> fetched;  ///< by number; until others are fetched
     std::vector<OtherRank> others;
     NearRanks near_ranks;      ///< what others' moving bodies reach
     std::vector<double> work;  ///< per rank, in the last step
@@ -124,14 +122,9 @@ struct World::State {
     void take_in_news(const std::vector<std::string>& all);
     Summary summary();
     void measure_on_device();
-    /// Brings places of own bodies from device memory; whole() and messages have them from there.
-    void fetch_places(const std::vector<std::uint32_t>& bodies);
+    /// Brings the places that others have to know from device memory. Bodies whose places there are
+    /// unusable are near nobody.
     void bring_places(std::vector<std::vector<NearBody>>& near);
-    /// False if a place that was fetched is none.
-    bool is_usable_there(std::uint32_t number) const;
-    /// Own bodies whose places are in device memory and that `wanted` is true for.
-    std::vector<std::uint32_t> own_on_device(
-        const std::function<bool(std::uint32_t number)>& wanted) const;
     /// Per rank, the own bodies that are near it, by number.
     std::vector<std::vector<NearBody>> near_bodies() const;
     GhostMessage message_to(std::uint32_t other, const std::vector<NearBody>& near);

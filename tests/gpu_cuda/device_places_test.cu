@@ -226,9 +226,10 @@ TEST_F(DevicePlacesTest, RefusesWhatNeedsTheHost) {
     send({0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 1.f}, poses.data());
     const BodyId rigid = worlds.bodies[1];
     worlds.there.set_device_poses({&rigid, 1}, std::as_const(poses).data());
-    EXPECT_THROW(worlds.there.vertex_position(rigid, 0), InputError);
-    EXPECT_THROW(worlds.there.parting(worlds.bodies[0], rigid), InputError);
-    EXPECT_THROW(worlds.there.overlap(worlds.bodies[0], rigid), InputError);
+    worlds.there.detect();
+    EXPECT_THROW(worlds.there.explain(rigid, worlds.bodies[0], 0), InputError);
+    EXPECT_THROW(worlds.there.impacts(), InputError);
+    EXPECT_EQ(worlds.there.vertex_position(rigid, 1), to_double(ring.positions[1]));
 }
 
 TEST(DevicePlacesOnTheHostTest, AreRefused) {

@@ -15,6 +15,7 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
     const auto usable = [](Vec3d v) { return is_finite(v); };
     if (!usable(origin) || !std::ranges::all_of(directions, usable))
         throw InputError("cast_rays needs an origin and directions that are finite");
+    state_->bring_places(state_->used_bodies());
     state_->backend->fetch_bodies(view_of(state_->views));
     const auto& views = state_->views;
     std::vector<Ray> rays;

@@ -1,3 +1,14 @@
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/reach.hpp"
+#include "core/body/body_view.hpp"
+#include "core/body/fetched_place.hpp"
+#include "core/device/view.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
@@ -29,6 +40,53 @@ void set_device_pose(State& state, std::span<const BodyId> bodies, const PoseAt&
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> World::State::used_bodies() const {
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t b = 0; b < bodies.slots().size(); ++b)
+        if (bodies.slots()[b].used) all.push_back(b);
+    return all;
+}
+
+bool BodyEntry::is_placed() const {
+    if (!usable || !is_on_device()) return usable;
+    return motion == Motion::deforming ? is_usable(positions) : is_usable(pose);
+}
+
+void World::State::bring_places(std::span<const std::uint32_t> some) {
+    std::vector<std::uint32_t> there, as_listed;
+    std::vector<BodyView> places;
+    for (const std::uint32_t b : some) {
+        const BodyEntry& body = bodies.slots()[b].thing;
+        if (!body.is_on_device()) continue;
+        BodyView& place = places.emplace_back();
+        place.positions = view_of(body.positions);
+        place.device_positions = body.device_positions;
+        place.device_start = body.device_start;
+        place.device_pose = body.device_pose;
+        as_listed.push_back(static_cast<std::uint32_t>(there.size()));
+        there.push_back(b);
+    }
+    if (there.empty()) return;
+    const View<const FetchedPlace> fetched = backend->fetch_places(
+        view_of(std::as_const(places)), view_of(std::as_const(as_listed)));
+    for (std::uint32_t k = 0; k < fetched.size; ++k) {
+        BodyEntry& body = bodies.slots()[there[k]].thing;
+        const auto& [pose, positions, start] = fetched[k];
+        body.pose = pose;
+        std::ranges::copy(positions, body.positions.begin());
+        // Trees of the host that were made of them are of others now.
+        body.positions_version = next_key++;
+        if (there[k] < views.size()) views[there[k]].positions_version = body.positions_version;
+        if (start.size > 0) body.start.assign(start.begin(), start.end());
+    }
+}
+
+const BodyEntry& World::State::placed_body(BodyId body) {
+    const BodyEntry& entry = bodies.get(body, "body");
+    bring_places({&body.index, 1});
+    return entry;
+}
 
 void World::set_device_positions(BodyId body, const Vec3f* positions) {
     if (!state_->planned) state_->make_plan();

@@ -198,8 +198,11 @@ std::vector<Contact> of_vertex(std::span<const Contact> some, BodyId body, BodyI
 }  // namespace
 
 Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
-    vertex_position(body, vertex);  // checks body and vertex
-    state_->bodies.get(other, "body");
+    for (const BodyId id : {body, other})
+        if (state_->bodies.get(id, "body").is_on_device())
+            throw InputError("body " + std::to_string(id.index) +
+                             " has its place in device memory");
+    vertex_position(body, vertex);  // checks the vertex
     const bool sheet = collision_of(body).sheet || collision_of(other).sheet;
     if (body == other && !sheet)
         throw InputError("a vertex of a solid is not explained against its own body");

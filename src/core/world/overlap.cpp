@@ -40,14 +40,11 @@ std::optional<Overlap> World::overlap(BodyId a, BodyId b, double same_direction)
     if (!(same_direction >= -1 && same_direction <= 1))
         throw InputError("same_direction is a cosine");
     const auto places = [&](BodyId id) {
-        const BodyEntry& body = state_->bodies.get(id, "body");
+        const BodyEntry& body = state_->placed_body(id);
         const Mesh& mesh = state_->mesh_of(body);
         if (body.collision.sheet || !mesh.inside().exists())
             throw InputError("body " + std::to_string(id.index) + " of mesh '" + mesh.name() +
                              "' has no inside");
-        if (body.is_on_device())
-            throw InputError("body " + std::to_string(id.index) +
-                             " has its place in device memory");
         std::vector<Vec3d> result;
         const Frame frame = frame_of(body.pose);
         for (std::size_t v = 0; v < mesh.positions().size(); ++v)
@@ -59,7 +56,7 @@ std::optional<Overlap> World::overlap(BodyId a, BodyId b, double same_direction)
     const std::array<std::vector<Vec3d>, 2> at{places(a), places(b)};
     const std::array<const BodyEntry*, 2> bodies{&state_->bodies.get(a, "body"),
                                                  &state_->bodies.get(b, "body")};
-    if (!bodies[0]->usable || !bodies[1]->usable) return std::nullopt;
+    if (!bodies[0]->is_placed() || !bodies[1]->is_placed()) return std::nullopt;
     Box boxes[2];
     for (int side = 0; side < 2; ++side)
         for (const Vec3d& p : at[static_cast<std::size_t>(side)]) boxes[side].extend(p);

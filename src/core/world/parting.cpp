@@ -148,20 +148,17 @@ private:
 std::optional<Parting> World::parting(BodyId a, BodyId b) {
     if (a == b) throw InputError("a body cannot be parted from itself");
     const auto copy = [&](BodyId id) {
-        const BodyEntry& body = state_->bodies.get(id, "body");
+        const BodyEntry& body = state_->placed_body(id);
         const Mesh& mesh = state_->mesh_of(body);
         if (body.collision.sheet)
             throw InputError("a sheet of mesh '" + mesh.name() + "' has no inside to part from");
-        if (body.is_on_device())
-            throw InputError("a body of mesh '" + mesh.name() +
-                             "' cannot be parted: its place is in device memory");
         return PairCopy::Body{.mesh = state_->meshes.get(body.mesh, "mesh").mesh,
                               .motion = body.motion,
                               .pose = body.pose,
                               .positions = body.positions};
     };
     const PairCopy::Body copy_a = copy(a), copy_b = copy(b);
-    if (!state_->bodies.get(a, "body").usable || !state_->bodies.get(b, "body").usable)
+    if (!state_->bodies.get(a, "body").is_placed() || !state_->bodies.get(b, "body").is_placed())
         return std::nullopt;
     if (!state_->pair) state_->pair = std::make_unique<PairCopy>();
     state_->pair->set(copy_a, copy_b);

@@ -31,6 +31,7 @@ std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> poi
     if (!(radius >= 0)) throw InputError("the radius of a probe is negative");
     for (const BodyId other : others) (void)state_->bodies.get(other, "body");
 
+    state_->bring_places(state_->used_bodies());
     state_->backend->fetch_bodies(view_of(state_->views));
     const auto& views = state_->views;
     std::vector<std::uint32_t> targets;

@@ -108,13 +108,6 @@ MeshId World::mesh_of(BodyId body) const { return state_->bodies.get(body, "body
 
 Motion World::motion_of(BodyId body) const { return state_->bodies.get(body, "body").motion; }
 
-const BodyEntry& World::State::placed_body(BodyId body) const {
-    const BodyEntry& entry = bodies.get(body, "body");
-    if (entry.is_on_device())
-        throw InputError("body " + std::to_string(body.index) + " has its place in device memory");
-    return entry;
-}
-
 Vec3d World::vertex_position(BodyId body, std::uint32_t vertex) const {
     const BodyEntry& entry = state_->placed_body(body);
     const Mesh& mesh = state_->mesh_of(entry);

@@ -43,9 +43,7 @@ void restore_slots(ArchiveReader& archive, SlotMap<Tag, Thing>& map, Take take) 
 
 void World::save(std::ostream& out) const {
     State& s = *state_;
-    for (const auto& slot : s.bodies.slots())
-        if (slot.used && slot.thing.is_on_device())
-            throw InputError("a body with positions in device memory cannot be saved");
+    s.bring_places(s.used_bodies());
     if (s.planned)
         s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));
     StepMemory memory = s.backend->memory();
@@ -62,7 +60,15 @@ void World::save(std::ostream& out) const {
     transfer_length(archive, s.bodies.slots().size());
     for (auto& slot : s.bodies.slots()) {
         transfer_all(archive, slot.generation, slot.used);
-        if (slot.used) transfer(archive, slot.thing);
+        if (!slot.used) continue;
+        if (!slot.thing.is_on_device()) {
+            transfer(archive, slot.thing);
+            continue;
+        }
+        BodyEntry placed = slot.thing;
+        placed.usable = placed.is_placed();
+        placed.moved = false;
+        transfer(archive, placed);
     }
     std::vector<BodyIdPair> excluded(s.excluded.begin(), s.excluded.end());
     std::vector<std::int32_t> left_out(s.left_out.begin(), s.left_out.end());

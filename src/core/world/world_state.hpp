@@ -61,6 +61,8 @@ struct BodyEntry {
 
     /// True if the host does not know where the body is.
     bool is_on_device() const { return device_positions != nullptr || device_pose.exists(); }
+    /// True if the place that the entry has is one.
+    bool is_placed() const;
     void leave_device() {
         device_positions = device_start = nullptr;
         device_pose = {};
@@ -153,9 +155,14 @@ struct World::State {
     /// Throws InputError unless bodies are where the last step saw them.
     void check_stepped(const char* who) const;
 
+    /// The numbers of all bodies.
+    std::vector<std::uint32_t> used_bodies() const;
+    /// Brings the places of bodies, by number, into their entries where they are in device memory,
+    /// which stays where steps read them.
+    void bring_places(std::span<const std::uint32_t> some);
+    /// The body, with its place.
+    const BodyEntry& placed_body(BodyId body);
     /// Throws InputError for a body that deforms.
-    /// Throws InputError if the body's place is in device memory.
-    const BodyEntry& placed_body(BodyId body) const;
     void check_have_poses(std::span<const BodyId> some) const;
     /// Throws InputError, naming the body, for a Collision that the body cannot have.
     void check_collision(Motion motion, const Mesh& mesh, const Collision& collision,

@@ -12,14 +12,12 @@ namespace {
 
 /// A body like another one, in the same place, as if it had been added there.
 BodyEntry copy_of(const BodyEntry& body, std::int32_t world) {
-    if (body.is_on_device())
-        throw InputError("a body whose place is in device memory cannot be copied");
     BodyEntry copy(body.mesh, body.motion, body.pose);
     copy.positions = body.positions;
     copy.collision = body.collision;
     copy.filter = body.filter;
     copy.filter.world = world;
-    copy.usable = body.usable;
+    copy.usable = body.is_placed();
     return copy;
 }
 
@@ -103,7 +101,7 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     // in all worlds.
     std::vector<BodyEntry> copies;
     copies.reserve(originals.size());
-    for (BodyId id : originals) copies.push_back(copy_of(s.bodies.get(id, "body"), world));
+    for (BodyId id : originals) copies.push_back(copy_of(s.placed_body(id), world));
     std::vector<BodyIdPair> within;
     for (const BodyIdPair& p : s.excluded) {
         const auto is_here = [&](BodyId id) { return std::ranges::count(originals, id) > 0; };
@@ -141,7 +139,7 @@ void World::copy_places(std::int32_t from, std::int32_t to) {
                          " do not have the same bodies");
     std::vector<BodyEntry> copies;
     copies.reserve(there.size());
-    for (BodyId id : there) copies.push_back(copy_of(s.bodies.get(id, "body"), to));
+    for (BodyId id : there) copies.push_back(copy_of(s.placed_body(id), to));
     for (std::size_t i = 0; i < here.size(); ++i) {
         BodyEntry& body = s.bodies.get(here[i], "body");
         body.pose = body.start_pose = copies[i].pose;

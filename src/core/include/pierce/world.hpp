@@ -127,7 +127,7 @@ public:
     /// Copies all bodies of a world, with their meshes, places, collisions, groups, chains and
     /// excluded pairs, into `count` new worlds, and returns the first of those; they follow each
     /// other after the highest world there is. Throws InputError if the world has no bodies, or if
-    /// there would be too many worlds or bodies, or if places are in device memory.
+    /// there would be too many worlds or bodies. Places in device memory are copied to the host.
     std::int32_t replicate(std::int32_t world, std::uint32_t count);
     /// Puts the bodies of a world where those of another one are, which has the same bodies, as a
     /// copy has. They have not moved there. Throws InputError for worlds that differ.
@@ -205,8 +205,8 @@ public:
     void forget_sides();
 
     /// Writes the world: settings, meshes, bodies, and what the last step keeps for the next one.
-    /// The last step's contacts are not written. Throws InputError if writing fails, or if a body
-    /// has its place in device memory.
+    /// The last step's contacts are not written. Places in device memory are written as they are
+    /// now; the world that is read has them on the host. Throws InputError if writing fails.
     void save(std::ostream& out) const;
     /// Reads a world that save() has written, on any backend. Handles stay valid, and the next
     /// steps' contacts are those that the saved world would have had. Throws InputError for any
@@ -264,8 +264,7 @@ public:
     /// depth is never less than the shortest translation that parts them. It is that of two convex
     /// meshes that are not large; docs/contacts.md says how near others come to it. Nothing of the
     /// last step is used or changed; the pair is moved and looked at some ten to a hundred times,
-    /// on one thread of the host. Throws InputError for a body and itself, for a sheet, and for
-    /// places in device memory.
+    /// on one thread of the host. Throws InputError for a body and itself, and for a sheet.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
     /// What two solids have in common, with both where the last set_pose or set_positions left
@@ -273,8 +272,7 @@ public:
     /// directions with at least `same_direction` as cosine. Nothing if they have no volume in
     /// common. Which triangles cross is decided without rounding; positions are rounded to 1e-11 of
     /// the pair's extent first. Nothing of the last step is used or changed; it takes one thread of
-    /// the host. Throws InputError for a body and itself, for a body without an inside, and for
-    /// places in device memory.
+    /// the host. Throws InputError for a body and itself, and for a body without an inside.
     std::optional<Overlap> overlap(BodyId a, BodyId b, double same_direction = 0.9);
 
     /// The first body along each line of sight from `origin`, with bodies where the last detect()

@@ -91,7 +91,7 @@ typedef struct pierce_common_volume {
 
 /** What two solids have in common; `common->struct_size` must be set. `same_direction`: the least
  *  cosine between directions of one patch; 0.9 is a good one. Errors: a body and itself, a body
- *  without an inside, places in device memory. */
+ *  without an inside. */
 PIERCE_API pierce_status pierce_overlap(pierce_world* world, pierce_body_id a, pierce_body_id b,
                                         double same_direction, pierce_common_volume* common);
 

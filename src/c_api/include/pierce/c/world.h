@@ -23,8 +23,8 @@ PIERCE_API pierce_status pierce_backend(pierce_world* world, const char** descri
 typedef int (*pierce_write)(const void* bytes, size_t size, void* user);
 
 /** Writes the world: settings, meshes, bodies, and what the last step keeps for the next one, but
- *  no contacts. `user` is handed to `write`, which is called several times. Errors: `write` stops,
- *  a body has its place in device memory. */
+ *  no contacts; places in device memory as they are now. `user` is handed to `write`, which is
+ *  called several times. Errors: `write` stops. */
 PIERCE_API pierce_status pierce_save(const pierce_world* world, pierce_write write, void* user);
 /** Makes a world from `size` bytes that pierce_save() has written, on any backend (null: the
  *  default). Numbers of meshes and bodies stay valid. Errors: any other content. */

@@ -14,7 +14,7 @@ PIERCE_API pierce_status pierce_worlds(pierce_world* world, const int32_t** worl
 PIERCE_API pierce_status pierce_bodies_of(pierce_world* world, int32_t of,
                                           const pierce_body_id** bodies, size_t* count);
 /** Copies all bodies of one into `count` new ones, which follow each other, and gives the first.
- *  Errors: no bodies, too many worlds or bodies, places in device memory. */
+ *  Errors: no bodies, too many worlds or bodies. */
 PIERCE_API pierce_status pierce_replicate(pierce_world* world, int32_t of, uint32_t count,
                                           int32_t* first);
 /** Puts the bodies of `to` where those of `from` are. Errors: worlds that differ. */

@@ -1,0 +1,143 @@
+// What the host asks about bodies whose places are in device memory, which is the host's here.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <vector>
+
+#include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
+#include "pierce/explain.hpp"
+#include "pierce/overlap.hpp"
+#include "pierce/parting.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/device_backend.hpp"
+
+namespace pierce {
+namespace {
+
+/// A ring with its pose and a soft one with its positions in memory, and the same on the host.
+class HostPlacesTest : public testing::Test {
+protected:
+    HostPlacesTest() {
+        for (World* w : {&there, &here}) {
+            const MeshId mesh = w->add_mesh("ring", ring);
+            rigid = w->add_rigid_body(mesh);
+            soft = w->add_deforming_body(mesh);
+            Filter filter;
+            filter.world = 3;
+            w->set_filter(rigid, filter);
+            w->set_filter(soft, filter);
+        }
+        put(0);
+        there.set_device_poses({&rigid, 1}, pose_there.data());
+        there.set_device_positions(soft, soft_there.data());
+    }
+
+    void put(int step) {
+        const double t = 0.1 * step;
+        pose_there = {0.2 * t, 0.1, 0, 0, 0, std::sin(t), std::cos(t)};
+        soft_there.clear();
+        for (const Vec3f p : ring.positions)
+            soft_there.push_back(
+                {p.x + 0.7f, p.y * (1 + 0.1f * static_cast<float>(t)), p.z + 0.2f});
+        here.set_pose(rigid, {{0.2 * t, 0.1, 0}, {0, 0, std::sin(t), std::cos(t)}});
+        here.set_positions(soft, soft_there);
+    }
+    static std::string bytes_of(const World& world) {
+        std::ostringstream out(std::ios::binary);
+        world.save(out);
+        return out.str();
+    }
+
+    MeshData ring = scenes::torus(1, 0.35, 20, 10);
+    World there{std::make_unique<test::DeviceBackend>()}, here{bvh_backend()};
+    BodyId rigid, soft;
+    std::vector<double> pose_there = std::vector<double>(7);
+    std::vector<Vec3f> soft_there{ring.positions};
+};
+
+TEST_F(HostPlacesTest, AreThoseOfDeviceMemory) {
+    for (int step = 0; step < 4; ++step) {
+        put(step);
+        for (World* w : {&there, &here}) w->detect();
+        ASSERT_FALSE(here.contacts().empty());
+        EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts()));
+        EXPECT_EQ(there.pose_of(rigid).position, here.pose_of(rigid).position);
+        EXPECT_EQ(there.vertex_positions(rigid), here.vertex_positions(rigid));
+        EXPECT_EQ(there.vertex_positions(soft), here.vertex_positions(soft));
+        EXPECT_EQ(there.vertex_position(soft, 7), here.vertex_position(soft, 7));
+        ASSERT_TRUE(here.parting(rigid, soft) && here.overlap(rigid, soft));
+        EXPECT_EQ(there.parting(rigid, soft)->translation(),
+                  here.parting(rigid, soft)->translation());
+        EXPECT_EQ(there.overlap(rigid, soft)->volume, here.overlap(rigid, soft)->volume);
+        const std::vector<Vec3d> directions{{0, 0, -1}, {0.2, 0, -1}, {0.3, 0.9, -1}};
+        const auto hits = there.cast_rays({0.9, 0, 3}, directions),
+                   expected = here.cast_rays({0.9, 0, 3}, directions);
+        std::size_t found = 0;
+        for (std::size_t k = 0; k < directions.size(); ++k) {
+            ASSERT_EQ(hits[k].has_value(), expected[k].has_value());
+            if (!hits[k]) continue;
+            ++found;
+            EXPECT_EQ(hits[k]->t, expected[k]->t);
+            EXPECT_EQ(hits[k]->triangle, expected[k]->triangle);
+        }
+        EXPECT_GT(found, 0u);
+    }
+    // Trees of the host are those of the places that were brought last, also without a step.
+    const std::vector<Vec3d> down{{0, 0, -1}};
+    const auto before = there.cast_rays({1.7, 0.01, 3}, down)[0];
+    for (Vec3f& p : soft_there) p = p + Vec3f{-0.25f, 0, 0};
+    const auto after = there.cast_rays({1.7, 0.01, 3}, down)[0];
+    ASSERT_TRUE(before && after && before->body == soft && after->body == soft);
+    EXPECT_GT(after->t, before->t + 0.05) << "it has moved to the side";
+    // Steps go on reading device memory.
+    put(9);
+    for (World* w : {&there, &here}) w->detect();
+    EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts()));
+}
+
+TEST_F(HostPlacesTest, AreSavedAndCopied) {
+    put(1);
+    for (World* w : {&there, &here}) w->detect();
+    std::istringstream saved(bytes_of(there), std::ios::binary);
+    World restored = World::restore(saved, bvh_backend());
+    for (int step = 2; step < 5; ++step) {
+        put(step);
+        here.detect();
+        restored.set_pose(rigid, here.pose_of(rigid));
+        restored.set_positions(soft, soft_there);
+        restored.detect();
+        EXPECT_EQ(contact_hash(restored.contacts()), contact_hash(here.contacts())) << step;
+    }
+    for (World* w : {&there, &here}) {
+        EXPECT_EQ(w->replicate(3, 2), 4);
+        w->copy_places(3, 5);
+        w->detect();
+    }
+    EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts()));
+}
+
+TEST_F(HostPlacesTest, MayBeNone) {
+    there.detect();
+    pose_there[2] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(there.parting(rigid, soft));
+    EXPECT_FALSE(there.overlap(rigid, soft));
+    std::istringstream saved(bytes_of(there), std::ios::binary);
+    World restored = World::restore(saved, bvh_backend());
+    EXPECT_EQ(restored.detect().excluded_bodies, 1u);
+    pose_there[2] = 0;
+    EXPECT_TRUE(there.parting(rigid, soft));
+}
+
+TEST_F(HostPlacesTest, AreRefusedWhereAStepWouldHaveToTell) {
+    there.detect();
+    EXPECT_THROW(there.explain(soft, rigid, 0), InputError);
+    EXPECT_THROW(there.impacts(), InputError);
+}
+
+}  // namespace
+}  // namespace pierce
