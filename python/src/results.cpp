@@ -128,7 +128,7 @@ void bind_plan_and_stats(nb::module_& module) {
         .ro("backend", &PlannedPart::backend, "for people")
         .ro("on_device", &PlannedPart::on_device, "it runs on a GPU")
         .ro("share", &PlannedPart::share, "of the work, as was asked for")
-        .ro("bodies", &PlannedPart::bodies, "that it owns, since the last step")
+        .ro("bodies", &PlannedPart::bodies, "that it owned in the last step")
         .ro("ghosts", &PlannedPart::ghosts, "bodies of other parts that were near")
         .ro("triangles", &PlannedPart::triangles, "of both");
     Record<Plan>(module, "Plan", "What a world's bodies require of a step.")

@@ -8,7 +8,7 @@ namespace pierce {
 
 /// Where a body is whose place is in device memory, as the host sees it.
 struct FetchedPlace {
-    Pose pose;                    ///< of a fixed or rigid body
+    Pose pose;                    ///< of a fixed or rigid body; else anything
     View<const Vec3f> positions;  ///< of a deforming one
     View<const Vec3f> start;      ///< where the step began; empty if that is not told
 };

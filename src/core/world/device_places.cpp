@@ -73,7 +73,10 @@ void World::State::bring_places(std::span<const std::uint32_t> some) {
     for (std::uint32_t k = 0; k < fetched.size; ++k) {
         BodyEntry& body = bodies.slots()[there[k]].thing;
         const auto& [pose, positions, start] = fetched[k];
-        body.pose = pose;
+        if (body.device_pose.exists()) {
+            body.pose = pose;
+            continue;
+        }
         std::ranges::copy(positions, body.positions.begin());
         // Trees of the host that were made of them are of others now.
         body.positions_version = next_key++;

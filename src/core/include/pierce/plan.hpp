@@ -15,7 +15,7 @@ struct PlannedPart {
     std::string backend;          ///< Backend::description()
     bool on_device = false;       ///< it runs on a GPU
     double share = 1;             ///< of the work, as its maker has asked for
-    std::uint32_t bodies = 0;     ///< that it owns, since the last step; 0 before the first one
+    std::uint32_t bodies = 0;     ///< that it owned in the last step; 0 before the first one
     std::uint32_t ghosts = 0;     ///< bodies of other parts that were near in the last step
     std::uint64_t triangles = 0;  ///< of both
 

@@ -74,7 +74,7 @@ typedef struct pierce_planned_part {
     const char* backend; /**< for people */
     double share;        /**< of the work, as was asked for */
     uint64_t triangles;  /**< of its bodies and ghosts */
-    uint32_t bodies;     /**< that it owns, since the last step; 0 before the first one */
+    uint32_t bodies;     /**< that it owned in the last step; 0 before the first one */
     uint32_t ghosts;     /**< bodies of other parts that were near in the last step */
     uint32_t on_device;  /**< 0, 1: it runs on a GPU */
 } pierce_planned_part;
