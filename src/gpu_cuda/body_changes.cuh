@@ -80,24 +80,4 @@ struct ReadPose {
     }
 };
 
-/// A body whose positions are in the memory of another device.
-struct FarBody {
-    const Vec3f* from = nullptr;
-    const Vec3f* start_from = nullptr;  ///< null: nobody needs them
-    Vec3f* to = nullptr;
-    Vec3f* start_to = nullptr;
-    std::uint32_t count = 0;
-};
-
-inline constexpr unsigned far_threads = 128;
-
-/// A block per such body: copies its positions.
-inline __global__ void copy_far_positions(View<const FarBody> far) {
-    const FarBody body = far[blockIdx.x];
-    for (std::uint32_t v = threadIdx.x; v < body.count; v += blockDim.x) {
-        body.to[v] = body.from[v];
-        if (body.start_from != nullptr) body.start_to[v] = body.start_from[v];
-    }
-}
-
 }  // namespace pierce::cuda

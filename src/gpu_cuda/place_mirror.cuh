@@ -12,7 +12,7 @@
 #include "gpu_cuda/body_changes.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/device_buffer.hpp"
-#include "gpu_cuda/on_device.hpp"
+#include "gpu_cuda/far_positions.cuh"
 
 namespace pierce::cuda {
 
@@ -32,7 +32,6 @@ public:
         positions_of_.assign(bodies, nullptr);
         takes_part_.clear();
         posed_.clear();
-        far_of_.clear();
         far_.clear();
     }
     /// Sets where the device has a body's vertices, which are to be sent.
@@ -47,6 +46,9 @@ public:
 
     /// Sends where the bodies are that have changed, and their positions.
     void send(const Scene& host, View<BodyView> bodies) {
+        list_far(host);
+        // Copies between devices go on beside all that follows, until await_positions().
+        far_.fetch(executor_.stream());
         if (host.changed.size > 0) {
             send_positions(host);
             PlacedBody* const staged = staged_inputs_.resize(host.changed.size);
@@ -56,7 +58,7 @@ public:
                 BodyInput& input = staged[k].input;
                 input.positions.data = positions_of_[b];
                 input.start.data = starts_.data() + vertices_at_.first(b);
-                if (input.device_positions != nullptr && !is_far(host.bodies[b])) {
+                if (input.device_positions != nullptr && !far_.has(b)) {
                     input.positions.data = input.device_positions;
                     input.start.data = input.device_start;
                 }
@@ -67,15 +69,11 @@ public:
             executor_.for_each(host.changed.size,
                                ApplyInput{view_of(std::as_const(inputs_)), bodies});
             list_posed(host);
-            list_far(host);
         }
         executor_.for_each(posed_.count(), ReadPose{view_of(std::as_const(posed_)), bodies});
-        // The step reads positions often, so those of another device are copied first.
-        if (far_.empty()) return;
-        copy_far_positions<<<static_cast<unsigned>(far_.size()), far_threads, 0,
-                             executor_.stream()>>>(view_of(std::as_const(far_)));
-        check(cudaGetLastError(), "a launch");
     }
+    /// What is issued to the executor from now on may read all positions.
+    void await_positions() { far_.await(executor_.stream()); }
 
 private:
     /// Sends the positions that have changed, with one copy for bodies that follow each other.
@@ -117,32 +115,20 @@ private:
         if (has_starts) send(staged + vertices, starts_.data(), &BodyInput::start);
     }
 
-    /// True if a body's positions are in the memory of another device.
-    static bool is_far(const BodyView& body) {
-        if (body.device_positions == nullptr) return false;
-        cudaPointerAttributes where;
-        check(cudaPointerGetAttributes(&where, body.device_positions), "where positions are");
-        return where.type == cudaMemoryTypeDevice && where.device != current_device();
-    }
-
     /// Lists the bodies that take part and have their positions on another device.
     void list_far(const Scene& host) {
-        bool differs = false;
         for (const std::uint32_t b : host.changed) {
-            differs = far_of_.erase(b) > 0 || differs;
             const BodyView& body = host.bodies[b];
-            if (!body.active || !is_far(body)) continue;
-            differs = true;
-            far_of_[b] = {.from = body.device_positions,
-                          .start_from = starts_.size() > 0 ? body.device_start : nullptr,
-                          .to = positions_.data() + vertices_at_.first(b),
-                          .start_to = starts_.data() + vertices_at_.first(b),
-                          .count = body.positions.size};
+            if (!body.active || !is_far(body)) {
+                far_.remove(b);
+                continue;
+            }
+            far_.add(b, {.from = body.device_positions,
+                         .start_from = starts_.size() > 0 ? body.device_start : nullptr,
+                         .to = positions_.data() + vertices_at_.first(b),
+                         .start_to = starts_.data() + vertices_at_.first(b),
+                         .count = body.positions.size});
         }
-        if (!differs) return;
-        std::vector<FarBody> far;
-        for (const auto& [body, its] : far_of_) far.push_back(its);
-        executor_.upload(std::span<const FarBody>(far), far_);
     }
 
     /// Lists the bodies whose poses are in device memory, where that may have changed.
@@ -164,13 +150,12 @@ private:
     Places vertices_at_;
     std::vector<std::uint64_t> sent_version_;   ///< per body, like the next one
     std::vector<const Vec3f*> positions_of_;    ///< on the device
-    std::map<std::uint32_t, FarBody> far_of_;   ///< by body
     std::map<std::uint32_t, bool> takes_part_;  ///< by body, if its pose is in device memory
     StagingBuffer<PlacedBody> staged_inputs_;
     StagingBuffer<Vec3f> staged_positions_;
     DeviceBuffer<PlacedBody> inputs_;
     DeviceBuffer<PosedBody> posed_;
-    DeviceBuffer<FarBody> far_;
+    FarPositions far_;
     DeviceBuffer<Vec3f> positions_, starts_;
 };
 

@@ -46,6 +46,9 @@ public:
         return change;
     }
 
+    /// What is issued to the executor from now on may read the positions of all bodies.
+    void await_positions() { places_.await_positions(); }
+
     /// The scene for a step on the device.
     const Scene& scene() const { return scene_; }
 

@@ -92,6 +92,12 @@ std::vector<Contact> contacts_of_devices(const World& world, std::uint32_t devic
     return all;
 }
 
+/// Sanitizers of devices take minutes for a few steps.
+int step_count(int wanted) {
+    const char* const few = std::getenv("PIERCE_TEST_STEPS");
+    return few == nullptr ? wanted : std::atoi(few);
+}
+
 class SeveralDevicesTest : public testing::TestWithParam<Coverage> {
 protected:
     void SetUp() override {
@@ -138,9 +144,7 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
     LateStream stream(last_);
     there.set_stream(stream.get());
     EXPECT_THROW(there.device_contacts(3), InputError);
-    // Sanitizers of devices take minutes for a few steps.
-    const char* const few = std::getenv("PIERCE_TEST_STEPS");
-    const int steps = few == nullptr ? 40 : std::atoi(few);
+    const int steps = step_count(40);
     for (int step = 0; step < steps; ++step) {
         std::array<std::vector<Vec3f>, 2> moved;
         std::vector<double> numbers;
@@ -180,6 +184,60 @@ TEST_P(SeveralDevicesTest, FindWhatOneBackendFinds) {
 
 INSTANTIATE_TEST_SUITE_P(Coverages, SeveralDevicesTest,
                          testing::Values(Coverage::vertices, Coverage::complete));
+
+TEST_P(SeveralDevicesTest, FindWhatOneBackendFindsForSheets) {
+    const Settings settings{.coverage = GetParam()};
+    World there(cuda_backend({.devices = {0, last_}}), settings), here(bvh_backend(), settings);
+    constexpr int bodies = 10;
+    const MeshData square = scenes::grid(1, 1, 7, 7);
+    std::vector<BodyId> sheets, sheets_here;
+    for (World* w : {&there, &here}) {
+        const MeshId mesh = w->add_mesh("square", square);
+        for (int b = 0; b < bodies; ++b) {
+            const BodyId body = w->add_deforming_body(mesh);
+            w->set_collision(body, {.self = SelfCollision::on, .sheet = true, .thickness = 0.03});
+            (w == &there ? sheets : sheets_here).push_back(body);
+        }
+    }
+    // Sheets in a row of steps, each half above the next one; they wave and go through each other.
+    const auto placed = [&](int body, int step) {
+        const double t = 0.1 * step;
+        std::vector<Vec3f> positions;
+        for (const Vec3f p : square.positions)
+            positions.push_back(to_float(Vec3d{
+                p.x + 0.6 * body + 3 * std::sin(t), p.y,
+                0.1 * std::sin(3 * t + 2 * body) + 0.05 * std::sin(9.0 * p.x + t * (1 + body))}));
+        return positions;
+    };
+    // The last device has all places, so that all those that the first one needs are far.
+    const std::size_t vertices = square.positions.size();
+    ArrayThere<Vec3f> starts(last_, bodies * vertices), ends(last_, bodies * vertices);
+    LateStream stream(last_);
+    there.set_stream(stream.get());
+    std::size_t contacts = 0;
+    const int steps = step_count(40);
+    for (int step = 0; step < steps; ++step) {
+        std::vector<Vec3f> before, after;
+        for (int b = 0; b < bodies; ++b) {
+            const std::vector<Vec3f> from = placed(b, step), to = placed(b, step + 1);
+            before.insert(before.end(), from.begin(), from.end());
+            after.insert(after.end(), to.begin(), to.end());
+            here.set_motion(sheets_here[b], from, to);
+        }
+        stream.be_late();
+        starts.write(before, stream.get());
+        ends.write(after, stream.get());
+        if (step == 0)
+            for (std::size_t b = 0; b < sheets.size(); ++b)
+                there.set_device_motion(sheets[b], starts.data() + b * vertices,
+                                        ends.data() + b * vertices);
+        there.detect();
+        here.detect();
+        EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts())) << step;
+        contacts += here.contacts().size();
+    }
+    EXPECT_GT(contacts, 100u * static_cast<unsigned>(steps));
+}
 
 TEST_P(SeveralDevicesTest, NamesADeviceThatIsNotThere) {
     EXPECT_THROW(cuda_backend({.devices = {0, 1000}}), InputError);

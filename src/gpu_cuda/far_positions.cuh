@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/vec3.hpp"
+#include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
+#include "gpu_cuda/cuda_check.hpp"
+#include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/on_device.hpp"
+
+namespace pierce::cuda {
+
+/// A body whose positions are in the memory of another device.
+struct FarBody {
+    const Vec3f* from = nullptr;
+    const Vec3f* start_from = nullptr;  ///< null: nobody needs them
+    Vec3f* to = nullptr;
+    Vec3f* start_to = nullptr;
+    std::uint32_t count = 0;
+};
+
+/// True if a body's positions are in the memory of another device.
+inline bool is_far(const BodyInput& body) {
+    if (body.device_positions == nullptr) return false;
+    cudaPointerAttributes where;
+    check(cudaPointerGetAttributes(&where, body.device_positions), "where positions are");
+    return where.type == cudaMemoryTypeDevice && where.device != current_device();
+}
+
+inline constexpr unsigned far_threads = 128;
+
+/// A block per such body: copies its positions.
+inline __global__ void copy_far_positions(View<const FarBody> far) {
+    const FarBody body = far[blockIdx.x];
+    for (std::uint32_t v = threadIdx.x; v < body.count; v += blockDim.x) {
+        body.to[v] = body.from[v];
+        if (body.start_from != nullptr) body.start_to[v] = body.start_from[v];
+    }
+}
+
+/// Copies of positions that other devices have: a step reads them often. They come on a stream of
+/// their own, beside what a device does with its own bodies.
+class FarPositions {
+public:
+    FarPositions() {
+        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "a stream");
+        for (cudaEvent_t* event : {&begun_, &done_})
+            check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
+    }
+    FarPositions(const FarPositions&) = delete;
+    ~FarPositions() {
+        for (cudaEvent_t event : {begun_, done_}) cudaEventDestroy(event);
+        cudaStreamDestroy(stream_);
+    }
+
+    void clear() {
+        bodies_.clear();
+        differs_ = true;
+    }
+    bool has(std::uint32_t body) const { return bodies_.contains(body); }
+    void add(std::uint32_t body, const FarBody& far) {
+        bodies_[body] = far;
+        differs_ = true;
+    }
+    void remove(std::uint32_t body) { differs_ = bodies_.erase(body) > 0 || differs_; }
+
+    /// Begins to copy when all is done that is issued on `ours`.
+    void fetch(cudaStream_t ours) {
+        if (bodies_.empty()) return;
+        pass(ours, begun_, stream_);
+        if (differs_) list();
+        copy_far_positions<<<static_cast<unsigned>(listed_.size()), far_threads, 0, stream_>>>(
+            view_of(std::as_const(listed_)));
+        check(cudaGetLastError(), "a launch");
+    }
+    /// What is issued on `ours` from now on begins when all is copied.
+    void await(cudaStream_t ours) {
+        if (!bodies_.empty()) pass(stream_, done_, ours);
+    }
+
+private:
+    static void pass(cudaStream_t from, cudaEvent_t event, cudaStream_t to) {
+        check(cudaEventRecord(event, from), "an event");
+        check(cudaStreamWaitEvent(to, event), "an event");
+    }
+    void list() {
+        staged_.resize(bodies_.size());
+        std::size_t k = 0;
+        for (const auto& [body, far] : bodies_) staged_[k++] = far;
+        listed_.resize(bodies_.size());
+        check(cudaMemcpyAsync(listed_.data(), staged_.data(), k * sizeof(FarBody),
+                              cudaMemcpyHostToDevice, stream_),
+              "a copy");
+        differs_ = false;
+    }
+
+    std::map<std::uint32_t, FarBody> bodies_;  ///< by body
+    bool differs_ = false;                     ///< from those listed
+    StagingBuffer<FarBody> staged_;
+    DeviceBuffer<FarBody> listed_;
+    cudaStream_t stream_ = nullptr;
+    cudaEvent_t begun_ = nullptr, done_ = nullptr;
+};
+
+}  // namespace pierce::cuda
