@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/device/view.hpp"
-#include "gpu_cuda/body_changes.cuh"
 #include "gpu_cuda/cuda_check.hpp"
 #include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/far_positions.cuh"
 #include "gpu_cuda/on_device.hpp"
 
 namespace pierce {

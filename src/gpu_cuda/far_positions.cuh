@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/vec3.hpp"
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "gpu_cuda/cuda_check.hpp"
@@ -90,11 +89,11 @@ private:
         check(cudaStreamWaitEvent(to, event), "an event");
     }
     void list() {
-        staged_.resize(bodies_.size());
-        std::size_t k = 0;
-        for (const auto& [body, far] : bodies_) staged_[k++] = far;
-        listed_.resize(bodies_.size());
-        check(cudaMemcpyAsync(listed_.data(), staged_.data(), k * sizeof(FarBody),
+        FarBody* const staged = staged_.resize(bodies_.size());
+        std::size_t count = 0;
+        for (const auto& [body, far] : bodies_) staged[count++] = far;
+        listed_.resize(static_cast<std::uint32_t>(count));
+        check(cudaMemcpyAsync(listed_.data(), staged, count * sizeof(FarBody),
                               cudaMemcpyHostToDevice, stream_),
               "a copy");
         differs_ = false;

@@ -8,8 +8,8 @@
 #include "core/body/body_view.hpp"
 #include "core/body/fetched_place.hpp"
 #include "core/device/view.hpp"
-#include "gpu_cuda/body_changes.cuh"
 #include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/far_positions.cuh"
 
 namespace pierce::cuda {
 
