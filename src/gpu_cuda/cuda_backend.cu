@@ -150,7 +150,7 @@ private:
         check(cudaEventRecord(events_[0], executor_.stream()), "an event");
         const Change change = mirror_.update(host);
         if (change != Change::none || tracer_.is_stale()) {
-            mirror_.await_positions();
+            executor_.await_ghosts();
             tracer_.arrange(executor_, host.bodies);
             tracer_.build_changed(executor_, mirror_.scene().bodies);
         }
@@ -182,7 +182,6 @@ private:
     }
 
     void exact_step(StepStats& stats) {
-        mirror_.await_positions();
         executor_.begin_exact(bank_);
         pipeline_.step(mirror_.scene(), stats);
         executor_.end();
@@ -195,7 +194,6 @@ private:
     void bounded_step(StepStats& stats) {
         cudaGraphExec_t& graph = graphs_[bank_];
         mirror_.keep_seen();
-        mirror_.await_positions();
         if (graph != nullptr) {
             executor_.begin_repetition(bank_);
             pipeline_.recall(mirror_.scene());

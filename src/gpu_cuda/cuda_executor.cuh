@@ -133,6 +133,15 @@ public:
         cuda::check(cudaEventRecord(joined_, side_.stream), "an event");
         is_forked_ = true;
     }
+    /// Sets when the positions of ghosts have come. The event is recorded before a step is issued.
+    void expect_ghosts(cudaEvent_t have_come) { ghosts_have_come_ = have_come; }
+    void await_ghosts() {
+        // A captured step waits for what is recorded before each of its launches.
+        const unsigned flag = cuda::is_captured(stream_) ? cudaEventWaitExternal
+                                                         : cudaEventWaitDefault;
+        if (ghosts_have_come_ != nullptr)
+            cuda::check(cudaStreamWaitEvent(stream_, ghosts_have_come_, flag), "an event");
+    }
     void join() {
         if (is_forked_) cuda::check(cudaStreamWaitEvent(stream_, joined_), "an event");
         is_forked_ = false;
@@ -534,6 +543,7 @@ private:
         Buffer<std::byte> scratch;
     } side_;
     cudaEvent_t forked_ = nullptr, joined_ = nullptr, lists_begun_ = nullptr;
+    cudaEvent_t ghosts_have_come_ = nullptr;  ///< another one's; null: there are no ghosts
     bool is_forked_ = false, is_beside_ = false;
     bool waits_for_lists_ = false;  ///< the lists still begin on the second stream
 };

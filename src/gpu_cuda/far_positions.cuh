@@ -17,6 +17,7 @@ namespace pierce::cuda {
 
 /// A body whose positions are in the memory of another device.
 struct FarBody {
+    bool is_ghost = false;  ///< the step may wait for its positions
     const Vec3f* from = nullptr;
     const Vec3f* start_from = nullptr;  ///< null: nobody needs them
     Vec3f* to = nullptr;
@@ -69,29 +70,31 @@ public:
     }
     void remove(std::uint32_t body) { differs_ = bodies_.erase(body) > 0 || differs_; }
 
-    /// Begins to copy when all is done that is issued on `ours`.
+    /// Begins to copy when all is done that is issued on `ours`, which then waits for all bodies
+    /// but ghosts.
     void fetch(cudaStream_t ours) {
         if (bodies_.empty()) return;
-        pass(ours, begun_, stream_);
+        check(cudaEventRecord(begun_, ours), "an event");
+        check(cudaStreamWaitEvent(stream_, begun_), "an event");
         if (differs_) list();
         copy_far_positions<<<static_cast<unsigned>(listed_.size()), far_threads, 0, stream_>>>(
             view_of(std::as_const(listed_)));
         check(cudaGetLastError(), "a launch");
+        check(cudaEventRecord(done_, stream_), "an event");
+        if (!are_ghosts_) check(cudaStreamWaitEvent(ours, done_), "an event");
     }
-    /// What is issued on `ours` from now on begins when all is copied.
-    void await(cudaStream_t ours) {
-        if (!bodies_.empty()) pass(stream_, done_, ours);
-    }
+    /// When all is copied.
+    cudaEvent_t done() const { return done_; }
 
 private:
-    static void pass(cudaStream_t from, cudaEvent_t event, cudaStream_t to) {
-        check(cudaEventRecord(event, from), "an event");
-        check(cudaStreamWaitEvent(to, event), "an event");
-    }
     void list() {
         FarBody* const staged = staged_.resize(bodies_.size());
         std::size_t count = 0;
-        for (const auto& [body, far] : bodies_) staged[count++] = far;
+        are_ghosts_ = true;
+        for (const auto& [body, far] : bodies_) {
+            staged[count++] = far;
+            are_ghosts_ = are_ghosts_ && far.is_ghost;
+        }
         listed_.resize(static_cast<std::uint32_t>(count));
         check(cudaMemcpyAsync(listed_.data(), staged, count * sizeof(FarBody),
                               cudaMemcpyHostToDevice, stream_),
@@ -101,6 +104,7 @@ private:
 
     std::map<std::uint32_t, FarBody> bodies_;  ///< by body
     bool differs_ = false;                     ///< from those listed
+    bool are_ghosts_ = true;                   ///< all of those listed
     StagingBuffer<FarBody> staged_;
     DeviceBuffer<FarBody> listed_;
     cudaStream_t stream_ = nullptr;

@@ -42,7 +42,8 @@ public:
             const BodyView& body = bodies[some[k]];
             const std::uint32_t count = count_of(body);
             from[k] = body.device_pose;
-            far[k] = {.from = body.device_positions,
+            far[k] = {.is_ghost = false,
+                      .from = body.device_positions,
                       .start_from = body.device_start,
                       .to = together_.data() + at,
                       .start_to = together_.data() + at + count,

@@ -20,7 +20,9 @@ namespace pierce::cuda {
 /// that the caller keeps on the device are read there.
 class PlaceMirror {
 public:
-    explicit PlaceMirror(CudaExecutor& executor) : executor_(executor) {}
+    explicit PlaceMirror(CudaExecutor& executor) : executor_(executor) {
+        executor_.expect_ghosts(far_.done());
+    }
 
     /// Where the vertices of deforming bodies are kept.
     Places& vertices() { return vertices_at_; }
@@ -47,7 +49,7 @@ public:
     /// Sends where the bodies are that have changed, and their positions.
     void send(const Scene& host, View<BodyView> bodies) {
         list_far(host);
-        // Copies between devices go on beside all that follows, until await_positions().
+        // They come beside all that follows, until the step waits for ghosts.
         far_.fetch(executor_.stream());
         if (host.changed.size > 0) {
             send_positions(host);
@@ -72,8 +74,6 @@ public:
         }
         executor_.for_each(posed_.count(), ReadPose{view_of(std::as_const(posed_)), bodies});
     }
-    /// What is issued to the executor from now on may read all positions.
-    void await_positions() { far_.await(executor_.stream()); }
 
 private:
     /// Sends the positions that have changed, with one copy for bodies that follow each other.
@@ -123,7 +123,8 @@ private:
                 far_.remove(b);
                 continue;
             }
-            far_.add(b, {.from = body.device_positions,
+            far_.add(b, {.is_ghost = host.ghost_blocks > 0 && body.part != host.part,
+                         .from = body.device_positions,
                          .start_from = starts_.size() > 0 ? body.device_start : nullptr,
                          .to = positions_.data() + vertices_at_.first(b),
                          .start_to = starts_.data() + vertices_at_.first(b),

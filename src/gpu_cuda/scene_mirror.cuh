@@ -46,9 +46,6 @@ public:
         return change;
     }
 
-    /// What is issued to the executor from now on may read the positions of all bodies.
-    void await_positions() { places_.await_positions(); }
-
     /// The scene for a step on the device.
     const Scene& scene() const { return scene_; }
 
@@ -157,6 +154,8 @@ private:
     /// Copies the lists of items again; false if they have outgrown their room.
     bool send_items(const Scene& host) {
         if (host.block_items.size > block_items_.size()) return false;
+        // Captured steps wait for ghosts only after as many blocks.
+        if (scene_.ghost_blocks > 0 && host.own_blocks() < scene_.own_blocks()) return false;
         for (std::uint32_t level = 0; level < BoxLevels::most; ++level)
             if (host.level_begin[level + 1] - host.level_begin[level] >
                 scene_.level_begin[level + 1] - scene_.level_begin[level])
@@ -319,6 +318,9 @@ private:
                   .excluded = view_of(std::as_const(excluded_)),
                   .world_begins = view_of(std::as_const(world_begins_)),
                   .block_items = view_of(std::as_const(block_items_)),
+                  .ghost_blocks = host.ghost_blocks == 0
+                                      ? 0
+                                      : view_of(block_items_).size - host.own_blocks(),
                   .ranges = view_of(std::as_const(ranges_)),
                   .blocks = view_of(std::as_const(block_views_)),
                   .patches = view_of(std::as_const(patch_views_)),

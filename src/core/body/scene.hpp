@@ -57,7 +57,8 @@ struct Scene {
     View<const std::uint32_t> world_begins;   ///< where, in the order of worlds, the bodies of each
                                               ///< begin, then those that are in all worlds, and
                                               ///< where those end; empty if there are no worlds
-    View<const BlockItem> block_items;        ///< of deforming bodies
+    View<const BlockItem> block_items;        ///< of deforming bodies, ghosts last
+    std::uint32_t ghost_blocks = 0;           ///< how many of these are of bodies of other parts
     View<const BlockRange> ranges;            ///< per deforming body, its blocks
     View<const View<PatchBlock>> blocks;      ///< per body, where a deforming body's spheres go
     View<const View<Offsets>> patches;        ///< per body, where its vertices' offsets go
@@ -71,6 +72,8 @@ struct Scene {
     std::uint32_t part = 0;  ///< of the backends that share a scene, the one that steps
     View<const std::uint32_t> forgets_sides;  ///< one number; if it is not 0, sheets forget the
                                               ///< last step
+
+    std::uint32_t own_blocks() const { return block_items.size - ghost_blocks; }
 };
 
 }  // namespace pierce

@@ -86,6 +86,8 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     // concurrently.
     executor.beside(detail::AnyWork{});
     executor.join();
+    // What is issued from now on may read the positions of ghosts, which come from other parts.
+    executor.await_ghosts();
     // Runs work that consists of stages as a whole: a step, or rays outside of a step.
     executor.run(detail::AnyWork{});
     // Fill a list with a value, copy a list from the host, and copy it to the host.

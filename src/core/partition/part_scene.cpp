@@ -84,13 +84,19 @@ void PartScene::list_items(const Scene& whole) {
     block_items_.clear();
     ranges_.clear();
     node_items_.clear();
-    for (const BlockRange& range : whole.ranges) {
-        if (!resident_[range.body]) continue;
-        const auto first = static_cast<std::uint32_t>(block_items_.size());
-        block_items_.insert(block_items_.end(), whole.block_items.begin() + range.first,
-                            whole.block_items.begin() + range.last);
-        ranges_.push_back({range.body, first, static_cast<std::uint32_t>(block_items_.size())});
-    }
+    const auto list_blocks = [&](bool own) {
+        for (const BlockRange& range : whole.ranges) {
+            if (!resident_[range.body] || (views_[range.body].part == part_) != own) continue;
+            const auto first = static_cast<std::uint32_t>(block_items_.size());
+            block_items_.insert(block_items_.end(), whole.block_items.begin() + range.first,
+                                whole.block_items.begin() + range.last);
+            ranges_.push_back({range.body, first, static_cast<std::uint32_t>(block_items_.size())});
+        }
+    };
+    list_blocks(true);
+    const std::size_t own = block_items_.size();
+    list_blocks(false);
+    ghost_blocks_ = static_cast<std::uint32_t>(block_items_.size() - own);
     for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
         level_begin_[level] = static_cast<std::uint32_t>(node_items_.size());
         for (std::uint32_t i = whole.level_begin[level]; i < whole.level_begin[level + 1]; ++i)
@@ -169,6 +175,7 @@ Scene PartScene::scene(const Scene& whole) {
             .pair_filter = whole.pair_filter,
             .world_begins = view_of(std::as_const(world_begins_)),
             .block_items = view_of(std::as_const(block_items_)),
+            .ghost_blocks = ghost_blocks_,
             .ranges = view_of(std::as_const(ranges_)),
             .blocks = view_of(std::as_const(blocks_)),
             .patches = view_of(std::as_const(patches_)),

@@ -76,6 +76,7 @@ private:
     std::vector<BodyId> ids_;
     std::vector<GhostShape> shapes_;
     std::vector<BlockItem> block_items_;
+    std::uint32_t ghost_blocks_ = 0;
     std::vector<BlockRange> ranges_;
     std::vector<View<PatchBlock>> blocks_;
     std::vector<View<Offsets>> patches_;

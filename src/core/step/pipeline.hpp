@@ -74,7 +74,10 @@ public:
         // Sheets place all bodies while pairs are looked for. They do not if there are solids, too:
         // most solids have no sheet near.
         if (E::traits.overlaps_updates && !plan.casts_rays)
-            stage(StageId::sheets, [&] { sheets_.bound_all(scene); });
+            stage(StageId::sheets, [&] {
+                executor_.await_ghosts();
+                sheets_.bound_all(scene);
+            });
         stage(StageId::bounds, [&] { bounds(scene); });
         stage(StageId::update, [&] { tools_.update_all(scene.bodies); });
         stage(StageId::pairs, [&] { pairs(scene); });
@@ -287,11 +290,18 @@ private:
         bounds_.blocks.resize(scene.block_items.size);
         if (scene.plan->casts_rays) {
             bounds_.moments.resize(scene.block_items.size);
-            executor_.for_each(blocks, stages::MeasurePatches{.bodies = scene.bodies,
-                                                              .items = scene.block_items,
-                                                              .blocks = scene.blocks,
-                                                              .patches = scene.patches,
-                                                              .moments = view_of(bounds_.moments)});
+            const auto measure = [&](std::uint32_t first, std::uint32_t count) {
+                executor_.for_each(
+                    executor_.in_sixteens(count),
+                    stages::MeasurePatches{.bodies = scene.bodies,
+                                           .items = {scene.block_items.data + first, count},
+                                           .blocks = scene.blocks,
+                                           .patches = scene.patches,
+                                           .moments = {bounds_.moments.data() + first, count}});
+            };
+            measure(0, scene.own_blocks());
+            executor_.await_ghosts();
+            measure(scene.own_blocks(), scene.ghost_blocks);
             executor_.for_each(
                 bodies, stages::FitFrame{scene.bodies, scene.ranges, view_of(bounds_.moments)});
             executor_.for_each(blocks, stages::MeasureBounds{.bodies = scene.bodies,
@@ -299,6 +309,7 @@ private:
                                                              .seen = scene.seen,
                                                              .bounds = view_of(bounds_.blocks)});
         } else {
+            executor_.await_ghosts();
             executor_.for_each(blocks, stages::MeasureBoxes{scene.bodies, scene.block_items,
                                                             view_of(bounds_.blocks)});
         }
