@@ -2,9 +2,11 @@
 //   pierce_bodies_at_rest BODIES THREADS [STEPS]
 // Rigid tori of 600 triangles on a grid, turned and shifted at random (seed 1), so that each
 // overlaps its neighbours. All of them, a hundredth, one, or none sway by a thousandth of their
-// width. Times are medians over all steps but the first three.
+// width. Times are medians over all steps but the first ones: the step, and the call that reads all
+// contacts after it.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -20,7 +22,8 @@ namespace {
 
 using namespace pierce;
 
-constexpr int first_steps = 3;  ///< not measured: caches fill, and the step after a motion
+/// Not measured: caches fill, the step after a motion; and bodies come to rest.
+constexpr int first_steps = 3, steps_to_rest = 40;
 
 double median(std::vector<double> values) {
     std::nth_element(values.begin(),
@@ -53,20 +56,28 @@ int main(int argc, char** argv) try {
         poses.push_back(pose);
         bodies.push_back(world.add_rigid_body(mesh, pose));
     }
-    std::puts("bodies,moving,threads,pairs,contacts,step_ms");
+    std::puts("bodies,moving,threads,pairs,contacts,step_ms,contacts_ms");
     for (const int moving : {count, count / 100, 1, 0}) {
-        std::vector<double> times;
-        for (int step = 0; step < steps + first_steps; ++step) {
+        std::vector<double> times, reading;
+        const int first = moving == count ? first_steps : steps_to_rest;
+        for (int step = 0; step < steps + first; ++step) {
             for (int i = 0; i < moving; ++i) {
                 const auto k = static_cast<std::size_t>(i);
                 poses[k].position.x += step % 2 == 0 ? 0.0014 : -0.0014;
                 world.set_pose(bodies[k], poses[k]);
             }
             const double ms = world.detect().milliseconds;
-            if (step >= first_steps) times.push_back(ms);
+            const auto begin = std::chrono::steady_clock::now();
+            const std::size_t contacts = world.contacts().size();
+            if (contacts != world.stats().contacts) return 1;
+            if (step < first) continue;
+            times.push_back(ms);
+            reading.push_back(
+                std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+                    .count());
         }
-        std::printf("%d,%d,%d,%u,%u,%.2f\n", count, moving, threads, world.stats().pairs,
-                    world.stats().contacts, median(times));
+        std::printf("%d,%d,%d,%u,%u,%.2f,%.2f\n", count, moving, threads, world.stats().pairs,
+                    world.stats().contacts, median(times), median(reading));
     }
     return 0;
 } catch (const pierce::InputError& error) {

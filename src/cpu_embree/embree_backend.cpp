@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/partition/resting_backend.hpp"
 #include "core/step/pipeline_backend.hpp"
 #include "cpu_embree/embree_api.hpp"
 #include "cpu_embree/embree_tracer.hpp"
@@ -18,10 +19,12 @@ std::unique_ptr<Backend> embree_backend(int threads) {
         throw InputError("threads must not be negative, got " + std::to_string(threads));
     const int available = tbb::info::default_concurrency();
     const int count = threads == 0 ? available : std::min(threads, available);
-    return std::make_unique<PipelineBackend<TbbExecutor, EmbreeTracer>>(
-        "embree " + embree_version() + ", " + std::to_string(count) +
-            (count == 1 ? " thread" : " threads"),
-        std::make_unique<TbbExecutor>(count), std::make_unique<EmbreeTracer>());
+    return resting_backend([=] {
+        return std::make_unique<PipelineBackend<TbbExecutor, EmbreeTracer>>(
+            "embree " + embree_version() + ", " + std::to_string(count) +
+                (count == 1 ? " thread" : " threads"),
+            std::make_unique<TbbExecutor>(count), std::make_unique<EmbreeTracer>());
+    });
 }
 
 }  // namespace pierce

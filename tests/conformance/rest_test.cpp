@@ -145,6 +145,26 @@ TEST_P(RestTest, KeptContactsStay) {
     }
 }
 
+/// What asks for the plan between a change and the next step does not make the change unseen.
+TEST_P(RestTest, ChangesAreSeenThoughThePlanWasAskedFor) {
+    for (int change = 0; change < 3; ++change) {
+        SCOPED_TRACE(change);
+        World world(GetParam().make());
+        const MeshId mesh = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+        const BodyId low = world.add_rigid_body(mesh),
+                     high = world.add_rigid_body(mesh, {{0.2, 0.1, 0.9}, {}});
+        for (int step = 0; step < 3; ++step) world.detect();
+        ASSERT_FALSE(world.contacts().empty());
+        if (change == 0) world.remove_body(high);
+        if (change == 1) world.exclude(low, high);
+        if (change == 2) world.set_filter(low, {.meets = 0});
+        world.plan();
+        world.detect();
+        EXPECT_TRUE(world.contacts().empty());
+        EXPECT_EQ(world.stats().pairs, 0u);
+    }
+}
+
 /// Where all bodies moved, memory rests; it must not where few move later.
 TEST(MemoryTest, IsTakenUpAgainWhereFewBodiesMove) {
     test::Random random(3);

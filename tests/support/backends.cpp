@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/partition/resting_backend.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
 #include "pierce/partitioned_backend.hpp"
@@ -23,6 +24,11 @@ std::unique_ptr<Backend> two_parts() {
         {.backend = partitioned_backend(2, 1, [](int) { return bvh_backend(); }), .share = 2});
     parts.push_back({.backend = embree_backend(1)});
     return partitioned_backend(std::move(parts));
+}
+
+/// Bodies that rest for a step become a part of their own at once.
+std::unique_ptr<Backend> resting() {
+    return resting_backend([] { return bvh_backend(); }, {.bodies = 2, .steps = 1, .patience = 1});
 }
 
 #if PIERCE_HAS_CUDA
@@ -47,7 +53,8 @@ std::vector<NamedBackend> backends() {
                                      {"bvh", [] { return bvh_backend(); }},
                                      {"embree_1", [] { return embree_backend(1); }},
                                      {"embree_3", [] { return embree_backend(3); }},
-                                     {"two_parts", two_parts}};
+                                     {"two_parts", two_parts},
+                                     {"resting", resting}};
 #if PIERCE_HAS_TEST_EXECUTORS
     all.push_back({"shuffled", [] { return shuffled_backend(); }});
     all.push_back({"parallel", [] { return parallel_backend(); }});

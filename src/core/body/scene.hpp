@@ -76,4 +76,9 @@ struct Scene {
     std::uint32_t own_blocks() const { return block_items.size - ghost_blocks; }
 };
 
+/// True if pairs in which nothing changes may keep their contacts without being looked at.
+inline bool may_rest(const Plan& plan, const PairFilter* filter) {
+    return !plan.sheets && filter == nullptr && plan.settings.temporal != Temporal::paper;
+}
+
 }  // namespace pierce

@@ -159,6 +159,7 @@ void PartScene::update(const Scene& whole, std::span<const std::uint32_t> change
         }
     std::ranges::sort(changed_);
     changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
+    is_still_ = !replans && changed_.empty();
 }
 
 void PartScene::copy_seen(const Scene& whole) {

@@ -43,6 +43,8 @@ public:
     View<BodyView> bodies() { return view_of(views_); }
     View<const BodyId> ids() const { return view_of(ids_); }
     View<const View<SeenPatch>> seen() const { return view_of(seen_); }
+    /// True if nothing has changed in the last show().
+    bool is_still() const { return is_still_; }
     /// Ghosts that take part since the last show().
     const std::vector<std::uint32_t>& arrived() const { return arrived_; }
 
@@ -69,6 +71,7 @@ private:
 
     std::uint32_t part_;
     std::uint64_t revision_ = 0;
+    bool is_still_ = false;
     BodySet resident_, near_, own_;
     std::vector<std::uint32_t> arrived_, changed_;
     Plan plan_;

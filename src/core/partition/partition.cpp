@@ -71,7 +71,7 @@ void Partition::measure_on_host(const Scene& scene, std::uint32_t part) {
 bool Partition::is_out_of_date(double grown) const {
     // Two bodies may come nearer to each other by twice as much.
     for (const double of_part : grown_) grown = std::max(grown, of_part);
-    return looked_.empty() || !(2 * grown <= spare());
+    return given_ || looked_.empty() || !(2 * grown <= spare());
 }
 
 void Partition::note_looked() {
@@ -106,6 +106,15 @@ bool Partition::cut(const Scene& scene) {
                              std::ranges::equal(scene.ids, known_);
     planned_ = scene.plan->revision;
     note_looked();
+    if (given_) {
+        owners_before_.assign(owners().begin(), owners().end());
+        space_.assign(facts_, reach_, *std::exchange(given_, std::nullopt), parts());
+        is_given_ = true;
+        for (std::uint32_t part = 0; part < parts(); ++part) look_around(part);
+        return note_owners(scene);
+    }
+    if (same_bodies && is_given_) return false;
+    is_given_ = false;
     if (same_bodies && worst_load() <= constants::uneven_parts * worst_at_first_) return false;
     owners_before_.assign(owners().begin(), owners().end());
     std::vector<double> shares = shares_;
@@ -115,6 +124,10 @@ bool Partition::cut(const Scene& scene) {
         shares = corrected_shares(std::move(shares), shares_, loads_);
     }
     worst_at_first_ = worst_load();
+    return note_owners(scene);
+}
+
+bool Partition::note_owners(const Scene& scene) {
     known_.assign(scene.ids.begin(), scene.ids.end());
     list_measured(scene);
     return true;

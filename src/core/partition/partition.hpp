@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/body/scene.hpp"
@@ -38,6 +40,10 @@ public:
     /// The same before the last cut.
     std::span<const std::uint32_t> owners_before() const { return owners_before_; }
 
+    /// Sets each body's part for the next step, and for all later ones with these bodies, instead
+    /// of cuts of space.
+    void set_owners(std::vector<std::uint32_t> owners) { given_ = std::move(owners); }
+
     /// Begins a step: notes what bodies are. `anew`: bodies were added, removed or changed.
     void begin(const Scene& scene, bool anew);
     /// Then, for every part: measures what some of the bodies reach whose places the host knows.
@@ -73,6 +79,8 @@ private:
     /// [length] How much further than bodies reach parts look for ghosts.
     double spare() const { return 0.5 * constants::spare_reach * space_.mean_extent(); }
     void note_looked();
+    /// To be called when bodies have other owners.
+    bool note_owners(const Scene& scene);
 
     std::vector<double> shares_;
     // Per body.
@@ -84,6 +92,8 @@ private:
     std::vector<BodyId> known_;  ///< whom the owner was chosen for
     std::uint64_t planned_ = 0;  ///< revision of the plan of the last cut()
     SpaceCut space_;
+    std::optional<std::vector<std::uint32_t>> given_;  ///< owners to come
+    bool is_given_ = false;                            ///< owners were not found by a cut
     // Per part.
     std::vector<double> grown_;  ///< [length] the most that reach has grown since, as it measured
     std::vector<Measured> measured_;

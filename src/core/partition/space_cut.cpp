@@ -2,37 +2,54 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "core/partition/region.hpp"
-#include "core/partition/space_partition.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
 
 void SpaceCut::divide(std::span<const BodyFacts> bodies, std::span<const Box> reach,
                       std::span<const double> shares) {
-    std::vector<WeightedPoint> points(bodies.size());
+    const std::vector<WeightedPoint> places = note_places(bodies, reach);
+    owners_ = divide_space(places, {shares.begin(), shares.end()});
+    list_owned(bodies, places, shares.size());
+}
+
+void SpaceCut::assign(std::span<const BodyFacts> bodies, std::span<const Box> reach,
+                      std::vector<std::uint32_t> owners, std::uint32_t parts) {
+    owners_ = std::move(owners);
+    list_owned(bodies, note_places(bodies, reach), parts);
+}
+
+std::vector<WeightedPoint> SpaceCut::note_places(std::span<const BodyFacts> bodies,
+                                                 std::span<const Box> reach) {
+    std::vector<WeightedPoint> places(bodies.size());
     Vec3d last;
     double extents = 0;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         extents += reach[b].extent();
         // Bodies that take no part go with the one before them.
         if (!reach[b].empty()) last = reach[b].center();
-        points[b] = {last, reach[b].empty() ? 0 : bodies[b].weight};
+        places[b] = {last, reach[b].empty() ? 0 : bodies[b].weight};
     }
     mean_extent_ = extents / std::max<double>(1, static_cast<double>(bodies.size()));
-    owners_ = divide_space(points, {shares.begin(), shares.end()});
-    owned_.assign(shares.size(), {});
+    return places;
+}
+
+void SpaceCut::list_owned(std::span<const BodyFacts> bodies, std::span<const WeightedPoint> places,
+                          std::size_t parts) {
+    owned_.assign(parts, {});
     for (std::uint32_t b = 0; b < bodies.size(); ++b)
         if (bodies[b].exists)
             owned_[owners_[b]].push_back(
                 {.body = b, .cell = 0, .weight = bodies[b].active ? bodies[b].weight : 0});
     const std::vector<double> equal(constants::part_cells, 1.0);
     for (std::vector<Owned>& owned : owned_) {
-        std::vector<WeightedPoint> places;
-        places.reserve(owned.size());
-        for (const Owned& own : owned) places.push_back(points[own.body]);
-        const std::vector<std::uint32_t> cells = divide_space(places, equal);
+        std::vector<WeightedPoint> own_places;
+        own_places.reserve(owned.size());
+        for (const Owned& own : owned) own_places.push_back(places[own.body]);
+        const std::vector<std::uint32_t> cells = divide_space(own_places, equal);
         for (std::size_t k = 0; k < owned.size(); ++k) owned[k].cell = cells[k];
     }
 }

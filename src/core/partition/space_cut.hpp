@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/partition/space_partition.hpp"
 #include "pierce/box.hpp"
 
 namespace pierce {
@@ -25,6 +26,10 @@ public:
     /// Cuts space anew. `shares`: of the work, per part.
     void divide(std::span<const BodyFacts> bodies, std::span<const Box> reach,
                 std::span<const double> shares);
+
+    /// The same with parts that are given: each body's owner.
+    void assign(std::span<const BodyFacts> bodies, std::span<const Box> reach,
+                std::vector<std::uint32_t> owners, std::uint32_t parts);
 
     std::uint32_t parts() const { return static_cast<std::uint32_t>(owned_.size()); }
     /// Each body's part; empty before the first divide().
@@ -49,6 +54,12 @@ private:
         std::uint32_t body = 0, cell = 0;
         float weight = 0;
     };
+
+    /// Places of all bodies, with their weights.
+    std::vector<WeightedPoint> note_places(std::span<const BodyFacts> bodies,
+                                           std::span<const Box> reach);
+    void list_owned(std::span<const BodyFacts> bodies, std::span<const WeightedPoint> places,
+                    std::size_t parts);
 
     std::vector<std::uint32_t> owners_;
     std::vector<std::vector<Owned>> owned_;  ///< per part

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@ public:
 
     std::string description() const override { return description_; }
     void step(const Scene& scene, StepStats& stats) override {
+        grow_older();
         executor_->run([&] { pipeline_.step(scene, stats); });
         pipeline_.report(*scene.plan, stats);
         const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
@@ -35,15 +37,17 @@ public:
     }
     bool step_at_rest() override {
         if (runs_on_device()) return false;
-        executor_->run([&] { pipeline_.step_at_rest(); });
+        ++steps_at_rest_;
         return true;
     }
     View<const Contact> contacts() const override {
+        grow_older();
         if (!contacts_.empty()) return view_of(contacts_);
         return pipeline_.contacts().empty() ? view_of(pipeline_.sheet_contacts())
                                             : view_of(pipeline_.contacts());
     }
     std::shared_ptr<const Contact> keep_contacts() override {
+        grow_older();
         return pipeline_.sheet_contacts().empty() ? pipeline_.keep_contacts()
                                                   : Backend::keep_contacts();
     }
@@ -54,8 +58,14 @@ public:
         return pipeline_.certificate(bodies, pair, side, vertex);
     }
 
-    StepMemory memory() const override { return pipeline_.memory(); }
-    void remember(const StepMemory& memory) override { pipeline_.remember(memory); }
+    StepMemory memory() const override {
+        grow_older();
+        return pipeline_.memory();
+    }
+    void remember(const StepMemory& memory) override {
+        steps_at_rest_ = 0;
+        pipeline_.remember(memory);
+    }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         std::vector<std::uint32_t> wanted(bodies.size, 0);
@@ -71,10 +81,18 @@ protected:
     Pipeline<E, T>& pipeline() { return pipeline_; }
 
 private:
+    /// Contacts are as old as they are to be when someone asks for them.
+    void grow_older() const {
+        if (steps_at_rest_ == 0) return;
+        executor_->run([&] { pipeline_.step_at_rest(steps_at_rest_); });
+        steps_at_rest_ = 0;
+    }
+
     std::string description_;
     std::unique_ptr<E> executor_;
     std::unique_ptr<T> tracer_;
-    Pipeline<E, T> pipeline_;
+    mutable Pipeline<E, T> pipeline_;
+    mutable std::uint32_t steps_at_rest_ = 0;  ///< since contacts were last asked for
     std::vector<Contact> contacts_;  ///< all contacts, if some are those of sheets and some are not
 };
 

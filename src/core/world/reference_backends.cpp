@@ -1,6 +1,7 @@
 #include "pierce/reference_backends.hpp"
 
 #include "core/execute/serial_executor.hpp"
+#include "core/partition/resting_backend.hpp"
 #include "core/step/pipeline_backend.hpp"
 #include "core/trace/brute_force_tracer.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
@@ -14,9 +15,11 @@ std::unique_ptr<Backend> reference_backend() {
 }
 
 std::unique_ptr<Backend> bvh_backend(TreeOptions trees) {
-    return std::make_unique<PipelineBackend<SerialExecutor, BvhTracer<SerialExecutor>>>(
-        "bvh, 1 thread", std::make_unique<SerialExecutor>(),
-        std::make_unique<BvhTracer<SerialExecutor>>(trees));
+    return resting_backend([=] {
+        return std::make_unique<PipelineBackend<SerialExecutor, BvhTracer<SerialExecutor>>>(
+            "bvh, 1 thread", std::make_unique<SerialExecutor>(),
+            std::make_unique<BvhTracer<SerialExecutor>>(trees));
+    });
 }
 
 }  // namespace pierce

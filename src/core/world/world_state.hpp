@@ -147,11 +147,11 @@ struct World::State {
     const PairFilter* asked_filter() const { return pair_filter ? &pair_filter : nullptr; }
     /// True if a step would find the contacts of the last one.
     bool is_at_rest() const {
-        return planned && still && changed.empty() && !forgets_sides && !plan.sheets &&
-               !pair_filter && plan.settings.temporal != Temporal::paper;
+        return planned && still && changed.empty() && !forgets_sides &&
+               may_rest(plan, asked_filter());
     }
     /// To be called before bodies are added, removed or changed.
-    void change() { planned = stepped = false; }
+    void change() { planned = stepped = still = false; }
     /// Throws InputError unless bodies are where the last step saw them.
     void check_stepped(const char* who) const;
 

@@ -359,12 +359,13 @@ inline constexpr double memory_share = 0.65, memory_share_deforming = 0.9;
 inline constexpr std::uint32_t memory_trial = 3, memory_patience = 2, memory_first_rest = 32,
                                memory_doublings = 1, memory_still = 10;
 
-/// Cost of rebuilding a tree, in triangle tests per triangle. Measured with Embree 3.13: 0.5 us
-/// against 25 ns.
-inline constexpr double rebuild_cost = 20.0;
+/// Bodies of a world in which those at rest may become a part of their own; steps without a change
+/// until a body is one of these; steps' worth of looking at them until parts are chosen anew.
+inline constexpr std::uint32_t rest_bodies = 256, rest_steps = 16, rest_patience = 8;
 
-/// Rays a tree must have served before its cost per ray is known well enough to compare with
-/// [rays].
+/// Cost of rebuilding a tree [triangle tests per triangle], measured with Embree 3.13: 0.5 us
+/// against 25 ns; rays after which a tree's cost per ray is known well enough.
+inline constexpr double rebuild_cost = 20.0;
 inline constexpr std::uint64_t rebuild_baseline_rays = 256;
 
 /// The gap of a ring is smaller than it could be by less than this [reach of the ring].

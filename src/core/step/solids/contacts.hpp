@@ -45,10 +45,11 @@ PIERCE_HD inline std::uint32_t first_not_less(View<const std::uint64_t> keys, st
 struct GrowOlder {
     View<Contact> contacts;
     View<std::uint32_t> ages;
+    std::uint32_t steps = 1;
 
     static constexpr bool is_cheap = true;
 
-    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = ++contacts[i].age; }
+    PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = contacts[i].age += steps; }
 };
 
 /// Per candidate: if it is kept, its key and its index. Then per pair, if pairs are given: if

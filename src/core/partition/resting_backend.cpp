@@ -1,0 +1,139 @@
+#include "core/partition/resting_backend.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/body/body_view.hpp"
+#include "core/body/fetched_place.hpp"
+#include "core/body/scene.hpp"
+#include "core/device/view.hpp"
+#include "core/partition/partitioned_backend.hpp"
+#include "core/partition/quiet_bodies.hpp"
+#include "core/step/common/step_memory.hpp"
+#include "core/trace/ray.hpp"
+#include "pierce/constants.hpp"
+#include "pierce/contact.hpp"
+#include "pierce/explain.hpp"
+#include "pierce/plan.hpp"
+#include "pierce/step_stats.hpp"
+
+namespace pierce {
+namespace {
+
+constexpr std::uint32_t awake = 0, at_rest = 1;  ///< parts; the lower one has pairs of both
+
+class RestingBackend : public Backend {
+public:
+    RestingBackend(std::function<std::unique_ptr<Backend>()> make, const RestRules& rules)
+        : make_(std::move(make)), rules_(rules), one_(make_()), description_(one_->description()) {}
+
+    std::string description() const override { return description_; }
+    bool certificates_pay() const override { return now().certificates_pay(); }
+
+    void step(const Scene& scene, StepStats& stats) override {
+        follow(scene);
+        now().step(scene, stats);
+        stats.part_milliseconds.clear();  // of parts that the caller knows nothing of
+    }
+    bool step_at_rest() override {
+        quiet_.note({});
+        return now().step_at_rest();
+    }
+    View<const Contact> contacts() const override { return now().contacts(); }
+    std::shared_ptr<const Contact> keep_contacts() override { return now().keep_contacts(); }
+    View<const Pair> pairs() const override { return now().pairs(); }
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const override {
+        return now().certificate(bodies, pair, side, vertex);
+    }
+    void fetch_bodies(View<BodyView> bodies) const override { now().fetch_bodies(bodies); }
+    void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override {
+        now().fetch_seen(ids, seen);
+    }
+    StepMemory memory() const override { return now().memory(); }
+    void remember(const StepMemory& memory) override { now().remember(memory); }
+    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
+        now().closest_hits(bodies, rays, hits);
+    }
+
+private:
+    Backend& now() const { return parts_ ? *parts_ : *one_; }
+
+    /// Decides which bodies are parts of their own in this step.
+    void follow(const Scene& scene) {
+        if (planned_ != scene.plan->revision) {
+            planned_ = scene.plan->revision;
+            join();
+            quiet_ = QuietBodies(scene.bodies.size, rules_.steps);
+        }
+        quiet_.note(scene.changed);
+        if (scene.bodies.size < rules_.bodies || !may_rest(*scene.plan, scene.pair_filter))
+            return join();
+        note_waste(scene.changed);
+        if (waste_ < std::uint64_t{rules_.patience} * scene.bodies.size) return;
+        waste_ = 0;
+        if (2 * quiet_.count() < scene.bodies.size) return join();
+        divide(scene);
+    }
+
+    /// Counts the bodies that a step looks at although they are at rest.
+    void note_waste(View<const std::uint32_t> changed) {
+        if (!parts_) {
+            waste_ += quiet_.count();
+            return;
+        }
+        bool wakes = false;
+        for (const std::uint32_t b : changed) wakes = wakes || owners_[b] == at_rest;
+        waste_ += wakes || quiet_.count() < resting_ ? quiet_.count() : quiet_.count() - resting_;
+    }
+
+    void divide(const Scene& scene) {
+        std::vector<std::uint32_t> owners(scene.bodies.size);
+        for (std::uint32_t b = 0; b < scene.bodies.size; ++b)
+            owners[b] = quiet_.is_quiet(b) ? at_rest : awake;
+        if (parts_ && owners == owners_) return;
+        if (!parts_) {
+            const StepMemory memory = one_->memory();
+            std::vector<Part> parts;
+            parts.push_back({.backend = make_()});
+            parts.push_back({.backend = std::move(one_)});
+            parts_ = std::make_unique<PartitionedBackend>(std::move(parts),
+                                                          PartitionedBackend::Order::in_turn);
+            parts_->remember(memory);
+        }
+        owners_ = owners;
+        resting_ = quiet_.count();
+        parts_->set_owners(std::move(owners));
+    }
+
+    /// All bodies are one part again.
+    void join() {
+        waste_ = 0;
+        if (!parts_) return;
+        const StepMemory memory = parts_->memory();
+        one_ = parts_->release(at_rest);
+        parts_.reset();
+        one_->remember(memory);
+    }
+
+    std::function<std::unique_ptr<Backend>()> make_;
+    RestRules rules_;
+    std::unique_ptr<Backend> one_;               ///< null: parts_ has it
+    std::unique_ptr<PartitionedBackend> parts_;  ///< null: there is one part
+    std::string description_;
+    std::uint64_t planned_ = 0;  ///< revision of the plan of the last step
+    QuietBodies quiet_;
+    std::vector<std::uint32_t> owners_;  ///< of the parts
+    std::uint32_t resting_ = 0;          ///< bodies of the part at rest
+    std::uint64_t waste_ = 0;            ///< [bodies * steps] since parts were last chosen
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> resting_backend(std::function<std::unique_ptr<Backend>()> make,
+                                         const RestRules& rules) {
+    return std::make_unique<RestingBackend>(std::move(make), rules);
+}
+
+}  // namespace pierce
