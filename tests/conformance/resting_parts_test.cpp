@@ -95,7 +95,10 @@ void expect_same(const Pile& pile, const std::string& where) {
     const auto one = pile.one.contacts(), parts = pile.parts.contacts();
     ASSERT_EQ(parts.size(), one.size()) << where;
     ASSERT_EQ(contact_hash(parts), contact_hash(one)) << where;
-    for (std::size_t c = 0; c < one.size(); ++c) ASSERT_EQ(parts[c].age, one[c].age) << where;
+    for (std::size_t c = 0; c < one.size(); ++c) {
+        ASSERT_EQ(parts[c].age, one[c].age) << where;
+        ASSERT_EQ(parts[c].found, one[c].found) << where;
+    }
     const StepStats &of_one = pile.one.stats(), &of_parts = pile.parts.stats();
     EXPECT_EQ(of_parts.pairs, of_one.pairs) << where;
     EXPECT_EQ(of_parts.contacts, of_one.contacts) << where;
