@@ -32,7 +32,6 @@
 #include "pierce/contact_hash.hpp"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/embree_backend.hpp"
-#include "pierce/partitioned_backend.hpp"
 #include "pierce/plan.hpp"
 #include "pierce/world.hpp"
 #include "scenes/recording/lattice.hpp"
@@ -224,15 +223,9 @@ TreeBuilder builder_named(const std::string& name) {
 
 std::unique_ptr<Backend> backend_of(const Options& options) {
     CudaOptions cuda{.builder = builder_named(options.builder), .graph = !options.stages};
-    if (options.host_share.value_or(0) > 0) {
-        std::vector<std::unique_ptr<Backend>> devices;
-        for (std::uint32_t d = 0; d < options.devices; ++d) {
-            cuda.devices = {static_cast<int>(d)};
-            devices.push_back(cuda_backend(cuda));
-        }
-        return partitioned_backend(std::move(devices), embree_backend(), *options.host_share);
-    }
     for (std::uint32_t d = 0; d < options.devices; ++d) cuda.devices.push_back(static_cast<int>(d));
+    if (options.host_share.value_or(0) > 0)
+        return cuda_backend(cuda, embree_backend(), *options.host_share);
     return cuda_backend(cuda);
 }
 

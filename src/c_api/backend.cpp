@@ -1,9 +1,7 @@
-#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "c_api/arguments.hpp"
 #include "c_api/border.hpp"
@@ -75,16 +73,10 @@ std::unique_ptr<Backend> cuda(const pierce_backend_options& options) {
     CudaOptions cuda{.builder = builder_of(options, CudaOptions{}.builder),
                      .rebuild = options.rebuild != 0,
                      .graph = options.stage_by_stage == 0};
-    if (options.host_share > 0) {
-        std::vector<std::unique_ptr<Backend>> devices;
-        for (std::uint32_t device = 0; device < std::max(options.parts, 1u); ++device) {
-            cuda.devices = {static_cast<int>(device)};
-            devices.push_back(cuda_backend(cuda));
-        }
-        return partitioned_backend(std::move(devices), host_of(options), options.host_share);
-    }
     for (std::uint32_t device = 0; options.parts > 1 && device < options.parts; ++device)
         cuda.devices.push_back(static_cast<int>(device));
+    if (options.host_share > 0)
+        return cuda_backend(std::move(cuda), host_of(options), options.host_share);
     return cuda_backend(std::move(cuda));
 }
 #else

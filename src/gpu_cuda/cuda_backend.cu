@@ -335,4 +335,16 @@ std::unique_ptr<Backend> cuda_backend(CudaOptions options) {
     return partitioned_backend(std::move(parts));
 }
 
+std::unique_ptr<Backend> cuda_backend(CudaOptions options, std::unique_ptr<Backend> host,
+                                      double share) {
+    std::vector<std::unique_ptr<Backend>> devices;
+    const std::vector<int> wanted = std::exchange(options.devices, {});
+    if (wanted.empty()) devices.push_back(cuda_backend(options));
+    for (const int device : wanted) {
+        options.devices = {device};
+        devices.push_back(cuda_backend(options));
+    }
+    return partitioned_backend(std::move(devices), std::move(host), share);
+}
+
 }  // namespace pierce

@@ -34,17 +34,10 @@ namespace {
 std::unique_ptr<Backend> make_cuda(const RaySettings& settings) {
     CudaOptions options{.rebuild = settings.rebuild, .graph = settings.graph};
     options.builder = settings.builder.value_or(options.builder);
-    if (settings.host_share > 0) {
-        std::vector<std::unique_ptr<Backend>> devices;
-        for (int device = 0; device < settings.parts; ++device) {
-            options.devices = {device};
-            devices.push_back(cuda_backend(options));
-        }
-        return partitioned_backend(std::move(devices), embree_backend(settings.threads),
-                                   settings.host_share);
-    }
     for (int device = 0; settings.parts > 1 && device < settings.parts; ++device)
         options.devices.push_back(device);
+    if (settings.host_share > 0)
+        return cuda_backend(options, embree_backend(settings.threads), settings.host_share);
     return cuda_backend(options);
 }
 #else

@@ -26,4 +26,9 @@ std::string cuda_problem();
 /// device can be used, or if one of several cannot read what another one has.
 std::unique_ptr<Backend> cuda_backend(CudaOptions options = {});
 
+/// The same devices in one world with the host, which gets `share` of the work of one of them
+/// (docs/scale.md). Throws InputError for a share that is not positive and finite, too.
+std::unique_ptr<Backend> cuda_backend(CudaOptions options, std::unique_ptr<Backend> host,
+                                      double share);
+
 }  // namespace pierce
