@@ -39,7 +39,7 @@ std::unique_ptr<Backend> with_parts(test::Calls& calls) {
     const auto make = [&calls] {
         return std::make_unique<test::CountingBackend>(embree_backend(1), calls);
     };
-    return resting_backend(make, {.bodies = 8, .steps = 2, .patience = 1});
+    return resting_backend(make, {.bodies = 8, .steps = 2, .patience = 1, .most_patience = 1});
 }
 
 /// The same bodies in two worlds, in layers on a floor.

@@ -28,7 +28,8 @@ std::unique_ptr<Backend> two_parts() {
 
 /// Bodies that rest for a step become a part of their own at once.
 std::unique_ptr<Backend> resting() {
-    return resting_backend([] { return bvh_backend(); }, {.bodies = 2, .steps = 1, .patience = 1});
+    return resting_backend([] { return bvh_backend(); },
+                           {.bodies = 2, .steps = 1, .patience = 1, .most_patience = 1});
 }
 
 #if PIERCE_HAS_CUDA

@@ -15,6 +15,7 @@
 #include "pierce/constants.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/explain.hpp"
+#include "pierce/min_max.hpp"
 #include "pierce/plan.hpp"
 #include "pierce/step_stats.hpp"
 
@@ -26,7 +27,11 @@ constexpr std::uint32_t awake = 0, at_rest = 1;  ///< parts; the lower one has p
 class RestingBackend : public Backend {
 public:
     RestingBackend(std::function<std::unique_ptr<Backend>()> make, const RestRules& rules)
-        : make_(std::move(make)), rules_(rules), one_(make_()), description_(one_->description()) {}
+        : make_(std::move(make)),
+          rules_(rules),
+          one_(make_()),
+          description_(one_->description()),
+          patience_(rules.patience) {}
 
     std::string description() const override { return description_; }
     bool certificates_pay() const override { return now().certificates_pay(); }
@@ -71,21 +76,26 @@ private:
         if (scene.bodies.size < rules_.bodies || !may_rest(*scene.plan, scene.pair_filter))
             return join();
         note_waste(scene.changed);
-        if (waste_ < std::uint64_t{rules_.patience} * scene.bodies.size) return;
+        if (waste_ < std::uint64_t{patience_} * scene.bodies.size) return;
         waste_ = 0;
         if (2 * quiet_.count() < scene.bodies.size) return join();
         divide(scene);
     }
 
-    /// Counts the bodies that a step looks at although they are at rest.
+    /// Counts the bodies at rest that this step looks at, and those that it does not.
     void note_waste(View<const std::uint32_t> changed) {
-        if (!parts_) {
-            waste_ += quiet_.count();
-            return;
-        }
-        bool wakes = false;
+        bool wakes = !parts_;
         for (const std::uint32_t b : changed) wakes = wakes || owners_[b] == at_rest;
-        waste_ += wakes || quiet_.count() < resting_ ? quiet_.count() : quiet_.count() - resting_;
+        const std::uint32_t saved = wakes ? 0 : min_of(resting_, quiet_.count());
+        waste_ += quiet_.count() - saved;
+        saved_ += saved;
+    }
+    /// Judges the last choice of parts.
+    void judge() {
+        const bool pays = saved_ >= std::uint64_t{rules_.patience} * owners_.size();
+        patience_ = pays ? max_of(patience_ / 2, rules_.patience)
+                         : min_of(2 * patience_, rules_.most_patience);
+        saved_ = 0;
     }
 
     void divide(const Scene& scene) {
@@ -102,6 +112,7 @@ private:
                                                           PartitionedBackend::Order::in_turn);
             parts_->remember(memory);
         }
+        if (!owners_.empty()) judge();
         owners_ = owners;
         resting_ = quiet_.count();
         parts_->set_owners(std::move(owners));
@@ -111,6 +122,8 @@ private:
     void join() {
         waste_ = 0;
         if (!parts_) return;
+        judge();
+        owners_.clear();
         const StepMemory memory = parts_->memory();
         one_ = parts_->release(at_rest);
         parts_.reset();
@@ -124,9 +137,12 @@ private:
     std::string description_;
     std::uint64_t planned_ = 0;  ///< revision of the plan of the last step
     QuietBodies quiet_;
-    std::vector<std::uint32_t> owners_;  ///< of the parts
+    std::vector<std::uint32_t> owners_;  ///< of the parts; empty: there is one
     std::uint32_t resting_ = 0;          ///< bodies of the part at rest
-    std::uint64_t waste_ = 0;            ///< [bodies * steps] since parts were last chosen
+    /// [bodies * steps] at rest: looked at since parts could last be chosen anew, and not looked at
+    /// since they were.
+    std::uint64_t waste_ = 0, saved_ = 0;
+    std::uint32_t patience_;  ///< [steps] of all bodies, which waste_ must reach
 };
 
 }  // namespace

@@ -339,8 +339,7 @@ inline constexpr double prediction_limit = 2.0;
 /// distance to the plane it may enter through [1]. It is half, as the surface need not be flat.
 inline constexpr double prediction_wait = 0.5;
 
-/// A vertex is proved to be outside up to this distance at most [mean edge length of the target]:
-/// looking further costs more than it saves.
+/// A vertex is proved to be outside up to this distance at most [mean edge length of the target].
 inline constexpr double certificate_limit = 1.0;
 
 /// A proof that is expected to expire within this many steps is skipped, and a proof that failed is
@@ -359,9 +358,10 @@ inline constexpr double memory_share = 0.65, memory_share_deforming = 0.9;
 inline constexpr std::uint32_t memory_trial = 3, memory_patience = 2, memory_first_rest = 32,
                                memory_doublings = 1, memory_still = 10;
 
-/// Bodies of a world in which those at rest may become a part of their own; steps without a change
-/// until a body is one of these; steps' worth of looking at them until parts are chosen anew.
-inline constexpr std::uint32_t rest_bodies = 256, rest_steps = 16, rest_patience = 8;
+/// Bodies from which on those at rest may become a part; steps without a change that make one of
+/// these; steps' worth of looking at them until parts are chosen anew, and the most if none pays.
+inline constexpr std::uint32_t rest_bodies = 256, rest_steps = 16, rest_patience = 8,
+                               rest_most_patience = 256;
 
 /// Cost of rebuilding a tree [triangle tests per triangle], measured with Embree 3.13: 0.5 us
 /// against 25 ns; rays after which a tree's cost per ray is known well enough.
@@ -394,8 +394,7 @@ inline constexpr std::uint32_t small_cap_edges = 12;
 /// Caps with more of the area make no solid [1]: a sheet's cap is the sheet once more.
 inline constexpr double largest_caps = 0.75;
 
-/// The number of places that a finding of the mesh check keeps: enough to look at, few enough to
-/// print.
+/// Places that a finding of the mesh check keeps: enough to look at, few enough to print.
 inline constexpr std::uint32_t finding_places = 8;
 
 }  // namespace pierce::constants
