@@ -17,6 +17,7 @@
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "core/trace/bvh/candidates.hpp"
+#include "core/trace/bvh/closest_candidates.hpp"
 #include "core/trace/bvh/refit.hpp"
 
 /// How stages are launched that were measured to be slower with the usual launch.
@@ -63,6 +64,13 @@ inline constexpr Launch launch_of<bvh::FindCandidates>{.threads_at_once = 1024, 
 // Measured: with 384 threads a tenth slower, with 768 a quarter.
 template <>
 inline constexpr Launch launch_of<bvh::Trace>{.threads_at_once = 512, .is_uneven = true};
+
+// Measured in steps of 10,000 soft tori on an H100 and an H200: 16 to 18 % and 5 % less time than
+// with the usual launch.
+template <>
+inline constexpr Launch launch_of<bvh::ClosestOfCandidates>{.threads_at_once = 768};
+template <>
+inline constexpr Launch launch_of<stages::MeasurePatches>{.threads_at_once = 768};
 
 // Nearly all threads only check whether they have work.
 template <>

@@ -108,7 +108,8 @@ bool Partition::cut(const Scene& scene) {
     note_looked();
     if (given_) {
         owners_before_.assign(owners().begin(), owners().end());
-        space_.assign(facts_, reach_, *std::exchange(given_, std::nullopt), parts());
+        space_.assign(facts_, reach_, std::move(*given_), parts());
+        given_.reset();
         is_given_ = true;
         for (std::uint32_t part = 0; part < parts(); ++part) look_around(part);
         return note_owners(scene);
