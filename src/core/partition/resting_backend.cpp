@@ -5,14 +5,12 @@
 #include <vector>
 
 #include "core/body/body_view.hpp"
-#include "core/body/fetched_place.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/partition/partitioned_backend.hpp"
 #include "core/partition/quiet_bodies.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/trace/ray.hpp"
-#include "pierce/constants.hpp"
 #include "pierce/contact.hpp"
 #include "pierce/explain.hpp"
 #include "pierce/min_max.hpp"
