@@ -68,8 +68,8 @@ int main(int argc, char** argv) try {
             }
             const double ms = world.detect().milliseconds;
             const auto begin = std::chrono::steady_clock::now();
-            const std::size_t contacts = world.contacts().size();
-            if (contacts != world.stats().contacts) return 1;
+            if (world.contacts().size() != world.stats().contacts)
+                throw InputError("the step does not count its contacts");
             if (step < first) continue;
             times.push_back(ms);
             reading.push_back(

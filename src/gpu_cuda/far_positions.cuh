@@ -3,7 +3,6 @@
 #include <cuda_runtime.h>
 
 #include <map>
-#include <span>
 #include <utility>
 #include <vector>
 

@@ -204,7 +204,7 @@ void PartitionedBackend::find_contacts(const Scene& whole, StepStats& stats) {
     }
     for_each_part(true, [&](Share& part) {
         if (!hands_out) show_to(part);
-        step_part(whole, part, !hands_out && pierce::may_rest(*whole.plan, whole.pair_filter));
+        step_part(whole, part, !hands_out && may_rest(*whole.plan, whole.pair_filter));
     });
     std::vector<StepStats> of_parts;
     of_parts.reserve(parts_.size());
@@ -212,10 +212,10 @@ void PartitionedBackend::find_contacts(const Scene& whole, StepStats& stats) {
     add_parts(of_parts, stats);
 }
 
-void PartitionedBackend::step_part(const Scene& whole, Share& part, bool may_rest) {
+void PartitionedBackend::step_part(const Scene& whole, Share& part, bool can_rest) {
     const auto begin = std::chrono::steady_clock::now();
     const bool was_still = std::exchange(part.was_still, part.scene.is_still());
-    if (may_rest && was_still && part.was_still && part.backend->step_at_rest()) {
+    if (can_rest && was_still && part.was_still && part.backend->step_at_rest()) {
         part.stats.stages.clear();
     } else {
         part.stats = {};

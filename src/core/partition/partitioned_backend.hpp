@@ -76,7 +76,7 @@ private:
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const;
 
     void find_contacts(const Scene& whole, StepStats& stats);
-    void step_part(const Scene& whole, Share& part, bool may_rest);
+    void step_part(const Scene& whole, Share& part, bool can_rest);
     bool look_around(const Scene& whole, bool anew);
     void measure(const Scene& whole, Share& part);
     void hand_out(const Scene& whole, std::optional<StepMemory> given, bool moved);

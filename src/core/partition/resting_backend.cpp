@@ -63,7 +63,7 @@ public:
 private:
     Backend& now() const { return parts_ ? *parts_ : *one_; }
 
-    /// Decides which bodies are parts of their own in this step.
+    /// Decides whether bodies at rest are a part in this step, and which bodies these are.
     void follow(const Scene& scene) {
         if (planned_ != scene.plan->revision) {
             planned_ = scene.plan->revision;

@@ -339,7 +339,7 @@ inline constexpr double prediction_limit = 2.0;
 /// distance to the plane it may enter through [1]. It is half, as the surface need not be flat.
 inline constexpr double prediction_wait = 0.5;
 
-/// A vertex is proved to be outside up to this distance at most [mean edge length of the target].
+/// Vertices are proved to be outside up to here [mean edge of the target]: further costs too much.
 inline constexpr double certificate_limit = 1.0;
 
 /// A proof that is expected to expire within this many steps is skipped, and a proof that failed is
