@@ -191,18 +191,19 @@ std::vector<NearLoops> near_loops(std::span<const Vec3f> positions, const std::v
         std::size_t loop, at;
     };
     std::vector<Place> places;
-    std::vector<Vec3d> points;
+    std::vector<Vec3f> points;
     for (std::size_t l = 0; l < loops.size(); ++l)
         for (std::size_t i = 0; i < loops[l].size(); ++i) {
             places.push_back({l, i});
-            points.push_back(to_double(positions[loops[l][i]]));
+            points.push_back(positions[loops[l][i]]);
         }
     const std::vector<std::uint32_t> order = spatial_order(points);
     std::map<std::pair<std::size_t, std::size_t>, NearLoops> nearest;
     for (std::size_t i = 0; i < order.size(); ++i)
         for (std::size_t j = i + 1; j < order.size() && j <= i + constants::gap_neighbors; ++j) {
             const Place *a = &places[order[i]], *b = &places[order[j]];
-            const double distance = length(points[order[i]] - points[order[j]]);
+            const double distance = length(to_double(points[order[i]]) -
+                                           to_double(points[order[j]]));
             if (a->loop == b->loop || !(distance < width)) continue;
             if (a->loop > b->loop) std::swap(a, b);
             const NearLoops near{.first = a->loop,

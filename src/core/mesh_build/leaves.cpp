@@ -9,43 +9,52 @@
 namespace pierce::bvh {
 namespace {
 
+using Sides = std::span<const HalfEdge>;
+
 /// Two triangles at an edge.
 struct Couple {
     float area;  ///< half the area of their common box
-    HalfEdge side[2];
+    Sides sides;
 };
 
 }  // namespace
 
 std::vector<Leaf> leaves_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
-                            const HalfEdges& sides_of_all) {
+                            const HalfEdges& sides_of_all, std::span<const std::uint32_t> partner) {
     const auto box_of = [&](const Triangle& t) {
         return box_around(positions[t.vertex[0]], positions[t.vertex[1]], positions[t.vertex[2]]);
     };
+    std::vector<Sides> couple_of(triangles.size());
+    const auto is_alone = [&](std::uint32_t t) { return couple_of[t].empty(); };
+    const auto join_couple = [&](Sides sides) {
+        couple_of[sides[0].triangle] = couple_of[sides[1].triangle] = sides;
+    };
     std::vector<Couple> couples;
-    couples.reserve(3 * triangles.size() / 2);
-    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
+    couples.reserve(partner.empty() ? 3 * triangles.size() / 2 : 0);
+    sides_of_all.for_each_edge([&](Sides sides) {
         if (sides.size() != 2 || sides[0].triangle == sides[1].triangle) return;
-        const float area = join(box_of(triangles[sides[0].triangle]),
-                                box_of(triangles[sides[1].triangle]))
-                               .half_area();
-        couples.push_back({min_of(area, INFINITY), {sides[0], sides[1]}});  // infinite also for NaN
+        const std::uint32_t t = sides[0].triangle, other = sides[1].triangle;
+        if (!partner.empty() && (partner[t] != no_triangle || partner[other] != no_triangle)) {
+            if (partner[t] == other && is_alone(t)) join_couple(sides);
+            return;
+        }
+        const float area = join(box_of(triangles[t]), box_of(triangles[other])).half_area();
+        couples.push_back({min_of(area, INFINITY), sides});  // infinite also for NaN
     });
-    std::ranges::stable_sort(couples, {}, &Couple::area);
+    std::ranges::sort(couples, [](const Couple& c, const Couple& other) {
+        return c.area != other.area ? c.area < other.area : c.sides.data() < other.sides.data();
+    });
+    for (const Couple& couple : couples)
+        if (is_alone(couple.sides[0].triangle) && is_alone(couple.sides[1].triangle))
+            join_couple(couple.sides);
 
-    std::vector<const Couple*> couple_of(triangles.size(), nullptr);
-    for (const Couple& couple : couples) {
-        const Couple *&first = couple_of[couple.side[0].triangle],
-                     *&second = couple_of[couple.side[1].triangle];
-        if (first == nullptr && second == nullptr) first = second = &couple;
-    }
     std::vector<Leaf> leaves;
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         const Triangle& alone = triangles[t];
         Leaf leaf{{alone.vertex[0], alone.vertex[1], alone.vertex[2], alone.vertex[0]},
                   {t, no_triangle}};
-        if (const Couple* couple = couple_of[t]) {
-            const HalfEdge &side = couple->side[0], &other = couple->side[1];
+        if (!is_alone(t)) {
+            const HalfEdge &side = couple_of[t][0], &other = couple_of[t][1];
             if (side.triangle != t) continue;  // the couple is listed with its first triangle
             leaf = {{alone.vertex[side.opposite], side.low, side.high,
                      triangles[other.triangle].vertex[other.opposite]},

@@ -17,6 +17,7 @@
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/closed_surface.hpp"
+#include "core/mesh_build/kept_order.hpp"
 #include "core/mesh_build/leaves.hpp"
 #include "core/mesh_build/mesh_cache.hpp"
 #include "core/mesh_build/mesh_change.hpp"
@@ -71,7 +72,7 @@ struct Mesh::Parts {
     std::mutex lock;                           ///< of what is made later
     MeshNeeds made;
 
-    Parts(std::string its_name, MeshData data, MeshOptions its_options);
+    Parts(std::string its_name, MeshData data, MeshOptions its_options, const Parts* before);
 
     void make(const MeshNeeds& needs);
 
@@ -81,19 +82,20 @@ private:
         for_each_array([](auto& seen, const auto& owned) { seen = view_of(owned); }, view, arrays);
     }
     HalfEdges choose_triangles(MeshData& data, Workers& workers);
-    void divide_into_patches(Workers& workers);
+    void divide_into_patches(Workers& workers, const Parts* before);
     void measure_boxes();
     void find_edges();
-    void measure_patches();
+    void measure_patches(const Parts* before);
     void make_clearance();
     void make_slabs(Workers& workers);
     void make_rings(Workers& workers);
 };
 
-Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
+Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
+                   const Parts* before)
     : name(std::move(its_name)), options(std::move(its_options)) {
     check_mesh_data(name, data);
-    if (!options.cache.empty()) cache.emplace(options.cache);
+    if (!options.cache.empty() && before == nullptr) cache.emplace(options.cache);
     // Starting a thread takes longer than a small mesh does.
     Workers crew(data.triangles.size() < triangles_for_threads ? 1 : options.threads,
                  options.progress);
@@ -109,19 +111,30 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options)
     arrays.positions = std::move(data.positions);
     arrays.triangles = std::move(data.triangles);
     see_arrays();
+    if (before != nullptr) {
+        change = std::make_unique<const MeshChange>(before->view, view);
+        is_changed = true;
+    }
+    const std::vector<std::uint32_t> partner = before != nullptr
+                                                   ? change->partners(view, before->view.leaves)
+                                                   : std::vector<std::uint32_t>();
     crew.side_by_side(
-        "edges", [&] { arrays.edges = edges_of(view, sides, crew); },
+        "edges",
+        [&] {
+            arrays.edges = edges_of(view, sides, crew,
+                                    before != nullptr ? &before->view.edges : nullptr);
+        },
         [&] {
             std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles,
                                                                          arrays.positions.size());
             arrays.fans = fans_of(arrays.corner_offsets, arrays.corners);
-            arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles, sides);
+            arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles, sides, partner);
             arrays.neighbors = neighbors_of(arrays.triangles.size(), sides);
         });
-    divide_into_patches(crew);
+    divide_into_patches(crew, before);
     see_arrays();
     crew.side_by_side(
-        "boxes", [&] { measure_boxes(); }, [&] { find_edges(); }, [&] { measure_patches(); });
+        "boxes", [&] { measure_boxes(); }, [&] { find_edges(); }, [&] { measure_patches(before); });
     see_arrays();
 }
 
@@ -142,16 +155,28 @@ HalfEdges Mesh::Parts::choose_triangles(MeshData& data, Workers& workers) {
     return sides;
 }
 
-void Mesh::Parts::divide_into_patches(Workers& workers) {
-    std::vector<Vec3d> points, middles;
-    points.reserve(arrays.positions.size());
+void Mesh::Parts::divide_into_patches(Workers& workers, const Parts* before) {
+    std::vector<std::uint32_t> start_of_vertices, start_of_triangles;
+    if (before != nullptr) {
+        std::vector<std::uint32_t> vertices_now(before->view.positions.size, is_gone);
+        for (std::uint32_t v = 0; v < before->view.positions.size && v < view.positions.size; ++v)
+            vertices_now[v] = v;
+        start_of_vertices = kept_order(before->arrays.patch_vertices, vertices_now,
+                                       view.positions.size);
+        start_of_triangles = kept_order(before->arrays.group_triangles, change->triangles_now(),
+                                        view.triangles.size);
+    }
+    const std::vector<Vec3f>& points = arrays.positions;
+    std::vector<Vec3f> middles;
     middles.reserve(arrays.triangles.size());
-    for (Vec3f p : arrays.positions) points.push_back(to_double(p));
     for (const Triangle& t : arrays.triangles)
-        middles.push_back((1.0 / 3) *
-                          (points[t.vertex[0]] + points[t.vertex[1]] + points[t.vertex[2]]));
-    arrays.patch_vertices = spatial_order(points, workers.threads());
-    arrays.group_triangles = spatial_order(middles, workers.threads());
+        middles.push_back(
+            to_float((1.0 / 3) * (to_double(points[t.vertex[0]]) + to_double(points[t.vertex[1]]) +
+                                  to_double(points[t.vertex[2]]))));
+    arrays.patch_vertices = spatial_order(points, constants::patch_size, workers.threads(),
+                                          start_of_vertices);
+    arrays.group_triangles = spatial_order(middles, constants::group_size, workers.threads(),
+                                           start_of_triangles);
 }
 
 void Mesh::Parts::measure_boxes() {
@@ -169,10 +194,12 @@ void Mesh::Parts::find_edges() {
     arrays.features = features_of(view);
 }
 
-void Mesh::Parts::measure_patches() {
+void Mesh::Parts::measure_patches(const Parts* before) {
     arrays.normals.reserve(arrays.positions.size());
     for (std::uint32_t v = 0; v < arrays.positions.size(); ++v)
-        arrays.normals.push_back(to_float(vertex_normal(view, view.positions, v)));
+        arrays.normals.push_back(before != nullptr && change->keeps_normal(v)
+                                     ? before->arrays.normals[v]
+                                     : to_float(vertex_normal(view, view.positions, v)));
     arrays.parts = parts_of(view);
     arrays.blocks.resize(block_count(view));
     arrays.patches.resize(patch_count(view));
@@ -240,13 +267,12 @@ void Mesh::Parts::make_slabs(Workers& workers) {
 }
 
 Mesh::Mesh(std::string name, MeshData data, MeshOptions options)
-    : parts_(std::make_unique<Parts>(std::move(name), std::move(data), std::move(options))) {}
-Mesh::Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options)
-    : Mesh(std::move(name), std::move(data), std::move(options)) {
+    : parts_(
+          std::make_unique<Parts>(std::move(name), std::move(data), std::move(options), nullptr)) {}
+Mesh::Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options) {
     const std::lock_guard guard(before.parts_->lock);
-    parts_->is_changed = true;
-    parts_->cache.reset();
-    parts_->change = std::make_unique<const MeshChange>(before.parts_->view, parts_->view);
+    parts_ = std::make_unique<Parts>(std::move(name), std::move(data), std::move(options),
+                                     before.parts_.get());
 }
 Mesh::Mesh(Mesh&&) noexcept = default;
 Mesh& Mesh::operator=(Mesh&&) noexcept = default;

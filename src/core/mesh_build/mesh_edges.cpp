@@ -1,19 +1,57 @@
 #include "core/mesh_build/mesh_edges.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/device/bits.hpp"
 #include "core/mesh/edge_group.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh_build/kept_order.hpp"
 #include "core/mesh_build/spatial_order.hpp"
 
 namespace pierce {
 
-std::vector<Edge> edges_of(const MeshView& mesh, const HalfEdges& sides_of_all, Workers& workers) {
+namespace {
+
+/// Per edge before, which of the edges it is now, or is_gone. `now` is in the order of its
+/// vertices.
+std::vector<std::uint32_t> numbers_now(View<const Edge> before, const std::vector<Edge>& now) {
+    const std::uint32_t vertices = now.empty() ? 0 : now.back().vertex[0] + 1;
+    std::vector<std::uint32_t> begin(vertices + 1, 0);  // per vertex, of the edges that begin there
+    for (const Edge& e : now) ++begin[e.vertex[0] + 1];
+    for (std::uint32_t v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
+
+    std::vector<std::uint32_t> numbers(before.size, is_gone);
+    std::vector<bool> taken(now.size(), false);
+    for (std::uint32_t e = 0; e < before.size; ++e) {
+        const auto [low, high] = std::to_array(before[e].vertex);
+        if (low >= vertices) continue;
+        for (std::uint32_t n = begin[low]; n < begin[low + 1]; ++n) {
+            if (now[n].vertex[1] != high || taken[n]) continue;
+            taken[n] = true;
+            numbers[e] = n;
+            break;
+        }
+    }
+    return numbers;
+}
+
+/// An order near the one that the edges had before.
+std::vector<std::uint32_t> order_before(View<const Edge> before, const std::vector<Edge>& now) {
+    std::vector<std::uint32_t> all(before.size);
+    std::iota(all.begin(), all.end(), 0u);
+    return kept_order(all, numbers_now(before, now), static_cast<std::uint32_t>(now.size()));
+}
+
+}  // namespace
+
+std::vector<Edge> edges_of(const MeshView& mesh, const HalfEdges& sides_of_all, Workers& workers,
+                           const View<const Edge>* before) {
     std::vector<Edge> edges;
     edges.reserve(3 * std::size_t{mesh.triangles.size} / 2);
     sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
@@ -25,12 +63,15 @@ std::vector<Edge> edges_of(const MeshView& mesh, const HalfEdges& sides_of_all, 
             for (const HalfEdge& side : sides)
                 edges.push_back({{low, high}, {side.triangle, no_triangle}});
     });
-    std::vector<Vec3d> middles;
+    std::vector<Vec3f> middles;
     middles.reserve(edges.size());
-    for (const Edge& e : edges) middles.push_back(middle_of(e, mesh.positions));
+    for (const Edge& e : edges) middles.push_back(to_float(middle_of(e, mesh.positions)));
+    const std::vector<std::uint32_t> start = before != nullptr ? order_before(*before, edges)
+                                                               : std::vector<std::uint32_t>();
     std::vector<Edge> ordered;
     ordered.reserve(edges.size());
-    for (std::uint32_t e : spatial_order(middles, workers.threads())) ordered.push_back(edges[e]);
+    for (std::uint32_t e : spatial_order(middles, constants::group_size, workers.threads(), start))
+        ordered.push_back(edges[e]);
     return ordered;
 }
 

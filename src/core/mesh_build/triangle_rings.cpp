@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -46,17 +46,21 @@ bool goes_around_once(const MeshView& mesh, std::uint32_t v, Vec3d axis) {
     }
     if (next != corner[0].next || seen != count) return false;
 
-    double turn = 0;
+    // How often the triangles, one after the other, cross the half line from the apex through the
+    // first corner counter-clockwise, less how often clockwise.
     const Vec3d apex = to_double(mesh.positions[v]);
-    const auto flat = [&](std::uint32_t u) {
-        const Vec3d d = to_double(mesh.positions[u]) - apex;
-        return d - dot(d, axis) * axis;
-    };
+    const auto from_apex = [&](std::uint32_t u) { return to_double(mesh.positions[u]) - apex; };
+    const Vec3d first = from_apex(corner[0].next), side = cross(axis, first);
+    int turns = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const Vec3d a = flat(corner[i].next), b = flat(corner[i].previous);
-        turn += std::atan2(dot(cross(a, b), axis), dot(a, b));
+        const Vec3d a = from_apex(corner[i].next), b = from_apex(corner[i].previous);
+        const bool a_is_left = corner[i].next == corner[0].next || dot(a, side) > 0,
+                   b_is_left = corner[i].previous == corner[0].next || dot(b, side) > 0;
+        const bool counter_clockwise = dot(cross(a, b), axis) > 0;
+        if (!a_is_left && b_is_left && counter_clockwise) ++turns;
+        if (a_is_left && !b_is_left && !counter_clockwise) --turns;
     }
-    return std::abs(turn - 2 * std::numbers::pi) < std::numbers::pi;
+    return turns == 1;
 }
 
 double triangle_distance(const Corners& a, const Corners& b) {
@@ -122,6 +126,7 @@ void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Co
 }
 
 constexpr std::uint32_t triangles_at_once = 256;  ///< of a thread
+constexpr double widest_of_reach = 4;  ///< no gap is looked for in a smaller part of the reach
 
 /// The squared distance between two boxes, not more than it is.
 float squared_gap(const QuickBox& a, const QuickBox& b) {
@@ -141,16 +146,12 @@ struct NearTriangle {
 /// The distance from a triangle to the closest one of some others; asks four at a time.
 class GapSearch {
 public:
-    GapSearch(const MeshView& mesh, std::uint32_t t, double most)
-        : mesh_(mesh),
-          own_(corners_of(mesh, t)),
-          origin_(own_[0]),
-          gap_(most),
-          distances_(near_origin(own_).corner) {}
+    GapSearch(const Corners& own, double most)
+        : own_(own), origin_(own_[0]), gap_(most), distances_(near_origin(own_).corner) {}
 
     double gap() const { return gap_; }
 
-    void add(std::uint32_t other) {
+    void add(const Corners& other) {
         waiting_[count_++] = other;
         if (count_ == Four::count) ask();
     }
@@ -158,8 +159,7 @@ public:
         if (count_ == 0) return;
         FourVec3 corners[3];
         for (std::uint32_t lane = 0; lane < Four::count; ++lane) {
-            const NearTriangle near = near_origin(
-                corners_of(mesh_, waiting_[lane < count_ ? lane : 0]));
+            const NearTriangle near = near_origin(waiting_[lane < count_ ? lane : 0]);
             for (std::size_t k = 0; k < 3; ++k) {
                 corners[k].x.set(lane, near.corner[k].x);
                 corners[k].y.set(lane, near.corner[k].y);
@@ -171,9 +171,7 @@ public:
             const double distance = static_cast<double>(found.distance[lane]);
             const bool is_known = (found.unknown >> lane & 1) == 0;
             if (is_known && distance >= gap_) continue;
-            gap_ = std::min(
-                is_known ? distance : triangle_distance(own_, corners_of(mesh_, waiting_[lane])),
-                gap_);
+            gap_ = std::min(is_known ? distance : triangle_distance(own_, waiting_[lane]), gap_);
         }
         count_ = 0;
     }
@@ -183,12 +181,11 @@ private:
         return {{to_float(c[0] - origin_), to_float(c[1] - origin_), to_float(c[2] - origin_)}};
     }
 
-    const MeshView& mesh_;
     Corners own_;
     Vec3d origin_;
     double gap_;
     DistancesOfTriangle distances_;
-    std::uint32_t waiting_[Four::count];
+    Corners waiting_[Four::count];
     std::uint32_t count_ = 0;
 };
 
@@ -215,16 +212,19 @@ public:
         reach = std::sqrt(reach);
         // A box in float32 is rounded outward, so a little more than the reach is looked at.
         if (change_ != nullptr)
-            if (const auto known = change_->ring(mesh_, t, reach + rounding_)) return *known;
+            if (const TriangleRing* const known = change_->ring(mesh_, t)) {
+                ring = *known;
+                ring.gap = gap_after_change(t, ring, reach);
+                return ring;
+            }
         measure_normals(mesh_, t, triangles_, normals_, ring);
         for (int k = 0; k < 3; ++k) {
             const Vec3d edge = own[(k + 2) % 3] - own[(k + 1) % 3];
             ring.height[k] = round_down(length(cross(edge, own[k] - own[(k + 1) % 3])) /
                                         length(edge));
         }
-        const double openness = look_around(t, reach);
-        ring.openness = static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
-        ring.gap = round_down(std::max(gap_beyond_ring(t, reach) - rounding_, 0.0));
+        ring.openness = openness_of(t);
+        ring.gap = gap_beyond_ring(t, ring, reach);
         return ring;
     }
 
@@ -235,44 +235,85 @@ private:
         std::uint32_t triangle;
     };
 
-    /// Lists the triangles outside of the ring within `reach`, and gives the least openness of
-    /// those in it.
-    double look_around(std::uint32_t t, double reach) {
-        const Triangle& own = mesh_.triangles[t];
-        const QuickBox& box = boxes_[t];
-        const float limit = not_below(static_cast<float>(reach * reach));
-        const Openness own_openness(corners_of(mesh_, t));
-        double openness = 1;
-        others_.clear();
+    /// Calls see(other) for the other triangles whose boxes may come within `reach` of a
+    /// triangle's.
+    template <class See>
+    void for_each_near(std::uint32_t t, double reach, const See& see) const {
+        const QuickBox region = boxes_[t].inflated(not_below(static_cast<float>(reach)));
         for_each_group(
-            mesh_.box_nodes, levels_, box.inflated(not_below(static_cast<float>(reach))),
-            [&](std::uint32_t group, std::uint32_t mask) {
+            mesh_.box_nodes, levels_, region, [&](std::uint32_t group, std::uint32_t mask) {
                 for (; mask != 0; mask &= mask - 1) {
-                    const std::uint32_t other = mesh_
-                                                    .group_triangles[group * constants::group_size +
-                                                                     lowest_bit(mask)];
-                    if (other == t) continue;
-                    if (share_vertex(own, mesh_.triangles[other])) {
-                        openness = std::min(own_openness.towards(own, mesh_.triangles[other],
-                                                                 corners_of(mesh_, other)),
-                                            openness);
-                        continue;
-                    }
-                    const float squared = squared_gap(box, boxes_[other]);
-                    if (squared <= limit) others_.push_back({squared, other});
+                    const std::uint32_t place = group * constants::group_size + lowest_bit(mask),
+                                        other = mesh_.group_triangles[place];
+                    if (other != t) see(other);
                 }
                 return false;
             });
-        return openness;
     }
 
-    double gap_beyond_ring(std::uint32_t t, double reach) {
-        std::ranges::sort(others_, {}, &Other::squared);
-        GapSearch search(mesh_, t, reach);
-        for (const Other& other : others_) {
-            if (static_cast<double>(other.squared) >= search.gap() * search.gap()) break;
-            search.add(other.triangle);
+    /// The least openness of those that share a vertex.
+    float openness_of(std::uint32_t t) const {
+        const Triangle& own = mesh_.triangles[t];
+        const Openness own_openness(corners_of(mesh_, t));
+        double openness = 1;
+        for_each_near(t, 0, [&](std::uint32_t other) {
+            if (share_vertex(own, mesh_.triangles[other]))
+                openness = std::min(
+                    own_openness.towards(own, mesh_.triangles[other], corners_of(mesh_, other)),
+                    openness);
+        });
+        return static_cast<float>(std::max(openness - constants::touch_tolerance, 0.0));
+    }
+
+    /// `ring`: its heights are known.
+    float gap_beyond_ring(std::uint32_t t, const TriangleRing& ring, double reach) {
+        // Most gaps are about as wide as the triangle is high, which is a good part of the reach.
+        double radius = std::max<double>(std::ranges::min(ring.height), reach / widest_of_reach);
+        double gap = reach;
+        for (;; radius *= 2) {
+            radius = std::min(radius, reach);
+            gap = gap_within(t, radius, reach);
+            if (gap <= radius || radius >= reach) break;
         }
+        return round_down(std::max(gap - rounding_, 0.0));
+    }
+
+    /// The gap of a ring whose triangles have not changed.
+    float gap_after_change(std::uint32_t t, const TriangleRing& ring, double reach) {
+        const double near = std::min(reach + rounding_,
+                                     static_cast<double>(ring.gap) + gap_loss(reach, mesh_));
+        const Corners own = corners_of(mesh_, t);
+        Box region;
+        for (Vec3d p : own) region.extend(p);
+        GapSearch came(own, ring.gap + rounding_), went(own, near);
+        change_->for_each_changed(region.inflated(near), [&](const Corners& c, bool is_new) {
+            (is_new ? came : went).add(c);
+        });
+        came.ask();
+        went.ask();
+        if (went.gap() < near) return gap_beyond_ring(t, ring, reach);
+        return std::min(ring.gap, round_down(std::max(came.gap() - rounding_, 0.0)));
+    }
+
+    /// The distance to the closest of the triangles outside of the ring within `radius`; `most` if
+    /// there is none.
+    double gap_within(std::uint32_t t, double radius, double most) {
+        const QuickBox& box = boxes_[t];
+        const float limit = not_below(static_cast<float>(radius * radius));
+        others_.clear();
+        for_each_near(t, radius, [&](std::uint32_t other) {
+            const float squared = squared_gap(box, boxes_[other]);
+            if (squared <= limit && !share_vertex(mesh_.triangles[t], mesh_.triangles[other]))
+                others_.push_back({squared, other});
+        });
+        // Those that look nearest decide on how many others are looked at.
+        const auto first = others_.begin() +
+                           std::min<std::ptrdiff_t>(Four::count, std::ssize(others_));
+        std::ranges::nth_element(others_, first, {}, &Other::squared);
+        GapSearch search(corners_of(mesh_, t), most);
+        for (const Other& other : others_)
+            if (static_cast<double>(other.squared) < search.gap() * search.gap())
+                search.add(corners_of(mesh_, other.triangle));
         search.ask();
         return search.gap();
     }
@@ -295,10 +336,20 @@ std::vector<TriangleRing> rings_of(const MeshView& mesh, Workers& workers,
     for (std::uint32_t t = 0; t < mesh.triangles.size; ++t)
         boxes[t] = box_of(mesh, mesh.positions, t);
     std::vector<TriangleRing> rings(mesh.triangles.size);
-    workers.share_out("rings", mesh.triangles.size, triangles_at_once,
+    std::vector<std::uint32_t> unknown;
+    if (change != nullptr) {
+        unknown = change->triangles_with_changed_rings(mesh);
+        for (std::uint32_t t = 0; t < rings.size(); ++t)
+            if (const TriangleRing* const known = change->ring(mesh, t)) rings[t] = *known;
+    } else {
+        unknown.resize(mesh.triangles.size);
+        std::iota(unknown.begin(), unknown.end(), 0u);
+    }
+    workers.share_out("rings", static_cast<std::uint32_t>(unknown.size()), triangles_at_once,
                       [&](std::uint32_t begin, std::uint32_t end) {
                           RingFinder finder(mesh, boxes, change);
-                          for (std::uint32_t t = begin; t < end; ++t) rings[t] = finder.find(t);
+                          for (std::uint32_t i = begin; i < end; ++i)
+                              rings[unknown[i]] = finder.find(unknown[i]);
                       });
     return rings;
 }

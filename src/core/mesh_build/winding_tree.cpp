@@ -12,10 +12,10 @@ namespace pierce {
 
 WindingTree::WindingTree(std::span<const Vec3f> positions, std::span<const Triangle> triangles)
     : positions_(positions), triangles_(triangles) {
-    std::vector<Vec3d> middles;
+    std::vector<Vec3f> middles;
     middles.reserve(triangles.size());
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        middles.push_back((1.0 / 3) * (corner(t, 0) + corner(t, 1) + corner(t, 2)));
+        middles.push_back(to_float((1.0 / 3) * (corner(t, 0) + corner(t, 1) + corner(t, 2))));
     order_ = spatial_order(middles);
     build(0, static_cast<std::uint32_t>(order_.size()));
 }
