@@ -6,6 +6,8 @@
 #include "arrays.hpp"
 #include "casters.hpp"
 #include "contacts.hpp"
+#include "pierce/error.hpp"
+#include "pierce/impact_contact.hpp"
 #include "records.hpp"
 #include "world.hpp"
 
@@ -77,12 +79,29 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
             "in common.")
         .def(
             "impacts",
-            [](PyWorld& w) {
-                std::vector<ImpactContact> found = Use(w)->impacts();
+            [](PyWorld& w, std::uint32_t most_per_pair) {
+                std::vector<ImpactContact> found = Use(w)->impacts(most_per_pair);
                 w.rethrow();
                 return found;
             },
-            "The first meeting of every pair of solids that are apart as the step begins.")
+            nb::arg("most_per_pair") = 1,
+            "The first meeting of every pair of solids that are apart as the step begins, and "
+            "first meetings of other vertices.")
+        .def(
+            "impacts_ahead",
+            [](PyWorld& w, const std::vector<BodyId>& bodies, const nb::sequence& poses,
+               std::uint32_t most_per_pair) {
+                if (nb::len(poses) != bodies.size())
+                    throw InputError("impacts_ahead needs a pose for each body");
+                std::vector<PoseAhead> ahead;
+                for (std::size_t i = 0; i < bodies.size(); ++i)
+                    ahead.push_back({bodies[i], pose_of(poses[i])});
+                std::vector<ImpactContact> found = Use(w)->impacts_ahead(ahead, most_per_pair);
+                w.rethrow();
+                return found;
+            },
+            nb::arg("bodies"), nb::arg("poses"), nb::arg("most_per_pair") = 1,
+            "The same for rigid bodies on their way from where they are now to the given poses.")
         .def("cast_rays", cast_rays, nb::arg("origin"), nb::arg("directions"),
              "The first body along each line of sight, as RayHit or None.")
         .def("probe", probe, nb::arg("points"), nb::arg("normals"), nb::arg("radius"),

@@ -236,6 +236,8 @@ void bind_answers(nb::module_& module) {
         .ro("point", &ImpactContact::point, "world space, at that time")
         .ro("normal", &ImpactContact::normal, "unit, from a to b")
         .ro("gap", &ImpactContact::gap, "[length] along the normal as the step begins")
+        .ro("start_a", &ImpactContact::start_a, "where what meets is then, on a")
+        .ro("start_b", &ImpactContact::start_b, "on b")
         .ro("edges", &ImpactContact::edges, "two edges meet; else a vertex and a face")
         .ro("source", &ImpactContact::source, "the body of the vertex")
         .ro("vertex", &ImpactContact::vertex, "of the source, or the first one of its edge")

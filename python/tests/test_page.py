@@ -114,9 +114,11 @@ def test_a_click_selects_and_explains(browser, pile):
     x, y = browser.run(
         "const { data, stage, bodies, contacts } = player;"
         "for (let v = 0; ; ++v) {"
-        "  const [x, y] = stage.pixelsOf(data.vertexAt(89, 1, v));"
-        "  const hit = bodies.pick(89, ...stage.sight(x, y));"
-        "  if (hit?.body === 1 && stage.contactAt(contacts, x, y) === undefined) return [x, y];"
+        "  const [x, y] = stage.pixelsOf(data.vertexAt(89, 1, v)).map(Math.round);"
+        "  const hits = [-1, 0, 1].map("  # a click is at a whole pixel
+        "    (d) => bodies.pick(89, ...stage.sight(x + d, y + d))?.body === 1);"
+        "  if (hits.every(Boolean) && stage.contactAt(contacts, x, y) === undefined)"
+        "    return [x, y];"
         "}"
     )
     browser.click(x, y)

@@ -210,6 +210,13 @@ def test_questions(two_tori):
     assert touched[0].distance < 0
     assert world.impacts() == []
     assert len(world.body_boxes()) == 2
+    world.set_pose(rigid, [0, 0, 5, 0, 0, 0, 1])
+    ahead = world.impacts_ahead([rigid], [[0, 0, -5, 0, 0, 0, 1]], 3)
+    assert len(ahead) == 3 and 0 < ahead[0].time < 0.5
+    along = np.dot(np.subtract(ahead[0].start_b, ahead[0].start_a), ahead[0].normal)
+    assert along == pytest.approx(ahead[0].gap, rel=1e-6)
+    with pytest.raises(ValueError, match="a pose for each body"):
+        world.impacts_ahead([rigid], [])
 
 
 def test_many_worlds():

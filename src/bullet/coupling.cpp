@@ -96,6 +96,44 @@ void Coupling::detect() {
     index_contacts();
 }
 
+namespace {
+
+/// The most meetings of a pair: what comes flat is held at its corners.
+constexpr std::uint32_t most_meetings = 8;
+
+/// True if the object goes further in this step than Bullet's threshold for continuous collisions.
+bool is_fast(const Binding& binding) {
+    const btScalar threshold = binding.object->getCcdSquareMotionThreshold();
+    if (binding.soft != nullptr || !(threshold > 0) || !binding.object->isActive() ||
+        binding.object->isStaticOrKinematicObject())
+        return false;
+    const btVector3 way = binding.object->getInterpolationWorldTransform().getOrigin() -
+                          binding.object->getWorldTransform().getOrigin();
+    return way.length2() > threshold;
+}
+
+}  // namespace
+
+std::vector<PoseAhead> Coupling::going_fast() const {
+    std::vector<PoseAhead> fast;
+    for (const Binding& binding : bindings_)
+        if (is_fast(binding))
+            fast.push_back(
+                {binding.body, from_bullet(binding.object->getInterpolationWorldTransform())});
+    return fast;
+}
+
+void Coupling::look_ahead(std::span<const PoseAhead> fast) {
+    impacts_ = fast.empty() ? std::vector<ImpactContact>{}
+                            : world_.impacts_ahead(fast, most_meetings);
+}
+
+std::span<const ImpactContact> Coupling::impacts_of(BodyId a, BodyId b) const {
+    const auto key_of = [](const ImpactContact& impact) { return key(impact.a, impact.b); };
+    const auto range = std::ranges::equal_range(impacts_, key(a, b), {}, key_of);
+    return {range.begin(), range.end()};
+}
+
 void Coupling::index_contacts() {
     by_pair_.clear();
     const std::span<const Contact> contacts = indexed_ = world_.contacts();
@@ -111,6 +149,7 @@ void Coupling::index_contacts() {
 }
 
 void Coupling::begin_step() {
+    impacts_.clear();
     for (Binding& binding : bindings_)
         if (binding.soft != nullptr)
             binding.takes_contacts = binding.soft->m_rcontacts.size() == 0 &&
@@ -154,7 +193,8 @@ void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) 
     Binding &a = in_order ? first : second, &b = in_order ? second : first;
     const std::span<const Contact> contacts = contacts_of(a.body, b.body);
     if (a.soft == nullptr && b.soft == nullptr)
-        algorithm.write_manifolds(side(a), side(b), contacts, most_per_pair_);
+        algorithm.write_manifolds(side(a), side(b), contacts, most_per_pair_,
+                                  impacts_of(a.body, b.body));
     else
         algorithm.note_soft(write_soft(a, b, contacts));
 }

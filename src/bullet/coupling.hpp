@@ -45,6 +45,10 @@ public:
     bool any_has_moved() const;
     /// Looks for contacts of all bodies, where Bullet has them.
     void detect();
+    /// The bodies that are fast (InstallOptions::continuous), and where Bullet takes them next.
+    std::vector<PoseAhead> going_fast() const;
+    /// Looks for what such bodies meet on their way, after detect().
+    void look_ahead(std::span<const PoseAhead> fast);
     /// Notes which soft bodies Bullet has emptied the contact arrays of, as it does for those that
     /// are awake. To be called before anything in a step gets contacts.
     void begin_step();
@@ -67,6 +71,7 @@ private:
     static std::uint64_t key(BodyId a, BodyId b) { return std::uint64_t{a.index} << 32 | b.index; }
     void index_contacts();
     std::span<const Contact> contacts_of(BodyId a, BodyId b);
+    std::span<const ImpactContact> impacts_of(BodyId a, BodyId b) const;
     ContactSide side(const Binding& binding);
     std::uint32_t write_soft(Binding& a, Binding& b, std::span<const Contact> contacts);
 
@@ -77,6 +82,7 @@ private:
     std::unordered_map<BodyId, std::size_t> by_body_;
     std::span<const Contact> indexed_;                  ///< World::contacts() as they were then
     std::unordered_map<std::uint64_t, Range> by_pair_;  ///< places there
+    std::vector<ImpactContact> impacts_;                ///< sorted by (a, b)
     std::uint32_t written_ = 0, written_self_ = 0;
 };
 

@@ -98,7 +98,8 @@ struct Installation::State final : public btActionInterface {
     FollowedObjects followed;
     std::unique_ptr<InstalledConfiguration> configuration;
     btNearCallback before = nullptr;
-    std::mutex one_at_a_time;  ///< Bullet's dispatchers with threads call back from any of them
+    std::mutex one_at_a_time;     ///< Bullet's dispatchers with threads call back from any of them
+    std::vector<PoseAhead> fast;  ///< where fast bodies go in this step
     bool pass_begins = true;
     bool has_changed = false;  ///< bodies have come or gone since contacts were looked for
     bool has_detected = false, had_detected = false;  ///< in this step; in the one before
@@ -113,10 +114,16 @@ void Installation::State::begin_pass() {
     // Before anything is looked at: a program may have deleted objects.
     if (options.automatic && followed.follow()) has_changed = true;
     coupling.begin_step();
+    fast = options.continuous && bullet.getDispatchInfo().m_useContinuous
+               ? coupling.going_fast()
+               : std::vector<PoseAhead>{};
+    // What is fast may meet others before any of them has moved.
+    if (!fast.empty()) detect();
 }
 
 void Installation::State::detect() {
     coupling.detect();
+    coupling.look_ahead(fast);
     has_detected = true;
     has_changed = false;
 }

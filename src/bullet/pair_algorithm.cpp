@@ -23,7 +23,9 @@ static_assert(sizeof(PairAlgorithm) <= sizeof(btConvexConvexAlgorithm),
 namespace {
 
 using Points = std::vector<std::pair<std::uint64_t, btManifoldPoint>>;  ///< by Contact::feature()
-using PointMap = std::map<std::uint64_t, btManifoldPoint>;
+using PointMap = std::multimap<std::uint64_t, btManifoldPoint>;
+
+constexpr std::uint64_t no_feature = ~std::uint64_t{0};  ///< of points that no later one goes on in
 
 }  // namespace
 
@@ -177,6 +179,26 @@ Points make_points(const ContactSide& a, const ContactSide& b, std::span<const C
     return points;
 }
 
+/// Adds a point for every meeting, which lets the two come together but no further.
+void add_meetings(const ContactSide& a, const ContactSide& b,
+                  std::span<const ImpactContact> impacts, Points& points) {
+    for (const ImpactContact& impact : impacts) {
+        const FramedContact framed{.point_a = impact.start_a,
+                                   .point_b = impact.start_b,
+                                   .normal_on_b = -impact.normal,
+                                   .distance = impact.gap,
+                                   .feature = no_feature};
+        btManifoldPoint point = make_point(framed, *a.object, *b.object);
+        const bool on_a = impact.source == Side::b;  // where the face is
+        const ContactSide& target = on_a ? a : b;
+        const auto index = static_cast<int>(target.mesh->given_triangle(impact.triangle));
+        point.m_index0 = on_a ? index : -1;
+        point.m_index1 = on_a ? -1 : index;
+        call_back(point, *a.object, *b.object);
+        points.emplace_back(no_feature, point);
+    }
+}
+
 btCollisionAlgorithmConstructionInfo construction(btDispatcher& dispatcher) {
     return {&dispatcher, 0};
 }
@@ -200,7 +222,8 @@ void PairAlgorithm::set_written(std::uint32_t count) {
 }
 
 void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
-                                    std::span<const Contact> contacts, std::uint32_t most) {
+                                    std::span<const Contact> contacts, std::uint32_t most,
+                                    std::span<const ImpactContact> impacts) {
     const btScalar threshold = breaking_threshold(*a.object, *b.object);
     PointMap last = manifolds_->take_points();
     Points points;
@@ -209,6 +232,7 @@ void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
     if (leads_far(contacts, threshold))
         points = take_holding(last, *a.object, *b.object, threshold);
     if (points.empty()) points = make_points(a, b, contacts, most, last);
+    add_meetings(a, b, impacts, points);
     manifolds_->put_points(*m_dispatcher, a, b, points);
     for (const auto& [feature, point] : last)
         if (point.m_userPersistentData != nullptr && gContactDestroyedCallback != nullptr)

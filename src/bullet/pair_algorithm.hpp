@@ -7,6 +7,7 @@
 #include <span>
 
 #include "pierce/contact.hpp"
+#include "pierce/impact_contact.hpp"
 #include "pierce/mesh.hpp"
 
 class btCollisionObject;
@@ -31,9 +32,10 @@ public:
     /// Fills the manifolds anew with at most `most` of the contacts, which are all of this pair.
     /// Points of a vertex that was in contact before keep their impulses. If contacts by separation
     /// are deeper than Bullet's breaking threshold, points of the last step that still hold stay
-    /// instead.
+    /// instead. What the pair meets in this step adds a point each, with a distance.
     void write_manifolds(const ContactSide& a, const ContactSide& b,
-                         std::span<const Contact> contacts, std::uint32_t most);
+                         std::span<const Contact> contacts, std::uint32_t most,
+                         std::span<const ImpactContact> impacts);
     /// Notes that so many contacts of the pair went to soft bodies, and leaves no manifold.
     void note_soft(std::uint32_t count);
 

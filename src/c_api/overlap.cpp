@@ -45,7 +45,18 @@ pierce_impact impact_of(const ImpactContact& i) {
     impact.vertex = i.vertex;
     impact.edge_end = i.edge_end;
     impact.triangle = i.triangle;
+    copy_to(impact.start_a, i.start_a);
+    copy_to(impact.start_b, i.start_b);
     return impact;
+}
+
+/// Keeps the list until the next call.
+void give(pierce_world& world, const std::vector<ImpactContact>& found,
+          const pierce_impact** impacts, std::size_t* count) {
+    world.impacts.clear();
+    for (const ImpactContact& impact : found) world.impacts.push_back(impact_of(impact));
+    *impacts = world.impacts.data();
+    *count = world.impacts.size();
 }
 
 }  // namespace
@@ -80,16 +91,28 @@ pierce_status pierce_overlap(pierce_world* world, pierce_body_id a, pierce_body_
     });
 }
 
-pierce_status pierce_impacts(pierce_world* world, const pierce_impact** impacts, size_t* count) {
+pierce_status pierce_impacts(pierce_world* world, uint32_t most_per_pair,
+                             const pierce_impact** impacts, size_t* count) {
     return guarded([&] {
         auto& inner = world_of(world);
         required(impacts, "impacts");
         required(count, "count");
-        std::vector<pierce_impact> found;
-        for (const pierce::ImpactContact& impact : inner.impacts())
-            found.push_back(impact_of(impact));
-        world->impacts = std::move(found);
-        *impacts = world->impacts.data();
-        *count = world->impacts.size();
+        give(*world, inner.impacts(most_per_pair), impacts, count);
+    });
+}
+
+pierce_status pierce_impacts_ahead(pierce_world* world, const pierce_body_id* bodies,
+                                   size_t body_count, const double* poses, uint32_t most_per_pair,
+                                   const pierce_impact** impacts, size_t* count) {
+    return guarded([&] {
+        auto& inner = world_of(world);
+        const auto handles = body_handles(bodies, body_count, "bodies");
+        if (body_count > 0) required(poses, "poses");
+        required(impacts, "impacts");
+        required(count, "count");
+        std::vector<pierce::PoseAhead> ahead;
+        for (std::size_t i = 0; i < handles.size(); ++i)
+            ahead.push_back({handles[i], pose_of(poses + 7 * i, "poses")});
+        give(*world, inner.impacts_ahead(ahead, most_per_pair), impacts, count);
     });
 }

@@ -436,6 +436,67 @@ TEST(InstallTest, PointsKeepTheirImpulsesAtRest) {
 
 /// Linked rings whose edges overlap by 0.03, while a vertex of each only touches the other:
 /// contacts by separation would push one ring through the other.
+/// How far below a thin plate, or above it, a body is after some steps that would have taken it
+/// far through.
+btScalar height_after(const MeshData& shape, const btQuaternion& turn, const btVector3& spin,
+                      btScalar threshold, bool continuous = true) {
+    StockWorld scene;
+    const auto plate = MeshShape::bvh(scenes::box({-2, -2, -0.01}, {2, 2, 0.01})),
+               bullet = MeshShape::gimpact(shape);
+    auto& installed = bullet::install(scene.bullet, scene.contacts, {.continuous = continuous});
+    scene.add(*plate->shape, 0, at(0, 0, 0));
+    btRigidBody& body = scene.add(*bullet->shape, 1, btTransform(turn, {0.1f, 0.2f, 1}));
+    body.setLinearVelocity({3, 0, -150});
+    body.setAngularVelocity(spin);
+    body.setCcdMotionThreshold(threshold);
+    for (int step = 0; step < 4; ++step) {
+        scene.bullet.stepSimulation(dt, 0);
+        EXPECT_LT(body.getLinearVelocity().length(), 151);
+        // Looking ahead leaves the world as it is.
+        EXPECT_NO_THROW(
+            scene.contacts.explain(installed.body_of(*scene.rigid[0]), installed.body_of(body), 0));
+        if (body.getWorldTransform().getOrigin().z() < -1) break;
+    }
+    return body.getWorldTransform().getOrigin().z();
+}
+
+TEST(InstallTest, AFastBodyOfAnyShapeStopsAtAPlate) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const MeshData shapes[] = {scenes::torus(0.12, 0.05, 12, 8),
+                               scenes::box({-0.1f, -0.15f, -0.05f}, {0.1f, 0.15f, 0.05f}),
+                               scenes::sphere(0.1, 2)};
+    const btQuaternion upright = btQuaternion::getIdentity();
+    EXPECT_LT(height_after(shapes[1], upright, {0, 0, 0}, 0), -1) << "it is never fast";
+    EXPECT_LT(height_after(shapes[1], upright, {0, 0, 0}, btScalar(0.05), false), -1);
+    EXPECT_LT(height_after(shapes[1], upright, {0, 0, 0}, 9), -1) << "it is not fast enough";
+    EXPECT_GT(height_after(shapes[1], upright, {0, 0, 0}, btScalar(0.05)), 0.03) << "flat";
+    for (int i = 0; i < 30; ++i) {
+        const Quaternion q = random.rotation();
+        const btQuaternion turn(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w));
+        const Vec3d spin = random.in_box(i % 2 == 0 ? 0 : 20);
+        EXPECT_GT(height_after(shapes[i % 3], turn, bullet::to_bullet(spin), btScalar(0.05)), 0)
+            << "shot " << i;
+    }
+}
+
+TEST(InstallTest, TwoFastBodiesDoNotPassThroughEachOther) {
+    StockWorld scene;
+    const MeshData slab = scenes::box({-1, -1, -0.2f}, {1, 1, 0.2f});
+    const auto left = MeshShape::gimpact(slab), right = MeshShape::gimpact(slab);
+    bullet::install(scene.bullet, scene.contacts);
+    btRigidBody& a = scene.add(*left->shape, 1, at(0, 0, -2));
+    btRigidBody& b = scene.add(*right->shape, 1, at(0.3f, 0, 2));
+    a.setLinearVelocity({0, 0, 120});
+    b.setLinearVelocity({0, 0, -120});
+    for (btRigidBody* body : {&a, &b}) body->setCcdMotionThreshold(btScalar(0.1));
+    for (int step = 0; step < 5; ++step) {
+        scene.bullet.stepSimulation(dt, 0);
+        EXPECT_LT(a.getWorldTransform().getOrigin().z(), b.getWorldTransform().getOrigin().z());
+        EXPECT_NEAR((a.getLinearVelocity() + b.getLinearVelocity()).length(), 0, 1e-2);
+    }
+}
+
 TEST(InstallTest, LinkedRingsAreNotPushedThroughEachOther) {
     constexpr double pi = 3.14159265358979, half_segment = pi / 30;
     constexpr double inner = 1.5, up = 0.1;  // of the ring; from a ridge to the vertex on its slope

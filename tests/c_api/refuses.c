@@ -481,9 +481,14 @@ static void questions(scene* s, pierce_body_id stale) {
     REFUSES(pierce_explain(w, s->above, s->below, 0, &why), "struct_size");
     REFUSES(pierce_parting(w, s->above, s->below, &way), "struct_size");
     REFUSES(pierce_overlap(w, s->above, s->below, 0.9, &common), "struct_size");
-    REFUSES(pierce_impacts(NULL, &impacts, &count), "world is null");
-    REFUSES(pierce_impacts(w, NULL, &count), "impacts is null");
-    REFUSES(pierce_impacts(w, &impacts, NULL), "count is null");
+    REFUSES(pierce_impacts(NULL, 1, &impacts, &count), "world is null");
+    REFUSES(pierce_impacts(w, 1, NULL, &count), "impacts is null");
+    REFUSES(pierce_impacts(w, 1, &impacts, NULL), "count is null");
+    REFUSES(pierce_impacts_ahead(NULL, NULL, 0, NULL, 1, &impacts, &count), "world is null");
+    REFUSES(pierce_impacts_ahead(w, &s->above, 1, NULL, 1, &impacts, &count), "poses is null");
+    REFUSES(pierce_impacts_ahead(w, NULL, 0, NULL, 1, NULL, &count), "impacts is null");
+    REFUSES(pierce_impacts_ahead(w, NULL, 0, NULL, 1, &impacts, NULL), "count is null");
+    REFUSES(pierce_impacts_ahead(w, &stale, 1, elsewhere, 1, &impacts, &count), "was removed");
     REFUSES(pierce_cast_rays(NULL, d, d, 1, &hit), "world is null");
     REFUSES(pierce_cast_rays(w, NULL, d, 1, &hit), "origin is null");
     REFUSES(pierce_cast_rays(w, d, NULL, 1, &hit), "directions is null");

@@ -167,10 +167,16 @@ static void questions(void) {
     WORKS(pierce_overlap(s.world, s.below, s.above, 0.9, &common));
     CHECK(common.exists == 1 && common.volume > 0 && common.patch_count > 0);
     CHECK(common.patch_count > 0 && common.patches[0].depth > 0);
-    WORKS(pierce_impacts(s.world, &impacts, &count));
+    WORKS(pierce_impacts(s.world, 1, &impacts, &count));
     CHECK(count == 0);
+    WORKS(pierce_set_pose(s.world, s.above, far_away));
+    WORKS(pierce_impacts_ahead(s.world, &s.above, 1, beyond, 4, &impacts, &count));
+    CHECK(count == 4 && impacts[0].b == s.above && impacts[0].time < 0.5);
+    CHECK(count == 4 && impacts[0].start_b[2] - impacts[0].start_a[2] > 7);
+    CHECK(count == 4 && fabs(impacts[0].start_b[2] - impacts[0].start_a[2] -
+                             impacts[0].gap / impacts[0].normal[2]) < 1e-4);
     WORKS(pierce_set_motion_poses(s.world, s.above, far_away, beyond));
-    WORKS(pierce_impacts(s.world, &impacts, &count));
+    WORKS(pierce_impacts(s.world, 1, &impacts, &count));
     CHECK(count == 1 && impacts[0].a == s.below && impacts[0].b == s.above);
     CHECK(count == 1 && impacts[0].time > 0.4 && impacts[0].time < 0.5);
     WORKS(pierce_overlap(s.world, s.below, s.above, 0.9, &common));

@@ -75,6 +75,24 @@ std::vector<Edge> edges_of(const MeshView& mesh, const HalfEdges& sides_of_all, 
     return ordered;
 }
 
+namespace {
+
+/// Gives one of three edges that a triangle has to a neighbour that has fewer than two.
+void relieve(const MeshView& mesh, TriangleFeatures& of, std::vector<TriangleFeatures>& features) {
+    const auto edges_of = [](const TriangleFeatures& f) { return bit_count(f.own >> 3); };
+    for (std::uint32_t k = 0; k < 3 && edges_of(of) == 3; ++k)
+        for (const std::uint32_t t : mesh.edges[of.edge[k]].triangle) {
+            if (t == no_triangle || edges_of(features[t]) > 1) continue;
+            const std::uint32_t* const edges = features[t].edge;
+            const std::ptrdiff_t place = std::find(edges, edges + 3, of.edge[k]) - edges;
+            of.own ^= 8u << k;
+            features[t].own |= 8u << place;
+            break;
+        }
+}
+
+}  // namespace
+
 std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
     std::vector<TriangleFeatures> features(mesh.triangles.size,
                                            {{no_vertex, no_vertex, no_vertex}, 0});
@@ -111,6 +129,7 @@ std::vector<TriangleFeatures> features_of(const MeshView& mesh) {
         }
         features[edge.triangle[owner]].own |= own[owner];
     }
+    for (TriangleFeatures& of : features) relieve(mesh, of, features);
     return features;
 }
 

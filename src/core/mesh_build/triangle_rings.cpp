@@ -268,7 +268,9 @@ private:
     /// `ring`: its heights are known.
     float gap_beyond_ring(std::uint32_t t, const TriangleRing& ring, double reach) {
         // Most gaps are about as wide as the triangle is high, which is a good part of the reach.
-        double radius = std::max<double>(std::ranges::min(ring.height), reach / widest_of_reach);
+        // The heights of a triangle without area are NaN.
+        const double height = std::ranges::min(ring.height), least = reach / widest_of_reach;
+        double radius = height > least ? height : least;
         double gap = reach;
         for (;; radius *= 2) {
             radius = std::min(radius, reach);

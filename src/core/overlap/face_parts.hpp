@@ -37,6 +37,9 @@ struct FaceParts {
     std::vector<std::uint32_t> vertices_in[2];  ///< their vertices inside the respective other one
 };
 
+/// What a part adds to the volume that two surfaces have in common, by the divergence theorem.
+inline double volume_of(const FacePart& part) { return dot(part.moment, part.normal) / 3; }
+
 /// Finds the parts of two surfaces that are inside each other. Edges are cut where they go through
 /// triangles, and every cut is known without rounding, so the parts' outlines close in any
 /// arrangement of the surfaces; where a cut is has the rounding of doubles. Takes n log n and the

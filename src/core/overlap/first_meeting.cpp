@@ -1,12 +1,15 @@
 #include "core/overlap/first_meeting.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
 #include "core/geometry/continuous.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "pierce/constants.hpp"
+#include "pierce/min_max.hpp"
 
 namespace pierce {
 namespace {
@@ -37,15 +40,17 @@ public:
         : first_(first),
           second_(second),
           own_first_(own_features(first)),
-          own_second_(own_features(second)) {
+          own_second_(own_features(second)),
+          normals_{normals_of(first), normals_of(second)} {
         Box both = first.box();
         both.extend(second.box());
         const double travel = travel_of(first) + travel_of(second);
         // What meets at the same place is found within the tolerance of it, in this time at least.
-        same_time_ = travel > 0 ? 2 * constants::meeting_tolerance * both.extent() / travel : 0.0;
+        tolerance_ = 2 * constants::meeting_tolerance * both.extent();
+        same_time_ = travel > 0 ? tolerance_ / travel : 0.0;
     }
 
-    std::optional<FirstMeeting> run() {
+    std::vector<FirstMeeting> run(std::uint32_t most) {
         std::vector<std::uint32_t> near;
         std::vector<Box> boxes;
         const Box around_first = first_.box(), around_second = second_.box();
@@ -64,7 +69,9 @@ public:
         }
         if (!is_found_) return {};
         best_.time = earliest_;
-        return best_;
+        std::vector<FirstMeeting> result{best_};
+        spread(result, most);
+        return result;
     }
 
 private:
@@ -92,14 +99,6 @@ private:
         }
     }
 
-    /// True if a meeting comes first. Of those that come at the same time, one between the ends of
-    /// edges or corners of faces counts more: only it has a normal of its own.
-    bool is_first(const Impact& impact, bool within) {
-        earliest_ = std::min(earliest_, impact.time);
-        if (!is_found_ || impact.time < best_.time - same_time_) return true;
-        return impact.time <= best_.time + same_time_ && within && !is_within_;
-    }
-
     static bool is_inner(double weight) {
         return weight > constants::meeting_tolerance && weight < 1 - constants::meeting_tolerance;
     }
@@ -112,17 +111,25 @@ private:
                           &b = face_of.points[corner[1]], &c = face_of.points[corner[2]];
         Impact impact;
         if (!vertex_meets_face(p, a, b, c, impact)) return;
-        // A vertex at the border of a face still leaves by the face.
-        if (!is_first(impact, true)) return;
         const double time = impact.time;
-        const Vec3d face = cross(at_time(b, time) - at_time(a, time),
-                                 at_time(c, time) - at_time(a, time));
-        const Vec3d apart = a.start + impact.u * (b.start - a.start) +
-                            impact.v * (c.start - a.start) - p.start;
-        note(time, at_time(p, time), face, second ? -apart : apart, true);
-        best_.vertex_of_second = second;
-        best_.vertex = v;
-        best_.triangle = u;
+        const Vec3d outward = cross(at_time(b, time) - at_time(a, time),
+                                    at_time(c, time) - at_time(a, time));
+        const auto on_face = [&](double at) {
+            const Vec3d corner_a = at_time(a, at);
+            return corner_a + impact.u * (at_time(b, at) - corner_a) +
+                   impact.v * (at_time(c, at) - corner_a);
+        };
+        const MovingPoint face{on_face(0), on_face(1)};
+        FirstMeeting meeting = second ? made(time, at_time(p, time), outward, face, p)
+                                      : made(time, at_time(p, time), -outward, p, face);
+        if (!is_meeting(meeting, second ? face : p, second ? p : face)) return;
+        meeting.vertex_of_second = second;
+        meeting.vertex = v;
+        meeting.triangle = u;
+        const auto [known, is_new] = of_vertices_.try_emplace({second, v}, meeting);
+        if (!is_new && time < known->second.time) known->second = meeting;
+        // A vertex at the border of a face still leaves by the face.
+        note(meeting, true);
     }
 
     void look_at_edges(std::uint32_t t, std::uint32_t k, std::uint32_t u, std::uint32_t m) {
@@ -133,40 +140,110 @@ private:
                           &d = second_.points[other.vertex[(m + 1) % 3]];
         Impact impact;
         if (!edges_meet(a, b, c, d, impact)) return;
-        const bool within = is_inner(impact.u) && is_inner(impact.v);
-        if (!is_first(impact, within)) return;
         const double time = impact.time;
-        const Vec3d along = at_time(b, time) - at_time(a, time),
-                    across = at_time(d, time) - at_time(c, time);
-        const Vec3d apart = c.start + impact.v * (d.start - c.start) - a.start -
-                            impact.u * (b.start - a.start);
-        note(time, at_time(a, time) + impact.u * along, cross(along, across), apart, within);
-        best_.edges = true;
-        best_.vertex = from;
-        best_.edge_end = to;
-        best_.triangle = u;
+        const auto on = [](const MovingPoint& begin, const MovingPoint& end, double along) {
+            return MovingPoint{begin.start + along * (end.start - begin.start),
+                               begin.end + along * (end.end - begin.end)};
+        };
+        const MovingPoint first = on(a, b, impact.u), second = on(c, d, impact.v);
+        Vec3d normal = cross(at_time(b, time) - at_time(a, time),
+                             at_time(d, time) - at_time(c, time));
+        if (dot(normal, normals_[0][from] + normals_[0][to]) < 0) normal = -normal;
+        FirstMeeting meeting = made(time, at_time(first, time), normal, first, second);
+        if (!is_meeting(meeting, first, second)) return;
+        meeting.edges = true;
+        meeting.vertex = from;
+        meeting.edge_end = to;
+        meeting.triangle = u;
+        note(meeting, is_inner(impact.u) && is_inner(impact.v));
     }
 
-    /// `apart`: from the first surface to the second at time 0, at the places that meet.
-    void note(double time, Vec3d place, Vec3d normal, Vec3d apart, bool within) {
-        is_within_ = within;
+    /// `first`, `second`: the places that meet. `normal` leads from the first surface to the second
+    /// where they touch as they begin.
+    FirstMeeting made(double time, Vec3d place, Vec3d normal, const MovingPoint& first,
+                      const MovingPoint& second) const {
+        const Vec3d apart = second.start - first.start;
         // Parallel edges and faces without area have no normal: the way they come is one.
         normal = normalized(length_squared(normal) > 0 ? normal : apart);
-        if (dot(normal, apart) < 0) normal = -normal;
+        if (dot(normal, apart) < -tolerance_) normal = -normal;
+        FirstMeeting meeting;
+        meeting.time = time;
+        meeting.place = place;
+        meeting.normal = normal;
+        meeting.gap = max_of(dot(normal, apart), 0.0);
+        meeting.start[0] = first.start;
+        meeting.start[1] = second.start;
+        return meeting;
+    }
+
+    /// False if two places only slide along each other, as the sides of boxes that lie in one plane
+    /// do: that stops nothing.
+    bool is_meeting(const FirstMeeting& meeting, const MovingPoint& first,
+                    const MovingPoint& second) const {
+        const Vec3d way = (first.end - first.start) - (second.end - second.start);
+        return meeting.gap > tolerance_ || dot(meeting.normal, way) > tolerance_;
+    }
+
+    /// Keeps what comes first. Of meetings at the same time, one between the ends of edges or
+    /// corners of faces counts more: only it has a normal of its own.
+    void note(const FirstMeeting& meeting, bool within) {
+        earliest_ = std::min(earliest_, meeting.time);
+        const bool is_first = !is_found_ || meeting.time < best_.time - same_time_ ||
+                              (meeting.time <= best_.time + same_time_ && within && !is_within_);
+        if (!is_first) return;
         is_found_ = true;
-        best_ = {};
-        best_.time = time;
-        best_.place = place;
-        best_.normal = normal;
-        best_.gap = dot(normal, apart);
+        is_within_ = within;
+        best_ = meeting;
+    }
+
+    /// Per vertex, the way its triangles face as the surface begins.
+    static std::vector<Vec3d> normals_of(const MovingSurface& surface) {
+        std::vector<Vec3d> normals(surface.points.size());
+        for (const Triangle& t : surface.triangles) {
+            const Vec3d a = surface.points[t.vertex[0]].start;
+            const Vec3d normal = cross(surface.points[t.vertex[1]].start - a,
+                                       surface.points[t.vertex[2]].start - a);
+            for (std::uint32_t v : t.vertex) normals[v] += normal;
+        }
+        return normals;
+    }
+
+    /// Adds first meetings of vertices that face what they meet, each as far as possible from those
+    /// that are there.
+    void spread(std::vector<FirstMeeting>& meetings, std::uint32_t most) const {
+        std::vector<const FirstMeeting*> left;
+        std::vector<double> far;
+        for (const auto& [vertex, meeting] : of_vertices_) {
+            const auto [of_second, v] = vertex;
+            if (!((of_second ? -1 : 1) * dot(normals_[of_second][v], meeting.normal) > 0)) continue;
+            left.push_back(&meeting);
+            far.push_back(std::numeric_limits<double>::infinity());
+        }
+        while (meetings.size() < most) {
+            std::size_t furthest = left.size();
+            double distance = 0;
+            for (std::size_t i = 0; i < left.size(); ++i) {
+                for (int side = 0; side < 2; ++side)
+                    far[i] = std::min(
+                        length_squared(left[i]->start[side] - meetings.back().start[side]), far[i]);
+                if (far[i] <= distance) continue;
+                distance = far[i];
+                furthest = i;
+            }
+            if (furthest == left.size()) return;
+            meetings.push_back(*left[furthest]);
+        }
     }
 
     const MovingSurface &first_, &second_;
     std::vector<std::uint8_t> own_first_, own_second_;
+    std::vector<Vec3d> normals_[2];
     FirstMeeting best_;
+    std::map<std::pair<bool, std::uint32_t>, FirstMeeting> of_vertices_;  ///< of the second surface
+                                                                          ///< or not; its vertex
     bool is_found_ = false;
     bool is_within_ = false;  ///< of `best_`
-    double earliest_ = 1, same_time_ = 0;
+    double earliest_ = 1, tolerance_ = 0, same_time_ = 0;
 };
 
 }  // namespace
@@ -180,8 +257,9 @@ Box MovingSurface::box() const {
     return around;
 }
 
-std::optional<FirstMeeting> first_meeting(const MovingSurface& first, const MovingSurface& second) {
-    return Search(first, second).run();
+std::vector<FirstMeeting> first_meetings(const MovingSurface& first, const MovingSurface& second,
+                                         std::uint32_t most) {
+    return Search(first, second).run(most);
 }
 
 }  // namespace pierce

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,6 +25,7 @@ struct FirstMeeting {
     Vec3d place;         ///< where they meet
     Vec3d normal;        ///< unit, from the first surface to the second
     double gap = 0;      ///< [length] of what meets at time 0, along the normal
+    Vec3d start[2];      ///< where it is at time 0, on the first surface and on the second
     bool edges = false;  ///< two edges meet; else a vertex and a face
     bool vertex_of_second = false;
     std::uint32_t vertex = 0;    ///< the vertex, or the first one of the first surface's edge
@@ -34,7 +34,9 @@ struct FirstMeeting {
 };
 
 /// The first meeting of two surfaces, nothing if they do not meet. No meeting is missed
-/// (core/geometry/continuous.hpp).
-std::optional<FirstMeeting> first_meeting(const MovingSurface& first, const MovingSurface& second);
+/// (core/geometry/continuous.hpp). It is followed by the first meetings of other vertices, far from
+/// each other as they begin, up to `most` in all.
+std::vector<FirstMeeting> first_meetings(const MovingSurface& first, const MovingSurface& second,
+                                         std::uint32_t most);
 
 }  // namespace pierce

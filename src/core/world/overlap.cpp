@@ -20,8 +20,8 @@ Overlap overlap_of(const FaceParts& parts) {
     Vec3d center;
     for (int side = 0; side < 2; ++side)
         for (const FacePart& part : parts.of[side]) {
-            // The divergence theorem with place / 3, and with x x / 2 along x.
-            result.volume += dot(part.moment, part.normal) / 3;
+            // The divergence theorem, with x x / 2 along x for the centre.
+            result.volume += volume_of(part);
             for (int k = 0; k < 3; ++k) center[k] += 0.5 * part.squares[k] * part.normal[k];
             (side == 0 ? result.area_a : result.area_b) += part.area;
             if (side == 1) continue;

@@ -10,6 +10,7 @@
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh_build/four_distances.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
 namespace pierce {
@@ -169,6 +170,20 @@ TEST(FourDistancesTest, AreNotMoreThanTheyAreAndNotMuchLess) {
     }
     EXPECT_GT(known, 40'000u);
     EXPECT_GT(crossing, 1000u);
+}
+
+TEST(TriangleRingsTest, TrianglesWithoutAreaHaveNoHeight) {
+    MeshData mesh = scenes::torus(1, 0.4, 12, 8);
+    mesh.positions[5] = mesh.positions[6];                        // edges without length
+    mesh.triangles[40].vertex[1] = mesh.triangles[40].vertex[0];  // a vertex twice
+    const Mesh made("mesh", mesh, {.inside = Inside::closed}), moved("moved", mesh, made);
+    for (const Mesh* m : {&made, &moved})
+        for (const TriangleRing& ring : m->view().rings) EXPECT_FALSE(ring.gap < 0);
+    const std::vector<TriangleRing> rings = [&] {
+        Workers alone(1, {});
+        return rings_of(made.view(), alone);
+    }();
+    EXPECT_EQ(rings.size(), mesh.triangles.size());
 }
 
 }  // namespace

@@ -46,6 +46,90 @@ TEST(ImpactsTest, ABulletThroughAPlate) {
     EXPECT_TRUE(world.impacts().empty()) << "it has not moved since";
 }
 
+TEST(ImpactsTest, ABoxThatLandsFlatIsHeldAtItsCorners) {
+    World world;
+    const BodyId plate = world.add_fixed_body(
+        world.add_mesh("plate", scenes::box({-2, -2, -0.1f}, {2, 2, 0})));
+    const BodyId body = world.add_rigid_body(
+        world.add_mesh("box", scenes::box({-0.5f, -0.5f, 0}, {0.5f, 0.5f, 1})),
+        {{0, 0, 1}, upright});
+    const PoseAhead ahead[] = {{body, {{0, 0, -3}, upright}}};
+    const auto first = world.impacts_ahead(ahead), most = world.impacts_ahead(ahead, 8);
+    ASSERT_EQ(first.size(), 1u);
+    ASSERT_EQ(most.size(), 4u) << "the upper corners meet it where the lower ones have";
+    Box corners;
+    for (std::size_t i = 0; i < most.size(); ++i) {
+        EXPECT_EQ(most[i].a, plate);
+        EXPECT_GE(most[i].time, most[0].time);
+        EXPECT_NEAR(dot(most[i].start_b - most[i].start_a, most[i].normal), most[i].gap, 1e-9);
+        EXPECT_NEAR(most[i].gap, most[i].start_b.z, 1e-6);
+        corners.extend(most[i].start_b);
+    }
+    EXPECT_NEAR(length(corners.upper - corners.lower - Vec3d{1, 1, 0}), 0, 1e-6);
+    EXPECT_TRUE(world.impacts().empty()) << "nothing has moved";
+    world.detect();
+    EXPECT_NO_THROW(world.impacts_ahead(ahead));
+    const Pose nowhere{{0, 0, INFINITY}, upright};
+    EXPECT_THROW(world.impacts_ahead(std::vector<PoseAhead>{{plate, {}}}), InputError);
+    EXPECT_THROW(world.impacts_ahead(std::vector<PoseAhead>{{body, nowhere}}), InputError);
+    EXPECT_THROW(world.impacts_ahead(std::vector<PoseAhead>{{body, {}}, {body, {}}}), InputError);
+}
+
+TEST(ImpactsTest, SidesInOnePlaneSlide) {
+    World world;
+    const BodyId floor = world.add_fixed_body(
+                     world.add_mesh("floor", scenes::box({-5, -5, -1}, {5, 5, 0}))),
+                 step = world.add_fixed_body(
+                     world.add_mesh("step", scenes::box({2, -5, 0}, {3, 5, 1}))),
+                 body = world.add_rigid_body(
+                     world.add_mesh("box", scenes::box({-0.5f, -5, 0}, {0.5f, 5, 1})));
+    const auto along = world.impacts_ahead(std::vector<PoseAhead>{{body, {{4, 0, 0}, upright}}}, 8);
+    ASSERT_FALSE(along.empty());
+    for (const ImpactContact& impact : along) {
+        EXPECT_EQ(impact.a, step) << "it slides on the floor";
+        EXPECT_NEAR(impact.time, 1.5 / 4, 1e-6);
+        EXPECT_NEAR(impact.gap, 1.5, 1e-6);
+        EXPECT_NEAR(impact.normal.x, -1, 1e-9) << "the sides of the two slide";
+    }
+    EXPECT_EQ(along.size(), 4u) << "at the corners";
+    const auto down = world.impacts_ahead(std::vector<PoseAhead>{{body, {{0, 0, -3}, upright}}});
+    ASSERT_EQ(down.size(), 1u);
+    EXPECT_EQ(down[0].a, floor);
+    EXPECT_NEAR(down[0].gap, 0, 1e-6);
+    EXPECT_NEAR(down[0].normal.z, 1, 1e-9);
+    EXPECT_TRUE(world.impacts_ahead(std::vector<PoseAhead>{{body, {{0, 0, 3}, upright}}}).empty());
+}
+
+TEST(ImpactsTest, AheadIsWhatAMotionWouldMeet) {
+    test::Random random(23);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 40; ++i) {
+        World world;
+        std::vector<PoseAhead> ahead;
+        std::vector<Pose> starts;
+        for (int k = 0; k < 4; ++k) {
+            const Pose start{random.in_box(3), random.rotation()},
+                end{random.in_box(3), random.rotation()};
+            const MeshId mesh = world.add_mesh("shape", test::random_closed_mesh(random));
+            const BodyId body = world.add_rigid_body(mesh, start);
+            if (k == 0) continue;  // this one stays
+            starts.push_back(start);
+            ahead.push_back({body, end});
+        }
+        const auto before = world.impacts_ahead(ahead, 3);
+        for (std::size_t k = 0; k < ahead.size(); ++k)
+            world.set_motion(ahead[k].body, starts[k], ahead[k].pose);
+        const auto after = world.impacts(3);
+        ASSERT_EQ(before.size(), after.size());
+        for (std::size_t k = 0; k < before.size(); ++k) {
+            EXPECT_EQ(before[k].a, after[k].a);
+            EXPECT_EQ(before[k].time, after[k].time);
+            EXPECT_EQ(before[k].gap, after[k].gap);
+            EXPECT_EQ(before[k].vertex, after[k].vertex);
+        }
+    }
+}
+
 TEST(ImpactsTest, NeitherEarlyNorLate) {
     test::Random random(21);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));

@@ -4,9 +4,16 @@
 
 #include "pierce/contact.hpp"
 #include "pierce/ids.hpp"
+#include "pierce/pose.hpp"
 #include "pierce/vec3.hpp"
 
 namespace pierce {
+
+/// Where a rigid body is going.
+struct PoseAhead {
+    BodyId body;
+    Pose pose;
+};
 
 /// Two solids that are apart when a step begins, and where and when they first meet in it. A solver
 /// that lets the two approach along the normal by no more than `gap` in the step keeps them apart.
@@ -16,6 +23,7 @@ struct ImpactContact {
     Vec3d point;      ///< world space, at that time
     Vec3d normal;     ///< unit, from a to b: of the face, or across both edges
     double gap = 0;   ///< [length] what meets is so far apart along the normal as the step begins
+    Vec3d start_a, start_b;              ///< world space: where what meets is then, on a and on b
     bool edges = false;                  ///< two edges meet; else a vertex and a face
     Side source = Side::a;               ///< the body of the vertex; Side::a for edges
     std::uint32_t vertex = 0;            ///< of the source, or the first one of its edge

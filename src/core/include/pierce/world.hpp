@@ -218,9 +218,16 @@ public:
     /// (a, b). None is missed, also of bodies that have passed through each other. Points move in
     /// straight lines from where the last detect(), or set_motion(), has them. It changes nothing,
     /// takes one thread of the host, and costs in proportion to the triangles whose ways come near
-    /// each other; detect() does not need it. Filters count. Throws InputError for places in device
-    /// memory.
-    std::vector<ImpactContact> impacts() const;
+    /// each other; detect() does not need it. Filters count. Each pair has up to `most_per_pair`
+    /// meetings: after the first one, first meetings of other vertices, far from each other, so
+    /// that a face that comes flat is held in more than one place. Throws InputError for places in
+    /// device memory.
+    std::vector<ImpactContact> impacts(std::uint32_t most_per_pair = 1) const;
+    /// The same for rigid bodies on their way from where they are now to the given poses, while all
+    /// others stay. Throws InputError for a body that is not rigid or is named twice, and for
+    /// poses and places as set_pose() and impacts() do.
+    std::vector<ImpactContact> impacts_ahead(std::span<const PoseAhead> ahead,
+                                             std::uint32_t most_per_pair = 1) const;
 
     /// Runs one step: finds all contacts of the bodies where they are now. If nothing has changed
     /// in this step and the last one, contacts get older and nothing else is done, unless steps

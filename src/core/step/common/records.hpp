@@ -111,7 +111,7 @@ struct NearTriangles {
 };
 
 /// An edge of a directed pair's source that is near the target's surface: 64 bytes.
-struct NearEdge {
+struct alignas(16) NearEdge {
     std::uint32_t directed = 0;
     std::uint32_t edge = 0;
     float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this

@@ -3,6 +3,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
+#include "core/device/warp.hpp"
 #include "core/device/whole.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
@@ -231,7 +232,7 @@ struct FillContact {
         if (r < records.size) records[r].contact = i;
         // The next step looks from the closest triangle.
         if (r < records.size && moved && looks) records[r].triangle = triangle;
-        write_whole(contacts[i], c);
+        write_side_by_side(contacts.data, i, c);
         return sums_of(c, first);
     }
 

@@ -13,7 +13,7 @@
 namespace pierce::stages {
 
 /// One direction of a pair: rays from `source` into `target`.
-struct DirectedPair {
+struct alignas(16) DirectedPair {
     std::uint32_t source = 0;
     std::uint32_t target = 0;
     Frame to_fit;        ///< source space to the target's fit frame
@@ -29,6 +29,7 @@ struct DirectedPair {
                                   ///< 1 against it
     std::uint32_t last_blocks = no_record;  ///< where last step's block records of this direction
                                             ///< begin
+    std::uint32_t padding[2] = {};
 
     PIERCE_HD bool is_self() const { return source == target; }
     /// True if vertices with an unexpired record are left alone in this step.

@@ -2,6 +2,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/device/warp.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/vertex_normal.hpp"
@@ -182,7 +183,7 @@ struct GenerateRay {
             ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]),
                                            0, bodies[d.source].shape_motion);
         if (settings.temporal == Temporal::certified) ray.outward = search_range(d, records[i]);
-        rays[i] = ray;
+        write_side_by_side(rays.data, i, ray);
     }
 
 private:

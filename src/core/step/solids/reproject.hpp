@@ -3,6 +3,8 @@
 #include "core/body/body_view.hpp"
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
+#include "core/device/warp.hpp"
+#include "core/device/whole.hpp"
 #include "core/geometry/closest_points_of_segments.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
@@ -72,20 +74,24 @@ struct LimitToDepth {
         const bool may_move = keep[candidate] && !sources[r].separates && !pair.is_self() &&
                               bodies[rays[r].target].is_solid() &&
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
-        limited[i] = rays[r];
-        limited[i].outward = 0;
+        Ray ray = read_whole(rays[r]);
+        ray.outward = 0;
         const Ridge ridge = ridge_below(sources[r], chords);
-        const BodyView& target = bodies[rays[r].target];
+        const BodyView& target = bodies[ray.target];
+        std::uint32_t closest = no_triangle;
         if (may_move && ridge.exists()) {
             // Only what is nearer than the ridge can be a shorter way.
-            known[i] = ridge.triangle;
-            limited[i].t_max = length(
-                closest_on(RidgeEnds(target.surface(), ridge), rays[r].origin) - rays[r].origin);
-            return;
+            closest = ridge.triangle;
+            ray.t_max = length(closest_on(RidgeEnds(target.surface(), ridge), ray.origin) -
+                               ray.origin);
+        } else if (may_move && is_closest(target, ray.origin, hits[r].triangle)) {
+            closest = hits[r].triangle;
+            ray.t_max = -1.0;
+        } else {
+            ray.t_max = may_move ? meetings[r].t : -1.0;
         }
-        const bool is_known = may_move && is_closest(target, rays[r].origin, hits[r].triangle);
-        known[i] = is_known ? hits[r].triangle : no_triangle;
-        limited[i].t_max = may_move && !is_known ? meetings[r].t : -1.0;
+        known[i] = closest;
+        write_side_by_side(limited.data, i, ray);
     }
 
 private:
@@ -110,7 +116,8 @@ struct MoveToClosest {
     View<const std::uint32_t> candidates;
     View<const Meeting> found;  ///< per ray
     Number begin;
-    View<Ray> rays;  ///< per candidate, like the others
+    View<Ray> rays;  ///< per candidate, like the others; of those that do not move, it means
+                     ///< nothing
     View<Hit> hits;
     View<Meeting> meetings;
     View<std::uint32_t> accepted;
@@ -118,7 +125,9 @@ struct MoveToClosest {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t candidate = begin + i, r = candidates[candidate];
-        accepted[candidate] = moves(i, candidate, found[r].t);
+        Ray ray = read_whole(limited[i]);
+        accepted[candidate] = moves(i, candidate, found[r].t, ray);
+        write_side_by_side(rays.data, candidate, ray);
         contained.note(sources[r], (accepted[candidate] ? meetings[candidate] : found[r]).t > 0);
     }
 
@@ -144,11 +153,12 @@ private:
         return max_of(dot(to - chord.begin, direction), dot(to - chord.end, direction)) < far;
     }
 
-    PIERCE_HD bool moves(std::uint32_t i, std::uint32_t candidate, double depth_of_ray) const {
+    /// Turns the ray to where the contact ends now, if it moves.
+    PIERCE_HD bool moves(std::uint32_t i, std::uint32_t candidate, double depth_of_ray,
+                         Ray& ray) const {
         const bool is_known = known[i] != no_triangle;
         std::uint32_t triangle = is_known ? known[i] : closest[i];
         if (triangle == no_triangle) return false;
-        Ray ray = limited[i];
         const Surface surface = bodies[ray.target].surface();
         const RaySource& from = sources[candidates[candidate]];
         Ridge ridge = ridge_below(from, chords);
@@ -172,7 +182,6 @@ private:
             return false;
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);
-        rays[candidate] = ray;
         hits[candidate] = {triangle};
         meetings[candidate] = meeting_at(point, touches ? 0.0 : depth, a, b, c);
         return true;

@@ -20,6 +20,11 @@ struct InstallOptions {
     /// what bind() names is bound.
     bool automatic = true;
     std::uint32_t most_per_pair = 24;  ///< contacts of two rigid bodies that reach the solver
+    /// Two rigid bodies that are apart get contacts before they touch, if one of them is fast:
+    /// where it moves further in a step than its `setCcdMotionThreshold()`, as with Bullet's own
+    /// continuous collisions, which know convex shapes only. Then it does not pass through the
+    /// other one. Bodies whose threshold is 0, Bullet's default, are never fast.
+    bool continuous = true;
 };
 
 /// An object that Bullet still handles although it has a mesh, and why.

@@ -108,12 +108,22 @@ typedef struct pierce_impact {
     uint32_t edge_end;   /**< the second one of its edge, or PIERCE_NO_VERTEX */
     uint32_t triangle;   /**< of the other body */
     uint32_t padding;
+    double start_a[3]; /**< where what meets is as the step begins, on a */
+    double start_b[3]; /**< on b */
 } pierce_impact;
 
 /** The first meeting of every pair of solids that are apart when the next step begins and meet on
- *  their way to where they are now, sorted by (a, b). Errors: places in device memory. */
-PIERCE_API pierce_status pierce_impacts(pierce_world* world, const pierce_impact** impacts,
-                                        size_t* count);
+ *  their way to where they are now, sorted by (a, b). After it come first meetings of other
+ *  vertices, up to `most_per_pair` in all. Errors: places in device memory. */
+PIERCE_API pierce_status pierce_impacts(pierce_world* world, uint32_t most_per_pair,
+                                        const pierce_impact** impacts, size_t* count);
+/** The same for rigid bodies on their way from where they are now to `poses`, seven numbers each,
+ *  while all others stay. Errors: a body that is not rigid or is named twice, a pose that is not
+ *  usable, places in device memory. */
+PIERCE_API pierce_status pierce_impacts_ahead(pierce_world* world, const pierce_body_id* bodies,
+                                              size_t body_count, const double* poses,
+                                              uint32_t most_per_pair, const pierce_impact** impacts,
+                                              size_t* count);
 
 /** Where a line of sight first meets a body. */
 typedef struct pierce_ray_hit {
