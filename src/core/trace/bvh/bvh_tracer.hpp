@@ -75,7 +75,12 @@ public:
     /// Decides which trees there must be. `bodies` are the bodies as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {
         if (stale_ && !plan_.is_dense()) plan_.forget();
-        const bvh::ForestPlan::Change change = plan_.arrange(bodies);
+        bvh::ForestPlan::Change change = plan_.arrange(bodies);
+        if (stale_ && change == bvh::ForestPlan::Change::some) {
+            // All trees are about to be built, one after the other.
+            plan_.forget();
+            change = plan_.arrange(bodies);
+        }
         if (change == bvh::ForestPlan::Change::none) return;
         if (plan_.bodies_change_trees()) executor.upload(plan_.tree_of_body(), tree_of_body_);
         if (change == bvh::ForestPlan::Change::some) {

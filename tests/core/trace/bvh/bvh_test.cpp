@@ -13,10 +13,14 @@
 #include "core/device/view.hpp"
 #include "core/execute/serial_executor.hpp"
 #include "core/mesh_build/leaves.hpp"
+#include "core/step/pipeline_backend.hpp"
 #include "core/trace/brute_force_tracer.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "core/trace/bvh/sah.hpp"
 #include "cpu_embree/tbb_executor.hpp"
+#include "pierce/contact_hash.hpp"
+#include "pierce/reference_backends.hpp"
+#include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 #include "support/sweep_sah.hpp"
@@ -590,6 +594,49 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
         EXPECT_EQ(counts.rebuilds, 1u);
         EXPECT_EQ(counts.builds, 2u);
         EXPECT_GT(counts.refits, 0u);
+    }
+}
+
+TEST(BvhTracerTest, MeshesMayChangeWhenAllTreesAreBuiltAnew) {
+    using Tracer = BvhTracer<SerialExecutor>;
+    World built(std::make_unique<PipelineBackend<SerialExecutor, Tracer>>(
+        "built", std::make_unique<SerialExecutor>(),
+        std::make_unique<Tracer>(TreeOptions{.rebuild = true}))),
+        plain(reference_backend());
+    test::Random random(12);
+    std::vector<BodyId> bodies;
+    for (int b = 0; b < 9; ++b)
+        for (World* world : {&built, &plain}) {
+            const MeshId mesh = world->add_mesh("ball", scenes::sphere(1, 2));
+            const BodyId body = b % 2 == 0 ? world->add_deforming_body(mesh)
+                                           : world->add_rigid_body(mesh);
+            if (world == &plain) bodies.push_back(body);
+        }
+    for (int step = 0; step < 12; ++step) {
+        const auto changed = static_cast<std::size_t>(random.integer(0, 8));
+        const MeshData other = scenes::sphere(1, random.integer(1, 3));
+        std::vector<Vec3d> places;
+        for (std::size_t b = 0; b < bodies.size(); ++b) places.push_back(random.in_box(1.5));
+        for (World* world : {&built, &plain}) {
+            const MeshId mesh = world->add_mesh("other", other);
+            if (changed % 2 == 0)
+                world->set_mesh(bodies[changed], mesh, other.positions);
+            else
+                world->set_mesh(bodies[changed], mesh);
+            for (std::size_t b = 0; b < bodies.size(); ++b) {
+                const Pose pose{places[b], {0, 0, 0, 1}};
+                const auto rest = world->mesh(world->mesh_of(bodies[b])).positions();
+                if (b % 2 == 0)
+                    world->set_positions(bodies[b],
+                                         test::placed({{rest.begin(), rest.end()}, {}}, pose));
+                else
+                    world->set_pose(bodies[b], pose);
+            }
+            world->detect();
+        }
+        ASSERT_GT(plain.contacts().size(), 0u);
+        ASSERT_EQ(contact_hash(built.contacts()), contact_hash(plain.contacts()))
+            << "step " << step << ", seed " << random.seed();
     }
 }
 
