@@ -111,6 +111,7 @@ pierce_status pierce_impacts_ahead(pierce_world* world, const pierce_body_id* bo
         required(impacts, "impacts");
         required(count, "count");
         std::vector<pierce::PoseAhead> ahead;
+        ahead.reserve(handles.size());
         for (std::size_t i = 0; i < handles.size(); ++i)
             ahead.push_back({handles[i], pose_of(poses + 7 * i, "poses")});
         give(*world, inner.impacts_ahead(ahead, most_per_pair), impacts, count);

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/mesh_build/kept_order.hpp"
-#include "pierce/constants.hpp"
 
 namespace pierce {
 namespace {

@@ -14,6 +14,7 @@
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "pierce/impact_contact.hpp"
+#include "pierce/mesh.hpp"
 
 namespace pierce {
 namespace {
@@ -79,10 +80,11 @@ public:
     }
 
     const MovingSurface& surface(std::uint32_t k) {
-        if (surfaces_[k]) return *surfaces_[k];
+        std::optional<MovingSurface>& known = surfaces_[k];
+        if (known) return *known;
         const BodyEntry& of = body(k);
         const Mesh& mesh = state_.mesh_of(of);
-        MovingSurface& surface = surfaces_[k].emplace(MovingSurface{{}, mesh.triangles()});
+        MovingSurface& surface = known.emplace(MovingSurface{{}, mesh.triangles()});
         if (of.motion == Motion::deforming) {
             const std::span<const Vec3f> starts = start_of(of);
             for (std::size_t v = 0; v < starts.size(); ++v)
