@@ -214,7 +214,9 @@ public:
         const PairMemory&
             memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
         const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
-        if (!bodies[pair.target(side)].mesh.has_extent()) return {};
+        if (!stages::is_asked(bodies[pair.source(side)], bodies[pair.target(side)], pair.is_self(),
+                              side))
+            return {};
         const auto place = static_cast<std::uint32_t>(
             std::find(order.begin(), order.end(), vertex) - order.begin());
         const std::uint32_t patch = place / constants::patch_size;
