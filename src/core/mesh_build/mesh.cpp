@@ -111,10 +111,10 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     arrays.positions = std::move(data.positions);
     arrays.triangles = std::move(data.triangles);
     see_arrays();
-    if (before != nullptr) {
-        change = std::make_unique<const MeshChange>(before->view, view);
-        is_changed = true;
-    }
+    if (before != nullptr) change = std::make_unique<const MeshChange>(before->view, view);
+    if (change != nullptr && change->is_another_mesh()) change.reset();
+    if (change == nullptr) before = nullptr;
+    is_changed = change != nullptr;
     const std::vector<std::uint32_t> partner = before != nullptr
                                                    ? change->partners(view, before->view.leaves)
                                                    : std::vector<std::uint32_t>();

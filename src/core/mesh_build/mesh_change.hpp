@@ -30,6 +30,8 @@ public:
     /// Keeps copies of what `before` has. Reads positions, triangles and the box of `now`.
     MeshChange(const MeshView& before, const MeshView& now);
 
+    /// True if most triangles are new.
+    bool is_another_mesh() const { return 2 * new_triangles_ > before_.size(); }
     /// Per triangle before, which one it is now, or is_gone.
     std::vector<std::uint32_t> triangles_now() const;
     /// Per triangle of the new mesh, the one with which it had a leaf before, or no_triangle.
