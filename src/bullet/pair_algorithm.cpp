@@ -70,9 +70,8 @@ void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const Contac
 namespace {
 
 /// Where a point lies in Bullet's mesh, if it lies on a triangle.
-int bullet_index(const ContactSide& side, const Contact& contact, bool is_target) {
-    if (!is_target) return -1;
-    return static_cast<int>(side.mesh->given_triangle(contact.triangle));
+int bullet_index(const ContactSide& side, std::uint32_t triangle, bool is_target) {
+    return is_target ? static_cast<int>(side.mesh->given_triangle(triangle)) : -1;
 }
 
 btManifoldPoint make_point(const FramedContact& contact, const btCollisionObject& a,
@@ -167,8 +166,8 @@ Points make_points(const ContactSide& a, const ContactSide& b, std::span<const C
     for (const ReducedContact& reduced : reduce(contacts, most)) {
         const Contact& contact = contacts[reduced.contact];
         btManifoldPoint point = make_point(face_frame(contact), *a.object, *b.object);
-        point.m_index0 = bullet_index(a, contact, contact.source == Side::b);
-        point.m_index1 = bullet_index(b, contact, contact.source == Side::a);
+        point.m_index0 = bullet_index(a, contact.triangle, contact.source == Side::b);
+        point.m_index1 = bullet_index(b, contact.triangle, contact.source == Side::a);
         if (const auto before = last.find(contact.feature()); before != last.end()) {
             take_impulses(point, before->second);
             last.erase(before);
@@ -189,11 +188,8 @@ void add_meetings(const ContactSide& a, const ContactSide& b,
                                    .distance = impact.gap,
                                    .feature = no_feature};
         btManifoldPoint point = make_point(framed, *a.object, *b.object);
-        const bool on_a = impact.source == Side::b;  // where the face is
-        const ContactSide& target = on_a ? a : b;
-        const auto index = static_cast<int>(target.mesh->given_triangle(impact.triangle));
-        point.m_index0 = on_a ? index : -1;
-        point.m_index1 = on_a ? -1 : index;
+        point.m_index0 = bullet_index(a, impact.triangle, impact.source == Side::b);
+        point.m_index1 = bullet_index(b, impact.triangle, impact.source == Side::a);
         call_back(point, *a.object, *b.object);
         points.emplace_back(no_feature, point);
     }

@@ -95,7 +95,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
                    const Parts* before)
     : name(std::move(its_name)), options(std::move(its_options)) {
     check_mesh_data(name, data);
-    if (!options.cache.empty() && before == nullptr) cache.emplace(options.cache);
+    if (!options.cache.empty()) cache.emplace(options.cache);
     // Starting a thread takes longer than a small mesh does.
     Workers crew(data.triangles.size() < triangles_for_threads ? 1 : options.threads,
                  options.progress);
@@ -115,6 +115,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     if (change != nullptr && change->is_another_mesh()) change.reset();
     if (change == nullptr) before = nullptr;
     is_changed = change != nullptr;
+    if (is_changed) cache.reset();
     const std::vector<std::uint32_t> partner = before != nullptr
                                                    ? change->partners(view, before->view.leaves)
                                                    : std::vector<std::uint32_t>();

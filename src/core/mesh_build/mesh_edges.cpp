@@ -79,10 +79,10 @@ namespace {
 
 /// Gives one of three edges that a triangle has to a neighbour that has fewer than two.
 void relieve(const MeshView& mesh, TriangleFeatures& of, std::vector<TriangleFeatures>& features) {
-    const auto edges_of = [](const TriangleFeatures& f) { return bit_count(f.own >> 3); };
-    for (std::uint32_t k = 0; k < 3 && edges_of(of) == 3; ++k)
+    const auto owned_edges = [](const TriangleFeatures& f) { return bit_count(f.own >> 3); };
+    for (std::uint32_t k = 0; k < 3 && owned_edges(of) == 3; ++k)
         for (const std::uint32_t t : mesh.edges[of.edge[k]].triangle) {
-            if (t == no_triangle || edges_of(features[t]) > 1) continue;
+            if (t == no_triangle || owned_edges(features[t]) > 1) continue;
             const std::uint32_t* const edges = features[t].edge;
             const std::ptrdiff_t place = std::find(edges, edges + 3, of.edge[k]) - edges;
             of.own ^= 8u << k;

@@ -10,8 +10,8 @@
 namespace pierce {
 
 /// The edges of a mesh, group after group (edge_group.hpp): those that are near each other are side
-/// by side. Reads positions and triangles of `mesh`; `sides` are those of the triangles. It
-/// takes less time if most edges are among those `before`, which may be null.
+/// by side. Reads positions and triangles of `mesh`; `sides` are those of the triangles. It takes
+/// less time if most edges are among those `before`, which may be null.
 std::vector<Edge> edges_of(const MeshView& mesh, const HalfEdges& sides, Workers& workers,
                            const View<const Edge>* before = nullptr);
 

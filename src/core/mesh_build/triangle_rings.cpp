@@ -126,7 +126,8 @@ void measure_normals(const MeshView& mesh, std::uint32_t t, const std::vector<Co
 }
 
 constexpr std::uint32_t triangles_at_once = 256;  ///< of a thread
-constexpr double widest_of_reach = 4;  ///< no gap is looked for in a smaller part of the reach
+constexpr double first_part_of_reach = 4;  ///< the search for a gap begins within the reach divided
+                                           ///< by this, or further
 
 /// The squared distance between two boxes, not more than it is.
 float squared_gap(const QuickBox& a, const QuickBox& b) {
@@ -269,7 +270,7 @@ private:
     float gap_beyond_ring(std::uint32_t t, const TriangleRing& ring, double reach) {
         // Most gaps are about as wide as the triangle is high, which is a good part of the reach.
         // The heights of a triangle without area are NaN.
-        const double height = std::ranges::min(ring.height), least = reach / widest_of_reach;
+        const double height = std::ranges::min(ring.height), least = reach / first_part_of_reach;
         double radius = height > least ? height : least;
         double gap = reach;
         for (;; radius *= 2) {

@@ -48,7 +48,8 @@ struct Way {
 };
 
 /// The solids of a world, whose state it is, on their ways: to where they are now, or some of them
-/// from there on. Only those that come near one that moves are looked at vertex by vertex.
+/// from there on. Only those that come near one that moves are looked at vertex by vertex. A
+/// template, as World::State is private.
 template <class State>
 class Ways {
 public:

@@ -224,8 +224,8 @@ public:
     /// device memory.
     std::vector<ImpactContact> impacts(std::uint32_t most_per_pair = 1) const;
     /// The same for rigid bodies on their way from where they are now to the given poses, while all
-    /// others stay. Throws InputError for a body that is not rigid or is named twice, and for
-    /// poses and places as set_pose() and impacts() do.
+    /// others stay. Throws InputError for a body that is not rigid or is named twice, for a pose
+    /// that is not finite, too far away or has no rotation, and for places in device memory.
     std::vector<ImpactContact> impacts_ahead(std::span<const PoseAhead> ahead,
                                              std::uint32_t most_per_pair = 1) const;
 
