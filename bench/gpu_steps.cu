@@ -4,8 +4,7 @@
 //   RECORDING|lattice:COUNT|tower:COUNT|rigid:COUNT|rest:COUNT|tori:COUNT|hand:COUNT|nut:COUNT...
 //       [--steps N] [--check N] [--stages] [--builder NAME] [--memory MODE]
 //       [--coverage vertices|overlaps|complete] [--reproject on|off] [--devices N]
-//       [--host-share S]
-//       [--host-share S]
+//       [--margin LENGTH] [--host-share S]
 // A recording's frames are replayed. A lattice is COUNT soft tori that touch their neighbours and
 // wobble; a tower is one of 25 x 25 in each layer, so that twice as many have twice as much to do;
 // in `rigid` they are rigid and turn, and in `rest` they stay where they are. The last three are
@@ -192,10 +191,12 @@ struct Options {
     std::string builder = "trbvh", memory = "certified";
     Coverage coverage = Settings{}.coverage;
     bool reproject = Settings{}.reproject;
+    double margin = 0;  ///< [length]
 };
 
 Settings settings_of(const Options& options) {
-    Settings settings{.coverage = options.coverage, .reproject = options.reproject};
+    Settings settings{
+        .coverage = options.coverage, .reproject = options.reproject, .margin = options.margin};
     if (options.memory == "full") settings.temporal = Temporal::off;
     if (options.memory.starts_with("walk")) {
         settings.temporal = Temporal::paper;
@@ -231,8 +232,8 @@ std::unique_ptr<Backend> backend_of(const Options& options) {
 
 void run(const std::string& name, const scenes::Recording& recording, const Options& options,
          const std::vector<Filter>& filters = {}) {
-    const auto& [steps, checks, devices, stages, host_share, builder, memory, coverage,
-                 reproject] = options;
+    const auto& [steps, checks, devices, stages, host_share, builder, memory, coverage, reproject,
+                 margin] = options;
     Player gpu(recording, filters, backend_of(options), settings_of(options));
     std::size_t triangles = 0;
     for (const auto& body : recording.bodies)
@@ -279,13 +280,13 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     }
     std::printf(
         "%s,%zu,%zu,%s,%s,%u,%u,%u,%u,%.4f,%.4f,%.4f,%u,%u,%s,%.4f,%.4f,%.0f,%.0f,%.0f,%s,"
-        "%s,%u,%s\n",
+        "%s,%u,%s,%g\n",
         name.c_str(), recording.bodies.size(), triangles, builder.c_str(),
         stages ? "stages" : "graph", last.pairs, last.rays + last.own_rays, last.contacts,
         last.touching_pairs, median(on_device), median(wall), median(embree), checks, differ,
         memory.c_str(), mean(on_device), mean(wall), mean(full_rays), mean(walks), mean(lost),
         name_of(coverage), reproject ? "on" : "off", devices,
-        host_share ? std::to_string(*host_share).c_str() : "");
+        host_share ? std::to_string(*host_share).c_str() : "", margin);
     for (const PlannedPart& part : gpu.world.plan().parts)
         std::printf("# %s: %u bodies, %u ghosts, %llu triangles\n", part.backend.c_str(),
                     part.bodies, part.ghosts, static_cast<unsigned long long>(part.triangles));
@@ -316,6 +317,8 @@ int main(int argc, char** argv) {
             options.coverage = pierce::coverage_named(argv[++i]);
         else if (argument == "--reproject" && i + 1 < argc)
             options.reproject = std::string(argv[++i]) == "on";
+        else if (argument == "--margin" && i + 1 < argc)
+            options.margin = std::stod(argv[++i]);
         else if (argument == "--devices" && i + 1 < argc)
             options.devices = static_cast<std::uint32_t>(std::stoul(argv[++i]));
         else if (argument == "--host-share" && i + 1 < argc)
@@ -329,7 +332,7 @@ int main(int argc, char** argv) {
     std::puts(
         "scene,bodies,triangles,builder,mode,pairs,rays,contacts,touching_pairs,device_ms,wall_ms,"
         "embree_ms,checked,differ,memory,device_mean_ms,wall_mean_ms,mean_full_rays,mean_walks,"
-        "mean_lost,coverage,reproject,devices,host_share");
+        "mean_lost,coverage,reproject,devices,host_share,margin");
     for (const std::string& scene : scenes) {
         using pierce::scenes::LatticeMotion;
         const std::size_t colon = scene.find(':');
