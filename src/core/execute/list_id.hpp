@@ -54,6 +54,8 @@ enum class ListId : std::uint8_t {
     margin_edge_blocks,
     margin_edge_groups,
     margin_edges,
+    margin_ridges,
+    margin_ridge_groups,
     near_edge_pairs,
     first_contacts,
     // sheets

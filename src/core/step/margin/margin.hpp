@@ -94,8 +94,14 @@ private:
         edges.measure_boxes_of(step, groups_);
         executor_.emit(ListId::margin_edges, count_of(groups_),
                        stages::CullMarginEdges{bodies, step.directed, view_of(groups_)}, edges_);
-        executor_.emit(ListId::near_edge_pairs, count_of(edges_),
-                       stages::FindEdgePairs{bodies, step.directed, view_of(edges_)}, pairs_);
+        executor_.emit(ListId::margin_ridges, count_of(edges_),
+                       stages::KeepNearRidges{bodies, step.directed, view_of(edges_)}, ridges_);
+        executor_.emit(ListId::margin_ridge_groups, count_of(ridges_),
+                       stages::FindGroupsNearRidge{bodies, step.directed, view_of(ridges_)},
+                       ridge_groups_);
+        executor_.emit(ListId::near_edge_pairs, count_of(ridge_groups_),
+                       stages::FindEdgePairs{bodies, step.directed, view_of(ridge_groups_)},
+                       pairs_);
         const Count found = count_of(pairs_), first = edges.chord_count();
         executor_.for_each(found, stages::JoinEdgePairs{
                                       .bodies = bodies,
@@ -109,7 +115,8 @@ private:
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<stages::CullItem> blocks_, patches_, groups_, edges_;
+    Buffer<stages::CullItem> blocks_, patches_, groups_, edges_, ridges_;
+    Buffer<stages::RidgeNearGroup> ridge_groups_;
     Buffer<Ray> queries_;
     Buffer<stages::NearEdgePair> pairs_;
     RayBatch<E> near_;

@@ -5,9 +5,9 @@
 #include "core/geometry/closest_points_of_segments.hpp"
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/edge_group.hpp"
-#include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/edges/near_edges.hpp"
+#include "core/step/margin/edge_wedge.hpp"
 #include "core/step/margin/margin_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
@@ -108,6 +108,87 @@ struct CullMarginEdges {
     }
 };
 
+/// Per edge: lists those that are ridges and not further from the target than the margin, as far as
+/// the target's clearance knows.
+struct KeepNearRidges {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const CullItem> edges;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
+        const CullItem& item = edges[i];
+        const DirectedPair& d = directed[item.directed];
+        const BodyView &source = bodies[d.source], &target = bodies[d.target];
+        const Edge& edge = source.mesh.edges[item.index];
+        if (!is_ridge(source, edge, d.touch)) return false;
+        return target.mesh.slabs.size == 0 ||
+               !(proof_of(source, target, {source, d, edge}).gap >
+                 edge_margin_of(bodies, directed, item.directed) + d.touch);
+    }
+    PIERCE_HD static std::uint32_t count(bool near) { return near; }
+    PIERCE_HD void write(std::uint32_t i, bool near, std::uint32_t place, CullItem* ridges) const {
+        if (near) ridges[place] = edges[i];
+    }
+};
+
+/// A ridge, and triangles of a group of the target that may be near it.
+struct RidgeNearGroup {
+    CullItem ridge;
+    std::uint32_t group = 0;
+    std::uint32_t mask = 0;
+};
+
+/// Per ridge: lists the groups of triangles that it may be near, where it may be in contact.
+struct FindGroupsNearRidge {
+    View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const CullItem> ridges;
+
+    /// The first two groups.
+    struct Found {
+        std::uint32_t count = 0;
+        std::uint32_t group[2];
+        std::uint32_t mask[2];
+    };
+
+    PIERCE_HD Found find(std::uint32_t i) const {
+        Found found;
+        each(ridges[i], [&](std::uint32_t group, std::uint32_t mask) {
+            if (found.count < 2) {
+                found.group[found.count] = group;
+                found.mask[found.count] = mask;
+            }
+            ++found.count;
+        });
+        return found;
+    }
+    PIERCE_HD static std::uint32_t count(const Found& found) { return found.count; }
+    PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
+                         RidgeNearGroup* near) const {
+        const auto put = [&](std::uint32_t group, std::uint32_t mask) {
+            near[place++] = {ridges[i], group, mask};
+        };
+        if (found.count > 2) return each(ridges[i], put);
+        for (std::uint32_t k = 0; k < found.count; ++k) put(found.group[k], found.mask[k]);
+    }
+
+private:
+    template <class See>
+    PIERCE_HD void each(const CullItem& item, const See& see) const {
+        const DirectedPair& d = directed[item.directed];
+        const BodyView &source = bodies[d.source], &target = bodies[d.target];
+        const double margin = edge_margin_of(bodies, directed, item.directed);
+        const Edge& edge = source.mesh.edges[item.index];
+        const Box reach = reach_of_ridge(source, d.to_space, edge, margin, d.touch);
+        for_each_group(target.box_nodes, BoxLevels(target.mesh.triangles.size),
+                       boxes_along({source, d, edge}, target, margin, reach),
+                       [&](std::uint32_t group, std::uint32_t mask) {
+                           see(group, mask);
+                           return false;
+                       });
+    }
+};
+
 /// An edge of the first body of a pair near an edge of the second.
 struct NearEdgePair {
     std::uint32_t directed = 0;
@@ -119,142 +200,95 @@ struct NearEdgePair {
     double along = 0, other_along = 0;  ///< the other edge runs as RidgeEnds has it
 };
 
-/// An edge between two triangles that bend away from each other outward, in the space of a target:
-/// what is nearest to it lies in the wedge of their normals.
-class ConvexEdge {
-public:
-    PIERCE_HD ConvexEdge(const BodyView& body, const Frame& to_space, const Edge& edge,
-                         double touch)
-        : touch_(touch) {
-        if (edge.triangle[1] == no_triangle) return;
-        const auto at = [&](std::uint32_t v) {
-            return to_space.to_parent(to_double(body.positions[v]));
-        };
-        from_ = at(edge.vertex[0]);
-        const Vec3d along = normalized(at(edge.vertex[1]) - from_);
-        for (int k = 0; k < 2; ++k) {
-            const Triangle& t = body.mesh.triangles[edge.triangle[k]];
-            for (std::uint32_t v : t.vertex)
-                if (v != edge.vertex[0] && v != edge.vertex[1]) opposite_[k] = at(v);
-        }
-        for (int k = 0; k < 2; ++k)
-            normal_[k] = to_space.rotation *
-                         triangle_normal(body.mesh, body.positions, edge.triangle[k]);
-        bends_ = dot(normal_[0], opposite_[1] - from_) < -touch;
-        for (int k = 0; k < 2; ++k)
-            slack_ = max_of(slack_, touch / length(cross(opposite_[k] - from_, along)));
-    }
-
-    PIERCE_HD bool bends() const { return bends_; }
-
-    /// False if a segment is behind both triangles: then no place of it lies in the wedge.
-    PIERCE_HD bool may_face(Vec3d from, Vec3d to) const {
-        for (const Vec3d& normal : normal_)
-            if (max_of(dot(normal, from - from_), dot(normal, to - from_)) > -touch_) return true;
-        return false;
-    }
-
-    /// Around all ways from the edge that faces() is true for and that are not longer than
-    /// `margin`. Directions between two normals are within the triangle of both and of where the
-    /// tangents there meet.
-    PIERCE_HD Box reach(double margin) const {
-        Box box;
-        const double cosine = dot(normal_[0], normal_[1]);
-        // Where the edge is sharp or a triangle thin, that triangle is large, or not certain.
-        if (!(cosine > constants::wedge_cosine) || !(slack_ < constants::wedge_slack)) {
-            const Vec3d all{margin, margin, margin};
-            return {-all, all};
-        }
-        box.extend(Vec3d{});
-        for (const Vec3d& normal : normal_) box.extend(margin * normal);
-        box.extend(margin / (1 + cosine) * (normal_[0] + normal_[1]));
-        return box.inflated(2 * slack_ * margin + touch_);
-    }
-
-    /// True if `direction`, unit, from a point of the edge and at right angles to it, leads away
-    /// from both triangles.
-    PIERCE_HD bool faces(Vec3d direction) const {
-        return bends_ && dot(direction, opposite_[0] - from_) <= touch_ &&
-               dot(direction, opposite_[1] - from_) <= touch_;
-    }
-
-private:
-    double touch_;
-    double slack_ = 0;  ///< the sine of the angle by which faces() lets directions differ
-    Vec3d from_, opposite_[2], normal_[2];
-    bool bends_ = false;
-};
-
-/// Per edge: lists the edges of the other body that it is near, where both are ridges and closest
-/// to each other between their ends.
+/// Per ridge and group: lists the edges of the group's triangles that it is near, where both are
+/// ridges and closest to each other between their ends.
 struct FindEdgePairs {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const CullItem> edges;
+    View<const RidgeNearGroup> near;
 
-    PIERCE_HD std::uint32_t find(std::uint32_t i) const {
-        std::uint32_t found = 0;
-        each(edges[i], [&](const NearEdgePair&) { ++found; });
+    /// The first pair.
+    struct Found {
+        std::uint32_t count = 0;
+        std::uint32_t padding = 0;
+        NearEdgePair first;
+    };
+
+    PIERCE_HD Found find(std::uint32_t i) const {
+        Found found;
+        each(near[i], [&](const NearEdgePair& pair) {
+            if (found.count++ == 0) found.first = pair;
+        });
         return found;
     }
-    PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
+    PIERCE_HD static std::uint32_t count(const Found& found) { return found.count; }
+    PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
                          NearEdgePair* pairs) const {
-        if (found > 0) each(edges[i], [&](const NearEdgePair& pair) { pairs[place++] = pair; });
+        if (found.count == 1)
+            pairs[place] = found.first;
+        else if (found.count > 1)
+            each(near[i], [&](const NearEdgePair& pair) { pairs[place++] = pair; });
     }
 
 private:
     template <class See>
-    PIERCE_HD void each(const CullItem& item, const See& see) const {
-        const DirectedPair& d = directed[item.directed];
+    PIERCE_HD void each(const RidgeNearGroup& item, const See& see) const {
+        const DirectedPair& d = directed[item.ridge.directed];
         const BodyView &source = bodies[d.source], &target = bodies[d.target];
-        const double margin = edge_margin_of(bodies, directed, item.directed);
-        const Edge& edge = source.mesh.edges[item.index];
-        const ConvexEdge ridge(source, d.to_space, edge, d.touch);
-        const PlacedEdge placed(source, d, edge);
-        if (!ridge.bends() ||
-            (target.mesh.slabs.size > 0 && proof_of(source, target, placed).gap > margin + d.touch))
-            return;
-        for_each_group(
-            target.box_nodes, BoxLevels(target.mesh.triangles.size),
-            boxes_along(placed, target, margin, ridge.reach(margin)),
-            [&](std::uint32_t group, std::uint32_t mask) {
-                for (; mask != 0; mask &= mask - 1) {
-                    const std::uint32_t
-                        t = target.mesh
-                                .group_triangles[group * constants::group_size + lowest_bit(mask)];
-                    for (std::uint32_t corner = 0; corner < 3; ++corner)
-                        look(item, placed, ridge, target, t, corner, margin, d.touch, see);
-                }
-                return false;
-            });
+        const Edge& edge = source.mesh.edges[item.ridge.index];
+        const EdgeWedge wedge(source, d.to_space, edge, d.touch);
+        const Look look{item.ridge, edge_margin_of(bodies, directed, item.ridge.directed),
+                        d.touch,    {source, d, edge},
+                        wedge,      {wedge.side(0), wedge.side(1)}};
+        for (std::uint32_t mask = item.mask; mask != 0; mask &= mask - 1) {
+            const std::uint32_t t = target.mesh.group_triangles[item.group * constants::group_size +
+                                                                lowest_bit(mask)];
+            for (std::uint32_t corner = 0; corner < 3; ++corner)
+                look.at_side(target, t, corner, see);
+        }
     }
 
-    /// The edge opposite to a corner, if it belongs to the triangle.
-    template <class See>
-    PIERCE_HD static void look(const CullItem& item, const PlacedEdge& placed,
-                               const ConvexEdge& ridge, const BodyView& target, std::uint32_t t,
-                               std::uint32_t corner, double margin, double touch, const See& see) {
-        const TriangleFeatures& features = target.mesh.features[t];
-        const std::uint32_t side = corner == 2 ? 0 : corner + 1;  // edge[k] joins k and the next
-        if (!(features.own >> (3 + side) & 1u) || features.edge[side] == no_vertex) return;
-        const RidgeEnds ends(target.surface(), {t, corner});
-        if (!ridge.may_face(ends.from, ends.to)) return;
-        const SegmentPlaces places = closest_points_of_segments(placed.a, placed.b, ends.from,
-                                                                ends.to);
-        if (!(places.first > 0 && places.first < 1 && places.second > 0 && places.second < 1))
-            return;
-        const Vec3d from = placed.a + places.first * (placed.b - placed.a),
-                    to = ends.from + places.second * (ends.to - ends.from), way = to - from;
-        const double distance = length(way);
-        if (!(distance > touch && distance < margin)) return;
-        const Vec3d direction = (1 / distance) * way;
-        const Edge& other = target.mesh.edges[features.edge[side]];
-        if (!ridge.faces(direction) || !ConvexEdge(target, {}, other, touch).faces(-direction))
-            return;
-        see({item.directed, item.index, features.edge[side], t, corner, 0, places.first,
-             places.second});
-    }
+    /// A ridge that looks at edges of the target.
+    struct Look {
+        CullItem item;
+        double margin, touch;  ///< [length]
+        PlacedEdge placed;
+        EdgeWedge wedge;
+        WedgeSide side[2];  ///< of the wedge
+
+        /// The edge opposite to a corner, if it belongs to the triangle.
+        template <class See>
+        PIERCE_HD void at_side(const BodyView& target, std::uint32_t t, std::uint32_t corner,
+                               const See& see) const {
+            const TriangleFeatures& features = target.mesh.features[t];
+            // edge[k] joins k and the next corner
+            const std::uint32_t k = corner == 2 ? 0 : corner + 1;
+            if (!(features.own >> (3 + k) & 1u) || features.edge[k] == no_vertex) return;
+            const RidgeEnds ends(target.surface(), {t, corner});
+            const Vec3d opposite = to_double(
+                target.positions[target.mesh.triangles[t].vertex[corner]]);
+            const WedgeSide over(ends.from, ends.to, opposite);
+            if (over.excludes(placed.a, placed.b, margin, touch) ||
+                side[0].excludes(ends.from, ends.to, margin, touch) ||
+                side[1].excludes(ends.from, ends.to, margin, touch))
+                return;
+            const SegmentPlaces places = closest_points_of_segments(placed.a, placed.b, ends.from,
+                                                                    ends.to);
+            if (!(places.first > 0 && places.first < 1 && places.second > 0 && places.second < 1))
+                return;
+            const Vec3d from = placed.a + places.first * (placed.b - placed.a),
+                        to = ends.from + places.second * (ends.to - ends.from), way = to - from;
+            const double distance = length(way);
+            if (!(distance > touch && distance < margin)) return;
+            const Vec3d direction = (1 / distance) * way;
+            const Edge& other = target.mesh.edges[features.edge[k]];
+            if (!wedge.faces(direction) || !is_ridge(target, other, touch) ||
+                !EdgeWedge(target, {}, other, touch).faces(-direction))
+                return;
+            see({item.directed, item.index, features.edge[k], t, corner, 0, places.first,
+                 places.second});
+        }
+    };
 
     static_assert(sizeof(NearEdgePair) == 40);
 };
