@@ -605,30 +605,19 @@ private:
         margin_.find(step_of_pairs(scene), edges_, batch_, routes_.routes);
     }
 
-    /// Leaves out vertices that are near and in contact by a ray, too. Returns how many are left.
-    Count drop_seconds() {
-        const Count total = tools_.list(
-            ListId::first_contacts, count_of(now_.contact_keys),
-            stages::IsNoSecond{.sources = view_of(batch_.sources),
-                               .candidates = view_of(batch_.candidates),
-                               .order = view_of(std::as_const(sort_.order)),
-                               .keys = view_of(std::as_const(now_.contact_keys))},
-            firsts_);
-        sort_.keys.resize(total);
-        sort_.values.resize(total);
-        const View<const std::uint32_t> firsts = view_of(std::as_const(firsts_));
-        executor_.for_each(
-            total, stages::Gather<std::uint64_t>{view_of(std::as_const(now_.contact_keys)), firsts,
-                                                 view_of(sort_.keys)});
-        executor_.for_each(total, stages::Gather<std::uint32_t>{view_of(std::as_const(sort_.order)),
-                                                                firsts, view_of(sort_.values)});
-        now_.contact_keys.resize(total);
-        sort_.order.resize(total);
-        executor_.for_each(total, stages::Copy<std::uint64_t>{view_of(std::as_const(sort_.keys)),
-                                                              view_of(now_.contact_keys)});
-        executor_.for_each(total, stages::Copy<std::uint32_t>{view_of(std::as_const(sort_.values)),
-                                                              view_of(sort_.order)});
-        return total;
+    /// Sorts the contacts' keys. With margins it leaves out vertices that are near and in contact
+    /// by a ray, too.
+    void sort_contacts(bool margins) {
+        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
+        if (!margins)
+            return tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
+        tools_.sort(bits, sort_.keys, sort_.values, with_seconds_.keys, with_seconds_.order);
+        executor_.emit(ListId::first_contacts, count_of(with_seconds_.keys),
+                       stages::DropSeconds{.sources = view_of(batch_.sources),
+                                           .candidates = view_of(batch_.candidates),
+                                           .order = view_of(std::as_const(with_seconds_.order)),
+                                           .keys = view_of(std::as_const(with_seconds_.keys))},
+                       now_.contact_keys, sort_.order);
     }
 
     // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
@@ -653,9 +642,8 @@ private:
         else
             executor_.emit(ListId::contacts, candidates,
                            FindAfter(own_exit_test(scene.bodies), keys), sort_.keys, sort_.values);
-        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
-        tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
-        const Count total = scene.plan->margins ? drop_seconds() : count_of(now_.contact_keys);
+        sort_contacts(scene.plan->margins);
+        const Count total = count_of(now_.contact_keys);
         if (scene.plan->misses_no_overlap() || scene.plan->margins)
             executor_.for_each(total, stages::OrderChords{.chords = edges_.chords(),
                                                           .sources = view_of(batch_.sources),
@@ -782,7 +770,7 @@ private:
     RouteLists<E> routes_;
     ExitLists<E> exits_;
     SortScratch<E> sort_;
-    Buffer<std::uint32_t> firsts_;  ///< places of contacts that are no seconds
+    SortScratch<E> with_seconds_;
     StepSums<E> sums_;
     Count traced_ = 0u;  ///< rays of vertices, of chords, and along velocities
     TracerCounts reported_;

@@ -23,17 +23,6 @@ struct Gather {
     PIERCE_HD void operator()(std::uint32_t i) const { gathered[i] = items[places[i]]; }
 };
 
-/// Per item: copies it.
-template <class Item>
-struct Copy {
-    View<const Item> from;
-    View<Item> to;
-
-    static constexpr bool is_cheap = true;
-
-    PIERCE_HD void operator()(std::uint32_t i) const { to[i] = from[i]; }
-};
-
 /// Per place of a list: puts an item back where it came from.
 template <class Item>
 struct Scatter {

@@ -115,10 +115,10 @@ public:
         return view_of(chords_.all);
     }
 
-    /// Boxes around the triangles of deforming targets of some groups of edges, if they were not
-    /// measured early.
+    /// Boxes around the triangles of deforming targets of some groups of edges, if they are not
+    /// measured early: then the caller joins.
     void measure_boxes_of(const StepOfPairs<E>& step, const Buffer<stages::CullItem>& groups) {
-        if constexpr (E::traits.overlaps_updates) return executor_.join();
+        if constexpr (E::traits.overlaps_updates) return;
         if (step.scene.node_items.size == 0) return;
         executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
         executor_.for_each(

@@ -31,15 +31,31 @@ public:
               Buffer<Route>& routes) {
         pairs_.clear();
         if (!step.scene.plan->margins) return;
-        find_vertices(step, batch, routes);
-        find_edges(step, edges, batch, routes);
+        executor_.join();
+        executor_.beside([&] { find_vertices(step); });
+        find_edge_pairs(step, edges);
+        executor_.join();
+        const bool remembers = step.scene.plan->remembers();
+        const Count vertices = count_of(near_.candidates);
+        executor_.for_each(
+            vertices, stages::JoinAsContact{view_of(std::as_const(near_.candidates)),
+                                            room_in(batch, routes, remembers, vertices, near_)});
+        const Count found = count_of(pairs_), first = edges.chord_count();
+        executor_.for_each(
+            found, stages::JoinEdgePairs{.bodies = step.scene.bodies,
+                                         .directed = step.directed,
+                                         .pairs = view_of(pairs_),
+                                         .first_chord = first,
+                                         .chords = edges.add_room(found),
+                                         .batch = room_in(batch, routes, remembers, found, near_)});
     }
 
     /// How many pairs of edges were near in the last step.
     Count edge_pairs() const { return count_of(pairs_); }
 
 private:
-    void find_vertices(const StepOfPairs<E>& step, RayBatch<E>& batch, Buffer<Route>& routes) {
+    /// Lists the near vertices as candidates of `near_`.
+    void find_vertices(const StepOfPairs<E>& step) {
         const View<const BodyView> bodies = step.scene.bodies;
         executor_.emit(ListId::margin_blocks, 2 * step.count,
                        stages::ListMarginBlocks{bodies, step.directed}, blocks_);
@@ -74,26 +90,22 @@ private:
                                        .meetings = view_of(near_.meetings),
                                        .keep = view_of(near_.keep)};
                                });
-        const Count found = tools_.list(ListId::near_contacts, count,
-                                        stages::IsKept{view_of(std::as_const(near_.keep))},
-                                        near_.candidates);
-        executor_.for_each(found,
-                           stages::JoinAsContact{
-                               view_of(std::as_const(near_.candidates)),
-                               room_in(batch, routes, step.scene.plan->remembers(), found, near_)});
+        tools_.list(ListId::near_contacts, count,
+                    stages::IsKept{view_of(std::as_const(near_.keep))}, near_.candidates);
     }
 
-    void find_edges(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
-                    Buffer<Route>& routes) {
+    /// Lists the pairs of edges.
+    void find_edge_pairs(const StepOfPairs<E>& step, EdgeChords<E, T>& edges) {
         const View<const BodyView> bodies = step.scene.bodies;
         executor_.emit(ListId::margin_edge_blocks, 2 * step.count,
-                       stages::ListMarginEdgeBlocks{bodies, step.directed}, blocks_);
-        executor_.emit(ListId::margin_edge_groups, count_of(blocks_),
-                       stages::CullMarginEdgeBlock{bodies, step.directed, view_of(blocks_)},
-                       groups_);
-        edges.measure_boxes_of(step, groups_);
-        executor_.emit(ListId::margin_edges, count_of(groups_),
-                       stages::CullMarginEdges{bodies, step.directed, view_of(groups_)}, edges_);
+                       stages::ListMarginEdgeBlocks{bodies, step.directed}, edge_blocks_);
+        executor_.emit(ListId::margin_edge_groups, count_of(edge_blocks_),
+                       stages::CullMarginEdgeBlock{bodies, step.directed, view_of(edge_blocks_)},
+                       edge_groups_);
+        edges.measure_boxes_of(step, edge_groups_);
+        executor_.emit(ListId::margin_edges, count_of(edge_groups_),
+                       stages::CullMarginEdges{bodies, step.directed, view_of(edge_groups_)},
+                       edges_);
         executor_.emit(ListId::margin_ridges, count_of(edges_),
                        stages::KeepNearRidges{bodies, step.directed, view_of(edges_)}, ridges_);
         executor_.emit(ListId::margin_ridge_groups, count_of(ridges_),
@@ -102,20 +114,11 @@ private:
         executor_.emit(ListId::near_edge_pairs, count_of(ridge_groups_),
                        stages::FindEdgePairs{bodies, step.directed, view_of(ridge_groups_)},
                        pairs_);
-        const Count found = count_of(pairs_), first = edges.chord_count();
-        executor_.for_each(found, stages::JoinEdgePairs{
-                                      .bodies = bodies,
-                                      .directed = step.directed,
-                                      .pairs = view_of(pairs_),
-                                      .first_chord = first,
-                                      .chords = edges.add_room(found),
-                                      .batch = room_in(batch, routes, step.scene.plan->remembers(),
-                                                       found, near_)});
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<stages::CullItem> blocks_, patches_, groups_, edges_, ridges_;
+    Buffer<stages::CullItem> blocks_, patches_, edge_blocks_, edge_groups_, edges_, ridges_;
     Buffer<stages::RidgeNearGroup> ridge_groups_;
     Buffer<Ray> queries_;
     Buffer<stages::NearEdgePair> pairs_;

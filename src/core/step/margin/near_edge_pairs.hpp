@@ -144,17 +144,19 @@ struct FindGroupsNearRidge {
     View<const DirectedPair> directed;
     View<const CullItem> ridges;
 
-    /// The first two groups.
+    /// The first groups.
     struct Found {
+        static constexpr std::uint32_t most = 4;
+
         std::uint32_t count = 0;
-        std::uint32_t group[2];
-        std::uint32_t mask[2];
+        std::uint32_t group[most];
+        std::uint32_t mask[most];
     };
 
     PIERCE_HD Found find(std::uint32_t i) const {
         Found found;
         each(ridges[i], [&](std::uint32_t group, std::uint32_t mask) {
-            if (found.count < 2) {
+            if (found.count < Found::most) {
                 found.group[found.count] = group;
                 found.mask[found.count] = mask;
             }
@@ -168,7 +170,7 @@ struct FindGroupsNearRidge {
         const auto put = [&](std::uint32_t group, std::uint32_t mask) {
             near[place++] = {ridges[i], group, mask};
         };
-        if (found.count > 2) return each(ridges[i], put);
+        if (found.count > Found::most) return each(ridges[i], put);
         for (std::uint32_t k = 0; k < found.count; ++k) put(found.group[k], found.mask[k]);
     }
 
@@ -207,49 +209,37 @@ struct FindEdgePairs {
     View<const DirectedPair> directed;
     View<const RidgeNearGroup> near;
 
-    /// The first pair.
+    /// The sides of triangles at which the first pairs are.
     struct Found {
+        static constexpr std::uint32_t most = 2;
+
         std::uint32_t count = 0;
-        std::uint32_t padding = 0;
-        NearEdgePair first;
+        Ridge side[most];
     };
 
     PIERCE_HD Found find(std::uint32_t i) const {
         Found found;
         each(near[i], [&](const NearEdgePair& pair) {
-            if (found.count++ == 0) found.first = pair;
+            if (found.count < Found::most) found.side[found.count] = {pair.triangle, pair.corner};
+            ++found.count;
         });
         return found;
     }
     PIERCE_HD static std::uint32_t count(const Found& found) { return found.count; }
     PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
                          NearEdgePair* pairs) const {
-        if (found.count == 1)
-            pairs[place] = found.first;
-        else if (found.count > 1)
-            each(near[i], [&](const NearEdgePair& pair) { pairs[place++] = pair; });
+        if (found.count == 0) return;
+        const auto put = [&](const NearEdgePair& pair) { pairs[place++] = pair; };
+        if (found.count > Found::most) return each(near[i], put);
+        const Look look = look_of(near[i]);
+        for (std::uint32_t k = 0; k < found.count; ++k)
+            look.at_side(found.side[k].triangle, found.side[k].corner, put);
     }
 
 private:
-    template <class See>
-    PIERCE_HD void each(const RidgeNearGroup& item, const See& see) const {
-        const DirectedPair& d = directed[item.ridge.directed];
-        const BodyView &source = bodies[d.source], &target = bodies[d.target];
-        const Edge& edge = source.mesh.edges[item.ridge.index];
-        const EdgeWedge wedge(source, d.to_space, edge, d.touch);
-        const Look look{item.ridge, edge_margin_of(bodies, directed, item.ridge.directed),
-                        d.touch,    {source, d, edge},
-                        wedge,      {wedge.side(0), wedge.side(1)}};
-        for (std::uint32_t mask = item.mask; mask != 0; mask &= mask - 1) {
-            const std::uint32_t t = target.mesh.group_triangles[item.group * constants::group_size +
-                                                                lowest_bit(mask)];
-            for (std::uint32_t corner = 0; corner < 3; ++corner)
-                look.at_side(target, t, corner, see);
-        }
-    }
-
     /// A ridge that looks at edges of the target.
     struct Look {
+        const BodyView& target;
         CullItem item;
         double margin, touch;  ///< [length]
         PlacedEdge placed;
@@ -258,8 +248,7 @@ private:
 
         /// The edge opposite to a corner, if it belongs to the triangle.
         template <class See>
-        PIERCE_HD void at_side(const BodyView& target, std::uint32_t t, std::uint32_t corner,
-                               const See& see) const {
+        PIERCE_HD void at_side(std::uint32_t t, std::uint32_t corner, const See& see) const {
             const TriangleFeatures& features = target.mesh.features[t];
             // edge[k] joins k and the next corner
             const std::uint32_t k = corner == 2 ? 0 : corner + 1;
@@ -289,6 +278,31 @@ private:
                  places.second});
         }
     };
+
+    PIERCE_HD Look look_of(const RidgeNearGroup& item) const {
+        const DirectedPair& d = directed[item.ridge.directed];
+        const BodyView& source = bodies[d.source];
+        const Edge& edge = source.mesh.edges[item.ridge.index];
+        const EdgeWedge wedge(source, d.to_space, edge, d.touch);
+        return {bodies[d.target],
+                item.ridge,
+                edge_margin_of(bodies, directed, item.ridge.directed),
+                d.touch,
+                {source, d, edge},
+                wedge,
+                {wedge.side(0), wedge.side(1)}};
+    }
+
+    template <class See>
+    PIERCE_HD void each(const RidgeNearGroup& item, const See& see) const {
+        const Look look = look_of(item);
+        for (std::uint32_t mask = item.mask; mask != 0; mask &= mask - 1) {
+            const std::uint32_t
+                t = look.target.mesh
+                        .group_triangles[item.group * constants::group_size + lowest_bit(mask)];
+            for (std::uint32_t corner = 0; corner < 3; ++corner) look.at_side(t, corner, see);
+        }
+    }
 
     static_assert(sizeof(NearEdgePair) == 40);
 };

@@ -124,19 +124,33 @@ private:
     }
 };
 
-/// Per contact in the order of their keys: false for a vertex that is near, if the same vertex is
-/// in contact by a ray, too. Rounding may see a vertex on both sides of a surface that it touches.
-struct IsNoSecond {
+/// Per contact in the order of their keys: lists all but vertices that are near, if the same vertex
+/// is in contact by a ray, too. Rounding may see a vertex on both sides of a surface that it
+/// touches.
+struct DropSeconds {
     View<const RaySource> sources;
     View<const std::uint32_t> candidates, order;
     View<const std::uint64_t> keys;
 
-    PIERCE_HD bool operator()(std::uint32_t i) const {
+    static constexpr bool in_order = true;
+
+    PIERCE_HD bool find(std::uint32_t i) const {
         const bool has_other = (i > 0 && keys[i - 1] == keys[i]) ||
                                (i + 1 < keys.size && keys[i + 1] == keys[i]);
         if (!has_other || (order[i] & taken_over)) return true;
         const RaySource& from = sources[candidates[order[i]]];
         return from.start != RayStart::vertex || !from.is_near;
+    }
+    PIERCE_HD static std::uint32_t count(bool stays) { return stays; }
+    PIERCE_HD void write(std::uint32_t i, bool stays, std::uint32_t place, std::uint64_t* keys_left,
+                         std::uint32_t* order_left) const {
+        if (!stays) return;
+        keys_left[place] = keys[i];
+        order_left[place] = order[i];
+    }
+    /// Past the last contact, the largest key, as a sort has it.
+    PIERCE_HD static void pad(std::uint32_t place, std::uint64_t* keys_left, std::uint32_t*) {
+        keys_left[place] = ~std::uint64_t{0};
     }
 };
 
