@@ -309,7 +309,7 @@ const StepStats& World::detect() {
     s.refresh_views();
     const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
     const bool certifies = s.plan.settings.temporal == Temporal::certified;
-    const bool few_change = constants::memory_still * s.changed.size() <=
+    const bool few_change = constants::memory_still * s.moved_bodies() <=
                             s.plan.rigid_bodies + s.plan.deforming_bodies;
     if (certifies && few_change) s.rest.end();
     const bool rests = certifies && s.settings.may_rest && s.rest.now();

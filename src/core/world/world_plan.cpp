@@ -114,6 +114,13 @@ BodyEntry& World::State::begin_motion(BodyId id) {
     return body;
 }
 
+std::size_t World::State::moved_bodies() const {
+    return static_cast<std::size_t>(std::ranges::count_if(changed, [&](std::uint32_t i) {
+        const BodyEntry& body = bodies.slots()[i].thing;
+        return body.moved || body.is_on_device();
+    }));
+}
+
 void World::State::check_stepped(const char* who) const {
     if (!stepped)
         throw InputError(std::string(who) +

@@ -152,6 +152,9 @@ struct World::State {
     }
     /// To be called before bodies are added, removed or changed.
     void change() { planned = stepped = still = false; }
+    /// How many of the changed bodies may have moved. A plan made anew, or a restored world, does
+    /// not move any.
+    std::size_t moved_bodies() const;
     /// Throws InputError unless bodies are where the last step saw them.
     void check_stepped(const char* who) const;
 
