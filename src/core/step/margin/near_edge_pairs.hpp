@@ -146,7 +146,7 @@ struct FindGroupsNearRidge {
 
     /// The first groups.
     struct Found {
-        static constexpr std::uint32_t most = 4;
+        static constexpr std::uint32_t most = 8;
 
         std::uint32_t count = 0;
         std::uint32_t group[most];
