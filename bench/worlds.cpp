@@ -1,9 +1,10 @@
 // Many small worlds in one step, beside a step for each of them. Prints CSV.
 //   pierce_worlds KIND WORLDS BACKEND THREADS [STEPS]
 // KIND tori: every world has two deforming tori of 600 triangles that overlap and sway; boxes: a
-// fixed ground in all worlds and eight boxes that sway on it. Times are medians over all steps but
-// the first ten; `ratio` is that of each step. `together_ms` and `apart_ms` are of detect() alone,
-// `placed_ms` is of setting all places and detect() together. Contacts must be the same.
+// fixed ground in all worlds and eight boxes that sway on it; box: the same with one box. Times are
+// medians over all steps but the first ten; `ratio` is that of each step. `together_ms` and
+// `apart_ms` are of detect() alone, `placed_ms` is of setting all places and detect() together.
+// Contacts must be the same.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -44,7 +45,7 @@ struct Swaying {
     bool deforms = false;
 
     explicit Swaying(std::string_view kind) : deforms(kind == "tori") {
-        const std::size_t bodies = deforms ? 2 : 8;
+        const std::size_t bodies = deforms ? 2 : kind == "boxes" ? 8 : 1;
         const auto shape = std::make_shared<const Mesh>(
             "body", deforms ? scenes::torus(0.5, 0.2, 25, 12)
                             : scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}));
@@ -94,8 +95,8 @@ struct Swaying {
 
 int main(int argc, char** argv) try {
     const std::string_view kind = argc > 1 ? argv[1] : "";
-    if ((argc != 5 && argc != 6) || (kind != "tori" && kind != "boxes")) {
-        std::fputs("usage: pierce_worlds tori|boxes WORLDS BACKEND THREADS [STEPS]\n", stderr);
+    if ((argc != 5 && argc != 6) || (kind != "tori" && kind != "boxes" && kind != "box")) {
+        std::fputs("usage: pierce_worlds tori|boxes|box WORLDS BACKEND THREADS [STEPS]\n", stderr);
         return 2;
     }
     const int count = std::atoi(argv[2]), steps = argc == 6 ? std::atoi(argv[5]) : 60;
