@@ -241,7 +241,7 @@ private:
     struct Look {
         const BodyView& target;
         CullItem item;
-        double margin, touch;  ///< [length]
+        double margin = 0, touch = 0;  ///< [length]
         PlacedEdge placed;
         EdgeWedge wedge;
         WedgeSide side[2];  ///< of the wedge
