@@ -225,6 +225,38 @@ TEST_P(CoverageTest, EveryChordWithinAnEdgeIsFoundAndEveryOtherOneWhereNothingEl
     EXPECT_GT(without_contact, 0);
 }
 
+TEST_P(CoverageTest, EveryPartOfAnEdgeThatIsInsideIsInContact) {
+    test::Random random(12);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::uint32_t contacts = 0;
+    for (int i = 0; i < 60; ++i) {
+        SCOPED_TRACE("pair " + std::to_string(i));
+        Two two(GetParam(), complete(true), test::random_closed_mesh(random),
+                {random.in_box(0.5), random.rotation()}, test::random_closed_mesh(random),
+                {random.in_box(0.5), random.rotation()}, i % 2 == 0);
+        for (std::size_t k = 0; k < 2; ++k) {
+            const View<const Edge>
+                edges = two.world.mesh(two.world.mesh_of(two.body[k])).view().edges;
+            for (std::uint32_t e = 0; e < edges.size; ++e) {
+                const SolidVec a = two.solid[k].positions[edges[e].vertex[0]],
+                               b = two.solid[k].positions[edges[e].vertex[1]];
+                const int crossings = test::crossings_between(a, b, two.solid[1 - k], ~0u, 0);
+                if (crossings > 0 &&
+                    (test::is_inside(a, two.solid[1 - k]) || test::is_inside(b, two.solid[1 - k])))
+                    continue;
+                const auto found = std::ranges::count_if(
+                    two.world.contacts(), [&](const Contact& c) {
+                        return c.is_edge() && c.edge == e && c.found != Found::separation &&
+                               c.source == (two.body[k] == c.a ? Side::a : Side::b);
+                    });
+                EXPECT_EQ(found, crossings / 2) << "edge " << e << " of body " << k;
+                contacts += static_cast<std::uint32_t>(found);
+            }
+        }
+    }
+    EXPECT_GT(contacts, 300u);
+}
+
 /// What a contact is about: the bodies' parts, how it was found, and its points and normal.
 bool are_same(const Contact& x, const Contact& y) {
     return x.source == y.source && x.vertex == y.vertex && x.edge_end == y.edge_end &&

@@ -288,7 +288,8 @@ struct GenerateChordRays {
     View<Ray> rays;
     View<RaySource> sources;
     View<Hit> hits;
-    View<Route> routes;  ///< empty if steps do not remember
+    View<Route> routes;    ///< empty if steps do not remember
+    bool through = false;  ///< rays only tell whether they start inside
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const FoundChord& f = found[i];
@@ -297,13 +298,19 @@ struct GenerateChordRays {
         const BodyView& target = bodies[d.target];
         const Edge& edge = source.mesh.edges[f.chord.edge];
         const Vec3d start = point_on(source, edge, f.chord.along);
-        const Vec3d direction = inward_direction(source, edge);
+        const Vec3d inward = inward_direction(source, edge);
+        const bool has_direction = length_squared(inward) > 0;
+        const Vec3d direction = has_direction || !through ? inward : any_direction();
         Ray ray;
         ray.origin = d.to_space.to_parent(start);
         ray.direction = normalized(d.to_space.rotation * direction);
-        ray.t_max = source.mesh.closed ? range_in_boxes(source, target, start, direction)
-                                       : source.range;
-        if (!(length_squared(direction) > 0)) ray.t_max = -1.0;
+        if (through)
+            ray.t_max = range_through(target, ray.origin);
+        else if (!has_direction)
+            ray.t_max = -1.0;
+        else
+            ray.t_max = source.mesh.closed ? range_in_boxes(source, target, start, direction)
+                                           : source.range;
         ray.target = d.target;
         ray.touch = d.touch;
         const std::uint32_t slot = begin + i;

@@ -57,7 +57,8 @@ public:
                 .rays = view_of(batch.rays),
                 .sources = view_of(batch.sources),
                 .hits = view_of(batch.hits),
-                .routes = view_of(routes)};
+                .routes = view_of(routes),
+                .through = step.scene.plan->settings.inside_is_contact()};
     }
 
     /// For pairs that have no contact with a depth so far: appends the chords that hold an end of

@@ -13,7 +13,8 @@
 /// triangles.
 namespace pierce::stages {
 
-/// The vertex of an edge's triangle that is not on the edge.
+/// The vertex of an edge's triangle that is not on the edge; no_vertex if the triangle names one of
+/// the edge's twice.
 PIERCE_HD inline std::uint32_t opposite_vertex(const MeshView& mesh, const Edge& edge, int side) {
     std::uint32_t opposite = no_vertex;
     for (std::uint32_t v : mesh.triangles[edge.triangle[side]].vertex)
@@ -21,13 +22,15 @@ PIERCE_HD inline std::uint32_t opposite_vertex(const MeshView& mesh, const Edge&
     return opposite;
 }
 
-/// True for an edge between two triangles that bend away from each other outward, by more than
-/// `touch`: no point outside is nearest to another edge.
+/// True for an edge between two triangles with an area that bend away from each other outward, by
+/// more than `touch`: no point outside is nearest to another edge.
 PIERCE_HD inline bool is_ridge(const BodyView& body, const Edge& edge, double touch) {
     if (edge.triangle[1] == no_triangle) return false;
+    const std::uint32_t other = opposite_vertex(body.mesh, edge, 1);
+    if (other == no_vertex) return false;
     const auto at = [&](std::uint32_t v) { return to_double(body.positions[v]); };
     return dot(triangle_normal(body.mesh, body.positions, edge.triangle[0]),
-               at(opposite_vertex(body.mesh, edge, 1)) - at(edge.vertex[0])) < -touch;
+               at(other) - at(edge.vertex[0])) < -touch;
 }
 
 /// The plane through a segment at right angles to a triangle of which it is a side. What is nearest
