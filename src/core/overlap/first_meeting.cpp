@@ -1,6 +1,7 @@
 #include "core/overlap/first_meeting.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -34,6 +35,29 @@ std::vector<std::uint8_t> own_features(const MovingSurface& surface) {
     return own;
 }
 
+/// Per vertex, the way its triangles face at time 0 or 1: `MovingPoint::start` or `end`.
+std::vector<Vec3d> normals_of(const MovingSurface& surface, Vec3d MovingPoint::*at) {
+    std::vector<Vec3d> normals(surface.points.size());
+    for (const Triangle& t : surface.triangles) {
+        const Vec3d a = surface.points[t.vertex[0]].*at;
+        const Vec3d normal = cross(surface.points[t.vertex[1]].*at - a,
+                                   surface.points[t.vertex[2]].*at - a);
+        for (std::uint32_t v : t.vertex) normals[v] += normal;
+    }
+    return normals;
+}
+
+/// The surface with all vertices moved inward by `depth` [length].
+MovingSurface inner(const MovingSurface& surface, double depth) {
+    MovingSurface moved = surface;
+    for (Vec3d MovingPoint::*at : {&MovingPoint::start, &MovingPoint::end}) {
+        const std::vector<Vec3d> normals = normals_of(surface, at);
+        for (std::size_t v = 0; v < normals.size(); ++v)
+            moved.points[v].*at -= depth * normalized(normals[v]);
+    }
+    return moved;
+}
+
 class Search {
 public:
     Search(const MovingSurface& first, const MovingSurface& second)
@@ -41,13 +65,19 @@ public:
           second_(second),
           own_first_(own_features(first)),
           own_second_(own_features(second)),
-          normals_{normals_of(first), normals_of(second)} {
+          normals_{normals_of(first, &MovingPoint::start),
+                   normals_of(second, &MovingPoint::start)} {
         Box both = first.box();
         both.extend(second.box());
+        skin_ = constants::touch_tolerance * both.extent();
+        inner_first_ = inner(first, skin_);
+        inner_second_ = inner(second, skin_);
         const double travel = travel_of(first) + travel_of(second);
-        // What meets at the same place is found within the tolerance of it, in this time at least.
         tolerance_ = 2 * constants::meeting_tolerance * both.extent();
+        // What meets at the same place is found within the tolerance of it, or within the skins of
+        // both surfaces, in this time at least.
         same_time_ = travel > 0 ? tolerance_ / travel : 0.0;
+        same_time_in_skin_ = travel > 0 ? 4 * skin_ / travel : 0.0;
     }
 
     std::vector<FirstMeeting> run(std::uint32_t most) {
@@ -55,7 +85,8 @@ public:
         std::vector<Box> boxes;
         const Box around_first = first_.box(), around_second = second_.box();
         for (std::uint32_t t = 0; t < second_.triangles.size(); ++t) {
-            const Box box = box_of(second_, t);
+            // What begins within the skin may be behind the other surface all the time.
+            const Box box = box_of(second_, t).inflated(skin_);
             if (!overlap(box, around_first)) continue;
             near.push_back(t);
             boxes.push_back(box);
@@ -64,12 +95,12 @@ public:
         const BoxTree tree(boxes);
         for (std::uint32_t t = 0; t < first_.triangles.size(); ++t) {
             const Box box = box_of(first_, t);
-            if (!overlap(box, around_second)) continue;
+            if (!overlap(box, around_second.inflated(skin_))) continue;
             tree.for_each_in(box, [&](std::uint32_t n) { look(t, near[n]); });
         }
         if (!is_found_) return {};
-        best_.time = earliest_;
-        std::vector<FirstMeeting> result{best_};
+        best_.meeting.time = earliest_;
+        std::vector<FirstMeeting> result{best_.meeting};
         spread(result, most);
         return result;
     }
@@ -99,8 +130,9 @@ private:
         }
     }
 
-    static bool is_inner(double weight) {
-        return weight > constants::meeting_tolerance && weight < 1 - constants::meeting_tolerance;
+    /// True for a place on an edge that is more than two skins from its ends.
+    bool is_inner(double weight, const MovingPoint& from, const MovingPoint& to) const {
+        return min_of(weight, 1 - weight) * length(to.start - from.start) > 2 * skin_;
     }
 
     void look_at_vertex(const MovingSurface& of, std::uint32_t t, std::uint32_t k,
@@ -109,63 +141,132 @@ private:
         const std::uint32_t* corner = face_of.triangles[u].vertex;
         const MovingPoint &p = of.points[v], &a = face_of.points[corner[0]],
                           &b = face_of.points[corner[1]], &c = face_of.points[corner[2]];
-        Impact impact;
-        if (!vertex_meets_face(p, a, b, c, impact)) return;
-        const double time = impact.time;
-        const Vec3d outward = cross(at_time(b, time) - at_time(a, time),
-                                    at_time(c, time) - at_time(a, time));
-        const auto on_face = [&](double at) {
-            const Vec3d corner_a = at_time(a, at);
-            return corner_a + impact.u * (at_time(b, at) - corner_a) +
-                   impact.v * (at_time(c, at) - corner_a);
+        const auto find = [&](Impact& impact) { return vertex_meets_face(p, a, b, c, impact); };
+        const auto find_inside = [&](Impact& impact) {
+            const MovingPoint in{skin_ * normalized(cross(b.start - a.start, c.start - a.start)),
+                                 skin_ * normalized(cross(b.end - a.end, c.end - a.end))};
+            const auto inner = [&](const MovingPoint& q) {
+                return MovingPoint{q.start - in.start, q.end - in.end};
+            };
+            return vertex_meets_face(p, inner(a), inner(b), inner(c), impact);
         };
-        const MovingPoint face{on_face(0), on_face(1)};
-        FirstMeeting meeting = second ? made(time, at_time(p, time), outward, face, p)
-                                      : made(time, at_time(p, time), -outward, p, face);
-        if (!is_meeting(meeting, second ? face : p, second ? p : face)) return;
+        const auto describe = [&](const Impact& impact, bool in_skin) {
+            const double time = impact.time;
+            const Vec3d outward = cross(at_time(b, time) - at_time(a, time),
+                                        at_time(c, time) - at_time(a, time));
+            const auto on_face = [&](double at) {
+                const Vec3d corner_a = at_time(a, at);
+                return corner_a + impact.u * (at_time(b, at) - corner_a) +
+                       impact.v * (at_time(c, at) - corner_a);
+            };
+            const MovingPoint face{on_face(0), on_face(1)};
+            return second ? made(time, at_time(p, time), outward, face, p, in_skin)
+                          : made(time, at_time(p, time), -outward, p, face, in_skin);
+        };
+        Impact impact;
+        Found found;
+        const Vec3d normal = cross(b.start - a.start, c.start - a.start);
+        if (!meets(
+                is_within_skin(dot(normal, p.start - a.start), normal), find, find_inside, describe,
+                [](const Impact&) { return true; }, impact, found))
+            return;
+        FirstMeeting& meeting = found.meeting;
         meeting.vertex_of_second = second;
         meeting.vertex = v;
         meeting.triangle = u;
         const auto [known, is_new] = of_vertices_.try_emplace({second, v}, meeting);
-        if (!is_new && time < known->second.time) known->second = meeting;
-        // A vertex at the border of a face still leaves by the face.
-        note(meeting, true);
+        if (!is_new && meeting.time < known->second.time) known->second = meeting;
+        found.is_within = true;  // a vertex at the border of a face still leaves by the face
+        note(found);
     }
 
     void look_at_edges(std::uint32_t t, std::uint32_t k, std::uint32_t u, std::uint32_t m) {
         const Triangle &one = first_.triangles[t], &other = second_.triangles[u];
-        const std::uint32_t from = one.vertex[k], to = one.vertex[(k + 1) % 3];
-        const MovingPoint &a = first_.points[from], &b = first_.points[to],
-                          &c = second_.points[other.vertex[m]],
-                          &d = second_.points[other.vertex[(m + 1) % 3]];
-        Impact impact;
-        if (!edges_meet(a, b, c, d, impact)) return;
-        const double time = impact.time;
-        const auto on = [](const MovingPoint& begin, const MovingPoint& end, double along) {
-            return MovingPoint{begin.start + along * (end.start - begin.start),
-                               begin.end + along * (end.end - begin.end)};
+        const std::uint32_t from = one.vertex[k], to = one.vertex[(k + 1) % 3],
+                            begin = other.vertex[m], end = other.vertex[(m + 1) % 3];
+        const auto find = [&](const MovingSurface& first, const MovingSurface& second,
+                              Impact& impact) {
+            return edges_meet(first.points[from], first.points[to], second.points[begin],
+                              second.points[end], impact);
         };
-        const MovingPoint first = on(a, b, impact.u), second = on(c, d, impact.v);
-        Vec3d normal = cross(at_time(b, time) - at_time(a, time),
-                             at_time(d, time) - at_time(c, time));
-        if (dot(normal, normals_[0][from] + normals_[0][to]) < 0) normal = -normal;
-        FirstMeeting meeting = made(time, at_time(first, time), normal, first, second);
-        if (!is_meeting(meeting, first, second)) return;
-        meeting.edges = true;
-        meeting.vertex = from;
-        meeting.edge_end = to;
-        meeting.triangle = u;
-        note(meeting, is_inner(impact.u) && is_inner(impact.v));
+        const auto describe = [&](const Impact& impact, bool in_skin) {
+            const MovingPoint &a = first_.points[from], &b = first_.points[to],
+                              &c = second_.points[begin], &d = second_.points[end];
+            const double time = impact.time;
+            const auto on = [](const MovingPoint& p, const MovingPoint& q, double along) {
+                return MovingPoint{p.start + along * (q.start - p.start),
+                                   p.end + along * (q.end - p.end)};
+            };
+            const MovingPoint first = on(a, b, impact.u);
+            Vec3d normal = cross(at_time(b, time) - at_time(a, time),
+                                 at_time(d, time) - at_time(c, time));
+            if (dot(normal, normals_[0][from] + normals_[0][to]) < 0) normal = -normal;
+            return made(time, at_time(first, time), normal, first, on(c, d, impact.v), in_skin);
+        };
+        Impact impact;
+        Found found;
+        const auto is_within = [&](const Impact& at) {
+            return is_inner(at.u, first_.points[from], first_.points[to]) &&
+                   is_inner(at.v, second_.points[begin], second_.points[end]);
+        };
+        const Vec3d normal = cross(first_.points[to].start - first_.points[from].start,
+                                   second_.points[end].start - second_.points[begin].start);
+        const double apart = dot(normal, second_.points[begin].start - first_.points[from].start);
+        if (!meets(
+                is_within_skin(apart, normal),
+                [&](Impact& at) { return find(first_, second_, at); },
+                [&](Impact& at) { return find(inner_first_, inner_second_, at); }, describe,
+                is_within, impact, found))
+            return;
+        found.meeting.edges = true;
+        found.meeting.vertex = from;
+        found.meeting.edge_end = to;
+        found.meeting.triangle = u;
+        found.is_within = !found.is_in_skin && is_within(impact);
+        note(found);
+    }
+
+    /// True if a height times the length of its normal says that features are as near as the skin
+    /// when they begin.
+    bool is_within_skin(double height, Vec3d normal) const {
+        return !(std::fabs(height) > 2 * skin_ * length(normal));
+    }
+
+    /// A meeting, and what decides which of several counts.
+    struct Found {
+        FirstMeeting meeting;
+        bool is_within = false;   ///< not at the end of an edge
+        bool is_in_skin = false;  ///< found further inside, of places without a gap
+    };
+
+    /// True if two features meet. Where they have no gap as they begin, they may touch there and
+    /// only slide along each other, or part and meet elsewhere; where an edge ends, as a corner
+    /// that slides over the diagonal of a side has it, the normal is not one of the surface. They
+    /// meet then if they do so a skin further inside, where what slides is apart.
+    template <class Find, class FindInside, class Describe, class HasNormal>
+    bool meets(bool begins_in_skin, const Find& find, const FindInside& find_inside,
+               const Describe& describe, const HasNormal& has_normal, Impact& impact,
+               Found& found) const {
+        if (find(impact)) {
+            found.meeting = describe(impact, false);
+            if (found.meeting.gap > tolerance_ && has_normal(impact)) return true;
+        } else if (!begins_in_skin) {
+            return false;
+        }
+        found.is_in_skin = true;
+        if (!find_inside(impact)) return false;
+        found.meeting = describe(impact, true);
+        return true;
     }
 
     /// `first`, `second`: the places that meet. `normal` leads from the first surface to the second
-    /// where they touch as they begin.
+    /// where they touch as they begin. Within the skin they may have begun on its other side.
     FirstMeeting made(double time, Vec3d place, Vec3d normal, const MovingPoint& first,
-                      const MovingPoint& second) const {
+                      const MovingPoint& second, bool in_skin) const {
         const Vec3d apart = second.start - first.start;
         // Parallel edges and faces without area have no normal: the way they come is one.
         normal = normalized(length_squared(normal) > 0 ? normal : apart);
-        if (dot(normal, apart) < -tolerance_) normal = -normal;
+        if (!in_skin && dot(normal, apart) < -tolerance_) normal = -normal;
         FirstMeeting meeting;
         meeting.time = time;
         meeting.place = place;
@@ -176,36 +277,17 @@ private:
         return meeting;
     }
 
-    /// False if two places only slide along each other, as the sides of boxes that lie in one plane
-    /// do: that stops nothing.
-    bool is_meeting(const FirstMeeting& meeting, const MovingPoint& first,
-                    const MovingPoint& second) const {
-        const Vec3d way = (first.end - first.start) - (second.end - second.start);
-        return meeting.gap > tolerance_ || dot(meeting.normal, way) > tolerance_;
-    }
-
     /// Keeps what comes first. Of meetings at the same time, one between the ends of edges or
     /// corners of faces counts more: only it has a normal of its own.
-    void note(const FirstMeeting& meeting, bool within) {
-        earliest_ = std::min(earliest_, meeting.time);
-        const bool is_first = !is_found_ || meeting.time < best_.time - same_time_ ||
-                              (meeting.time <= best_.time + same_time_ && within && !is_within_);
+    void note(const Found& found) {
+        const double time = found.meeting.time, best = best_.meeting.time,
+                     same = found.is_in_skin || best_.is_in_skin ? same_time_in_skin_ : same_time_;
+        earliest_ = std::min(earliest_, time);
+        const bool is_first = !is_found_ || time < best - same ||
+                              (time <= best + same && found.is_within && !best_.is_within);
         if (!is_first) return;
         is_found_ = true;
-        is_within_ = within;
-        best_ = meeting;
-    }
-
-    /// Per vertex, the way its triangles face as the surface begins.
-    static std::vector<Vec3d> normals_of(const MovingSurface& surface) {
-        std::vector<Vec3d> normals(surface.points.size());
-        for (const Triangle& t : surface.triangles) {
-            const Vec3d a = surface.points[t.vertex[0]].start;
-            const Vec3d normal = cross(surface.points[t.vertex[1]].start - a,
-                                       surface.points[t.vertex[2]].start - a);
-            for (std::uint32_t v : t.vertex) normals[v] += normal;
-        }
-        return normals;
+        best_ = found;
     }
 
     /// Adds first meetings of vertices that face what they meet, each as far as possible from those
@@ -236,14 +318,14 @@ private:
     }
 
     const MovingSurface &first_, &second_;
+    MovingSurface inner_first_, inner_second_;
     std::vector<std::uint8_t> own_first_, own_second_;
     std::vector<Vec3d> normals_[2];
-    FirstMeeting best_;
+    Found best_;
     std::map<std::pair<bool, std::uint32_t>, FirstMeeting> of_vertices_;  ///< of the second surface
                                                                           ///< or not; its vertex
     bool is_found_ = false;
-    bool is_within_ = false;  ///< of `best_`
-    double earliest_ = 1, tolerance_ = 0, same_time_ = 0;
+    double earliest_ = 1, tolerance_ = 0, skin_ = 0, same_time_ = 0, same_time_in_skin_ = 0;
 };
 
 }  // namespace

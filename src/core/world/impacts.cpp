@@ -157,7 +157,8 @@ std::vector<ImpactContact> impacts_of(const State& s, Ways<State> ways,
     for (const auto& [k, other] : pairs) {
         const BodyId id_a{ways.slot(k), slots[ways.slot(k)].generation},
             id_b{ways.slot(other), slots[ways.slot(other)].generation};
-        if (!ways.body(k).filter.allows(ways.body(other).filter) ||
+        if ((ways.body(k).motion == Motion::fixed && ways.body(other).motion == Motion::fixed) ||
+            !ways.body(k).filter.allows(ways.body(other).filter) ||
             s.excluded.contains({id_a, id_b}) || (s.pair_filter && !s.pair_filter(id_a, id_b)))
             continue;
         const MovingSurface &a = ways.surface(k), &b = ways.surface(other);

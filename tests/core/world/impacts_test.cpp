@@ -100,6 +100,38 @@ TEST(ImpactsTest, SidesInOnePlaneSlide) {
     EXPECT_TRUE(world.impacts_ahead(std::vector<PoseAhead>{{body, {{0, 0, 3}, upright}}}).empty());
 }
 
+TEST(ImpactsTest, ACornerSlidesOverADiagonal) {
+    for (const double depth : {0.0, 1e-6, -1e-6}) {  // within the touch tolerance of the floor
+        World world;
+        world.add_fixed_body(world.add_mesh("floor", scenes::box({-5, -5, -1}, {5, 5, 0})));
+        const BodyId body = world.add_rigid_body(
+            world.add_mesh("box", scenes::box({-0.5f, -0.5f, 0}, {0.5f, 0.5f, 1})),
+            {{-2, 1, -depth}, upright});
+        const auto goes = [&](double down) {
+            return world.impacts_ahead(
+                std::vector<PoseAhead>{{body, {{2, 1, -depth - down}, upright}}}, 8);
+        };
+        EXPECT_TRUE(goes(0).empty());
+        EXPECT_TRUE(goes(1e-6).empty());
+        const auto lands = goes(1e-3);
+        EXPECT_EQ(lands.size(), 4u);
+        for (const ImpactContact& impact : lands) EXPECT_NEAR(impact.normal.z, 1, 1e-9);
+    }
+}
+
+TEST(ImpactsTest, BodiesThatTouchMeetWhereTheyTurnIntoEachOther) {
+    World world;
+    world.add_fixed_body(world.add_mesh("wall", scenes::box({-2, -0.5, -1}, {-0.5, 0, 1})));
+    const BodyId body = world.add_rigid_body(
+        world.add_mesh("box", scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5})));
+    for (const double turn : {0.02, 0.1, 0.3}) {
+        const auto meetings = world.impacts_ahead(
+            std::vector<PoseAhead>{{body, {{}, {0, 0, turn, 1}}}});
+        ASSERT_EQ(meetings.size(), 1u) << turn;
+        EXPECT_GT(meetings[0].normal.x, 0.9);
+    }
+}
+
 TEST(ImpactsTest, AheadIsWhatAMotionWouldMeet) {
     test::Random random(23);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
