@@ -98,8 +98,10 @@ Array array_of(nb::handle given, const char* what) {
     if (nb::hasattr(given, "__cuda_array_interface__")) return cuda_array_of(given, what);
     throw nb::type_error((std::string(what) +
                           ": expected an array, with DLPack, the buffer protocol or "
-                          "__cuda_array_interface__, got " +
-                          nb::cast<std::string>(nb::str(given.type().attr("__name__"))))
+                          "__cuda_array_interface__ and numbers in this machine's byte order, "
+                          "got " +
+                          nb::cast<std::string>(nb::str(given.type().attr("__name__"))) +
+                          "; numpy.asarray(x, numpy.float32) makes one of numbers")
                              .c_str());
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -19,21 +20,21 @@ using Wrench = std::array<double, least_reduced>;
 
 Vec3d place_of(const Contact& c) { return 0.5 * (c.point_a + c.point_b); }
 
-/// Contacts of one pair.
+/// Contacts of one pair, by their places in a list.
 class PairReduction {
 public:
-    PairReduction(std::span<const Contact> contacts, std::uint32_t first)
-        : contacts_(contacts), first_(first) {
+    PairReduction(std::span<const Contact> list, std::span<const std::uint32_t> places)
+        : list_(list), places_(places) {
         Box box;
-        for (const Contact& c : contacts) box.extend(place_of(c));
+        for (std::uint32_t place : places) box.extend(place_of(list[place]));
         center_ = box.center();
         size_ = box.extent() > 0 ? box.extent() : 1;
     }
 
     void reduce_to(std::uint32_t most, std::vector<ReducedContact>& result) {
         std::vector<std::uint32_t> pushing, resting;
-        for (std::uint32_t i = 0; i < contacts_.size(); ++i)
-            (contacts_[i].penetration_depth() > 0 ? pushing : resting).push_back(i);
+        for (std::uint32_t i = 0; i < places_.size(); ++i)
+            (contact(i).penetration_depth() > 0 ? pushing : resting).push_back(i);
         std::vector<Weighted> kept;
         for (std::uint32_t i : preferred(pushing, most)) kept.push_back({i, 1.0});
         while (kept.size() > most && drop_one(kept)) {
@@ -44,8 +45,7 @@ public:
         const std::vector<std::uint32_t> others = preferred(resting, room);
         for (std::uint32_t i = 0; i < std::min<std::size_t>(room, others.size()); ++i)
             kept.push_back({others[i], 1.0});
-        std::ranges::sort(kept, {}, &Weighted::contact);
-        for (const Weighted& k : kept) result.push_back({first_ + k.contact, k.weight});
+        for (const Weighted& k : kept) result.push_back({places_[k.contact], k.weight});
     }
 
 private:
@@ -58,8 +58,7 @@ private:
     /// other, each as far as can be from those before it, then the rest by depth.
     std::vector<std::uint32_t> preferred(std::vector<std::uint32_t> places,
                                          std::uint32_t most) const {
-        std::ranges::stable_sort(places, {},
-                                 [&](std::uint32_t i) { return contacts_[i].distance; });
+        std::ranges::stable_sort(places, {}, [&](std::uint32_t i) { return contact(i).distance; });
         std::vector<double> gap(places.size(), std::numeric_limits<double>::infinity());
         for (std::size_t done = 1; done < std::min<std::size_t>(most, places.size()); ++done) {
             for (std::size_t i = done; i < places.size(); ++i)
@@ -79,13 +78,13 @@ private:
     }
 
     double between(std::uint32_t i, std::uint32_t j) const {
-        const Contact &c = contacts_[i], &d = contacts_[j];
+        const Contact &c = contact(i), &d = contact(j);
         return length_squared((1 / size_) * (place_of(c) - place_of(d))) +
                length_squared(c.normal - d.normal);
     }
 
     Wrench wrench_of(std::uint32_t i) const {
-        const Contact& c = contacts_[i];
+        const Contact& c = contact(i);
         const Vec3d force = c.penetration_depth() * c.normal,
                     torque = (1 / size_) * cross(place_of(c) - center_, force);
         return {force.x, force.y, force.z, torque.x, torque.y, torque.z};
@@ -159,8 +158,10 @@ private:
         return result;
     }
 
-    std::span<const Contact> contacts_;
-    std::uint32_t first_;
+    const Contact& contact(std::uint32_t i) const { return list_[places_[i]]; }
+
+    std::span<const Contact> list_;
+    std::span<const std::uint32_t> places_;
     Vec3d center_;
     double size_ = 1;
 };
@@ -171,14 +172,20 @@ std::vector<ReducedContact> reduce(std::span<const Contact> contacts, std::uint3
     if (most_per_pair < least_reduced)
         throw InputError("contacts are reduced to " + std::to_string(least_reduced) +
                          " a pair or more, not " + std::to_string(most_per_pair));
+    // A sheet and a solid have contacts of solids and, further on, contacts of sheets.
+    std::vector<std::uint32_t> places(contacts.size());
+    std::iota(places.begin(), places.end(), 0u);
+    const auto pair_of = [&](std::uint32_t i) {
+        return std::pair(contacts[i].a.index, contacts[i].b.index);
+    };
+    std::ranges::stable_sort(places, {}, pair_of);
     std::vector<ReducedContact> result;
-    for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
-        while (end < contacts.size() && contacts[end].a == contacts[begin].a &&
-               contacts[end].b == contacts[begin].b)
-            ++end;
-        PairReduction(contacts.subspan(begin, end - begin), static_cast<std::uint32_t>(begin))
+    for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
+        while (end < places.size() && pair_of(places[end]) == pair_of(places[begin])) ++end;
+        PairReduction(contacts, std::span(places).subspan(begin, end - begin))
             .reduce_to(most_per_pair, result);
     }
+    std::ranges::sort(result, {}, &ReducedContact::contact);
     return result;
 }
 

@@ -71,7 +71,10 @@ std::size_t cells_of(const ClearanceGridLayout& layout) {
     return cells;
 }
 
+/// Empty for what is no file.
 std::string content_of(const std::filesystem::path& file) {
+    std::error_code failed;
+    if (!std::filesystem::is_regular_file(file, failed)) return {};
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }

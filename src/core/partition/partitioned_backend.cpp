@@ -38,6 +38,12 @@ std::vector<double> shares_of(const std::vector<Part>& parts) {
     return shares;
 }
 
+void check_count(std::size_t parts) {
+    if (parts == 0 || parts > most_parts)
+        throw InputError("a partitioned backend has 1 to " + std::to_string(most_parts) +
+                         " parts, not " + std::to_string(parts));
+}
+
 }  // namespace
 
 PartitionedBackend::PartitionedBackend(std::vector<Part> parts, Order order)
@@ -335,7 +341,7 @@ void PartitionedBackend::merge() const {
 }
 
 std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
-    if (parts.empty()) throw InputError("a partitioned backend needs at least one part");
+    check_count(parts.size());
     for (const Part& part : parts) {
         if (!part.backend) throw InputError("a part of a partitioned backend has no backend");
         if (!(part.share > 0) || std::isinf(part.share))
@@ -347,7 +353,7 @@ std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
 std::unique_ptr<Backend> partitioned_backend(
     std::uint32_t parts, int threads,
     const std::function<std::unique_ptr<Backend>(int threads)>& make) {
-    if (parts == 0) return partitioned_backend({});
+    check_count(parts);
     const auto processors = static_cast<int>(std::thread::hardware_concurrency());
     const int all = threads == 0 ? processors : threads,
               each = threads < 0 ? threads : std::max(1, all / static_cast<int>(parts));

@@ -2,9 +2,11 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/geometry/direction.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/world/world_state.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce {
@@ -21,7 +23,7 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
     std::vector<Ray> rays;
     std::vector<std::size_t> line;
     for (std::size_t i = 0; i < directions.size(); ++i) {
-        const Vec3d direction = normalized(directions[i]);
+        const Vec3d direction = unit_along(directions[i]);
         if (length_squared(direction) == 0) continue;
         for (std::uint32_t b = 0; b < views.size(); ++b) {
             if (!views[b].active) continue;
@@ -32,11 +34,13 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
             const Frame to_space = relative_frame({}, views[b].space);
             Ray ray;
             // The ray starts just outside the box, so that a surface in the box's face still lies
-            // ahead.
-            ray.origin = to_space.to_parent(
-                origin + std::max(inside.begin - 2 * views[b].touch, 0.0) * direction);
+            // ahead; from far away, by as much as the way there is rounded.
+            const double before = 2 * views[b].touch +
+                                  constants::double_rounding * std::max(inside.begin, 0.0);
+            ray.origin = to_space.to_parent(origin +
+                                            std::max(inside.begin - before, 0.0) * direction);
             ray.direction = to_space.rotation * direction;
-            ray.t_max = views[b].fit_box.extent() + 2 * views[b].touch;
+            ray.t_max = views[b].fit_box.extent() + 2 * before;
             ray.target = b;
             ray.touch = views[b].touch;
             rays.push_back(ray);

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cmath>
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
+#include "core/geometry/direction.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/world/world_state.hpp"
@@ -28,7 +30,8 @@ std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> poi
     const auto usable = [](Vec3d v) { return is_finite(v); };
     if (!std::ranges::all_of(points, usable) || !std::ranges::all_of(normals, usable))
         throw InputError("probe needs points and normals that are finite");
-    if (!(radius >= 0)) throw InputError("the radius of a probe is negative");
+    if (!(radius >= 0) || std::isinf(radius))
+        throw InputError("the radius of a probe is negative or not finite");
     for (const BodyId other : others) (void)state_->bodies.get(other, "body");
 
     state_->bring_places(state_->used_bodies());
@@ -43,7 +46,7 @@ std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> poi
     std::vector<Ray> rays;
     std::vector<ProbeRay> of_probe;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3d normal = normalized(normals[i]);
+        const Vec3d normal = unit_along(normals[i]);
         if (length_squared(normal) == 0) continue;
         for (const std::uint32_t b : targets) {
             const Frame to_fit = relative_frame({}, views[b].fit);

@@ -39,6 +39,9 @@ World::World(const Settings& settings) : World(reference_backend(), settings) {}
 
 World::World(std::unique_ptr<Backend> backend, const Settings& settings)
     : state_(std::make_unique<State>()) {
+    if (backend == nullptr) throw InputError("a world needs a backend");
+    if (settings.coverage > Coverage::overlaps || settings.temporal > Temporal::certified)
+        throw InputError("coverage or temporal has a value without a meaning");
     if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
     if (!(settings.margin >= 0) || std::isinf(settings.margin))
         throw InputError("margin must be finite and not negative");

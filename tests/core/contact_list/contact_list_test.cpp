@@ -129,5 +129,31 @@ TEST(ContactReductionTest, KeepsTheResultantOfEveryPair) {
     EXPECT_THROW(reduce({}, 5), InputError);
 }
 
+/// A sheet in a solid has contacts of the solid's inside and, after those of other pairs, contacts
+/// of its surface.
+TEST(ContactReductionTest, ASheetAndASolidAreOnePair) {
+    World world;
+    const BodyId ball = world.add_fixed_body(world.add_mesh("ball", scenes::sphere(1, 2)));
+    const MeshData flat = scenes::grid(1, 1, 12, 12);
+    const BodyId sheet = world.add_deforming_body(
+        world.add_mesh("sheet", flat, {.inside = Inside::none}));
+    world.set_collision(sheet, {.sheet = true, .thickness = 0.1});
+    std::vector<Vec3f> lifted = flat.positions;
+    for (Vec3f& p : lifted) p.z += 0.97f;
+    world.set_positions(sheet, lifted);
+    world.add_rigid_body(world.add_mesh("block", scenes::box({-1, -1, -2}, {1, 1, -0.9f})));
+    world.detect();
+    const auto contacts = world.contacts();
+    std::size_t of_sheet = 0, of_solid = 0, kept = 0;
+    const auto is_pair = [&](const Contact& c) { return c.a == ball && c.b == sheet; };
+    for (const Contact& c : contacts)
+        if (is_pair(c)) ++(c.of_sheet ? of_sheet : of_solid);
+    ASSERT_GT(of_sheet, 6u);
+    ASSERT_GT(of_solid, 6u);
+    for (const ReducedContact& r : reduce(contacts, 6)) kept += is_pair(contacts[r.contact]);
+    EXPECT_LE(kept, 6u);
+    EXPECT_GT(kept, 0u);
+}
+
 }  // namespace
 }  // namespace pierce

@@ -112,6 +112,11 @@ TEST_F(MeshCacheTest, DamagedFilesAreLeftAside) {
         expect_same(made().view(), plain.view());
         EXPECT_EQ(content(file()), good) << "it was written again";
     }
+    const std::filesystem::path name = file();
+    std::filesystem::remove(name);
+    std::filesystem::create_directory(name);
+    expect_same(made().view(), plain.view());
+    EXPECT_TRUE(std::filesystem::is_directory(name));
 }
 
 /// Files with a right checksum whose content was made to do harm: nothing is read beyond an array.

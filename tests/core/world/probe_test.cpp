@@ -132,6 +132,7 @@ TEST(ProbeTest, RefusesWhatItCannotAnswer) {
     EXPECT_THROW(world.probe(points, {}, 1), InputError);
     EXPECT_THROW(world.probe(nan, normals, 1), InputError);
     EXPECT_THROW(world.probe(points, normals, -1), InputError);
+    EXPECT_THROW(world.probe(points, normals, INFINITY), InputError);
     EXPECT_FALSE(world.probe(points, none, 1)[0]);
     ASSERT_TRUE(world.probe(points, normals, 1)[0]);
     EXPECT_EQ(world.probe(points, normals, 1)[0]->body, ball);

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <sstream>
 
+#include "pierce/backend.hpp"
 #include "pierce/error.hpp"
 #include "scenes/named/shapes.hpp"
 
@@ -201,9 +203,22 @@ TEST(WorldTest, FixedBodiesAreNoPair) {
     World world;
     const MeshId box = world.add_mesh("box", unit_box());
     world.add_fixed_body(box);
-    world.add_fixed_body(box, at(0.5, 0.5, 0.5));
+    const BodyId other = world.add_fixed_body(box, at(0.5, 0.5, 0.5));
     world.detect();
     EXPECT_EQ(world.stats().pairs, 0u);
+    world.set_pose(other, at(3, 0, 0));
+    world.detect();
+    world.set_pose(other, at(-3, 0, 0));
+    EXPECT_TRUE(world.impacts().empty());
+}
+
+TEST(WorldTest, RefusesWhatItCannotBeMadeOf) {
+    EXPECT_THROW(World(std::unique_ptr<Backend>()), InputError);
+    std::stringstream saved;
+    World().save(saved);
+    EXPECT_THROW(World::restore(saved, nullptr), InputError);
+    EXPECT_THROW(World(Settings{.coverage = static_cast<Coverage>(7)}), InputError);
+    EXPECT_THROW(World(Settings{.temporal = static_cast<Temporal>(7)}), InputError);
 }
 
 TEST(WorldTest, ADeformingBodyMayChangeItsTriangles) {
@@ -292,6 +307,14 @@ TEST(WorldTest, CastsRaysAtBodies) {
     ASSERT_TRUE(table[0]);
     EXPECT_EQ(table[0]->body, scene.below);
     EXPECT_NEAR(table[0]->normal.z, 1, 1e-12);
+    // Of any length, and from any distance.
+    const std::vector<Vec3d> tiny_and_huge{{0, 0, -1e-200}, {0, 0, -1e200}};
+    for (const double height : {3.0, 1e12})
+        for (const auto& hit : scene.world.cast_rays({0.5, 0.6, height}, tiny_and_huge)) {
+            ASSERT_TRUE(hit) << height;
+            EXPECT_NEAR(hit->t, height - 1, 1e-6 * height);
+            EXPECT_NEAR(hit->normal.z, 1, 1e-12);
+        }
 }
 
 }  // namespace

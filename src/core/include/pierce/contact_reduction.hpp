@@ -22,9 +22,8 @@ inline constexpr std::uint32_t least_reduced = 6;
 /// ones have the resultant force and torque of all of them, to rounding (Caratheodory's theorem for
 /// cones). Preferably the deepest contact is kept, and those far from each other in place
 /// and normal. Contacts without a depth have no force: they are kept, with weight 1, as long as
-/// there is room. Deterministic; the result is in the order of `contacts`, whose pairs must be side
-/// by side, as those of World::contacts() are. Throws InputError if `most_per_pair` is less than
-/// least_reduced.
+/// there is room. Deterministic; the result is in the order of `contacts`. Throws InputError if
+/// `most_per_pair` is less than least_reduced.
 std::vector<ReducedContact> reduce(std::span<const Contact> contacts, std::uint32_t most_per_pair);
 
 }  // namespace pierce

@@ -9,6 +9,9 @@
 
 namespace pierce {
 
+/// More parts than this are refused.
+inline constexpr std::uint32_t most_parts = 1024;
+
 /// One of the backends that share a world's bodies.
 struct Part {
     std::unique_ptr<Backend> backend;
@@ -21,7 +24,7 @@ struct Part {
 /// the pairs whose first moving body it owns. Contacts are those of one backend, bit for bit
 /// (docs/scale.md). Some parts may run on a device and some on the host; places in device memory
 /// need parts that all run there. World::plan() says what runs where. Throws InputError if there
-/// are no parts, or if a share is not positive.
+/// are no parts or more than most_parts, or if a share is not positive.
 std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts);
 
 /// The same with equal parts, each made with its part of the threads, at least one; `threads`: 0
