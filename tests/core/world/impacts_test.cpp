@@ -228,6 +228,56 @@ TEST(ImpactsTest, NeitherEarlyNorLate) {
     EXPECT_GT(misses, 5);
 }
 
+/// Boxes on a grid, many of which touch when they begin.
+TEST(ImpactsTest, NeitherEarlyNorLateWhereBodiesTouch) {
+    test::Random random(33);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    const auto on_grid = [&](double step, int most) {
+        const auto number = [&] { return step * random.integer(-most, most); };
+        return Vec3d{number(), number(), number()};
+    };
+    const MeshData boxes[] = {scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}),
+                              scenes::box({-1, -0.5, -0.25}, {1, 0.5, 0.25})};
+    int meetings = 0, misses = 0, touching = 0;
+    for (int i = 0; i < 1500; ++i) {
+        const MeshData &first = boxes[random.integer(0, 1)], &second = boxes[random.integer(0, 1)];
+        World world;
+        const BodyId a = world.add_fixed_body(world.add_mesh("first", first)),
+                     b = world.add_rigid_body(world.add_mesh("second", second));
+        const Pose start{on_grid(0.5, 3), upright};
+        const Vec3d turn = on_grid(0.1, 1);
+        const Pose end{start.position + on_grid(0.5, 3), {turn.x, turn.y, turn.z, 1}};
+        World between_poses;
+        const BodyId c = between_poses.add_fixed_body(between_poses.add_mesh("first", first)),
+                     d = between_poses.add_deforming_body(between_poses.add_mesh("second", second));
+        const std::vector<Vec3f> from = test::placed(second, start), to = test::placed(second, end);
+        const auto volume_at = [&](double t) {
+            between_poses.set_positions(d, between(from, to, t));
+            const auto overlap = between_poses.overlap(c, d);
+            return overlap ? overlap->volume : 0.0;
+        };
+        world.set_pose(b, start);
+        if (volume_at(0) > 0) continue;
+        world.detect();
+        touching += !world.contacts().empty();
+        const auto impacts = world.impacts_ahead(std::vector<PoseAhead>{{b, end}});
+        constexpr int samples = 40;
+        double met = 2;
+        for (int n = 1; n <= samples && met > 1; ++n)
+            if (volume_at(n / double{samples}) > 1e-4) met = n / double{samples};
+        if (met <= 1) {
+            ++meetings;
+            ASSERT_FALSE(impacts.empty()) << "missed in motion " << i;
+            EXPECT_LE(impacts[0].time, met) << "late in motion " << i;
+        } else {
+            misses += impacts.empty();
+        }
+    }
+    EXPECT_GT(meetings, 200);
+    EXPECT_GT(misses, 200);
+    EXPECT_GT(touching, 100);
+}
+
 TEST(ImpactsTest, OnlyPairsThatMoveMeetAndWereApart) {
     World world;
     const MeshId ball = world.add_mesh("ball", scenes::sphere(0.5, 1)),

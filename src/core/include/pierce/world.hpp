@@ -215,13 +215,13 @@ public:
 
     /// For bodies that are fast for their size: the first meeting of every pair of solids that are
     /// apart where the next step begins and meet on their way to where they are now, sorted by
-    /// (a, b). None is missed, also of bodies that have passed through each other. Points move in
-    /// straight lines from where the last detect(), or set_motion(), has them. It changes nothing,
-    /// takes one thread of the host, and costs in proportion to the triangles whose ways come near
-    /// each other; detect() does not need it. Filters count. Each pair has up to `most_per_pair`
-    /// meetings: after the first one, first meetings of other vertices, far from each other, so
-    /// that a face that comes flat is held in more than one place. Throws InputError for places in
-    /// device memory.
+    /// (a, b). None is missed that is deeper than the touch tolerance, also of bodies that have
+    /// passed through each other. Points move in straight lines from where the last detect(), or
+    /// set_motion(), has them. It changes nothing, takes one thread of the host, and costs in
+    /// proportion to the triangles whose ways come near each other; detect() does not need it.
+    /// Filters count. Each pair has up to `most_per_pair` meetings, and one at least: after the
+    /// first one, first meetings of other vertices, far from each other, so that a face that comes
+    /// flat is held in more than one place. Throws InputError for places in device memory.
     std::vector<ImpactContact> impacts(std::uint32_t most_per_pair = 1) const;
     /// The same for rigid bodies on their way from where they are now to the given poses, while all
     /// others stay. Throws InputError for a body that is not rigid or is named twice, for a pose
