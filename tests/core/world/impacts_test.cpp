@@ -242,8 +242,8 @@ TEST(ImpactsTest, NeitherEarlyNorLateWhereBodiesTouch) {
     for (int i = 0; i < 1500; ++i) {
         const MeshData &first = boxes[random.integer(0, 1)], &second = boxes[random.integer(0, 1)];
         World world;
-        const BodyId a = world.add_fixed_body(world.add_mesh("first", first)),
-                     b = world.add_rigid_body(world.add_mesh("second", second));
+        world.add_fixed_body(world.add_mesh("first", first));
+        const BodyId b = world.add_rigid_body(world.add_mesh("second", second));
         const Pose start{on_grid(0.5, 3), upright};
         const Vec3d turn = on_grid(0.1, 1);
         const Pose end{start.position + on_grid(0.5, 3), {turn.x, turn.y, turn.z, 1}};
