@@ -20,6 +20,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -230,6 +231,27 @@ std::unique_ptr<Backend> backend_of(const Options& options) {
     return cuda_backend(cuda);
 }
 
+/// Says on stderr where the contacts of a step begin to differ from Embree's.
+void describe_difference(std::uint32_t step, std::span<const Contact> gpu,
+                         std::span<const Contact> embree) {
+    std::size_t k = 0;
+    while (k < gpu.size() && k < embree.size() &&
+           contact_hash(gpu.subspan(k, 1)) == contact_hash(embree.subspan(k, 1)))
+        ++k;
+    std::fprintf(stderr, "step %u: %zu contacts and Embree's %zu; the first that differ:\n", step,
+                 gpu.size(), embree.size());
+    for (const std::span<const Contact> list : {gpu, embree}) {
+        if (k >= list.size()) continue;
+        const Contact& c = list[k];
+        std::fprintf(stderr,
+                     "  %zu: bodies %u %u, source %d, vertex %u-%u, edge %u chord %u, triangle %u, "
+                     "found %d, reprojected %d, age %u, distance %.17g, at %.9g %.9g %.9g\n",
+                     k, c.a.index, c.b.index, static_cast<int>(c.source), c.vertex, c.edge_end,
+                     c.edge, c.chord, c.triangle, static_cast<int>(c.found), c.reprojected, c.age,
+                     c.distance, c.point_a.x, c.point_a.y, c.point_a.z);
+    }
+}
+
 void run(const std::string& name, const scenes::Recording& recording, const Options& options,
          const std::vector<Filter>& filters = {}) {
     const auto& [steps, checks, devices, stages, host_share, builder, memory, coverage, reproject,
@@ -248,14 +270,17 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
     std::vector<double> wall, on_device, full_rays, walks, lost;
     std::map<std::string, std::vector<double>> by_stage;
     std::vector<std::string> order;
-    std::vector<std::uint64_t> hashes;
+    std::vector<std::vector<Contact>> found;
     StepStats last;
     const auto frame_of_step = [&](std::uint32_t i) { return i % recording.frame_count; };
     for (std::uint32_t i = 0; i < steps; ++i) {
         for (const auto& of_device : places) of_device->write(frame_of_step(i));
         if (host_share) gpu.put(frame_of_step(i));
         last = gpu.world.detect();
-        if (i < checks) hashes.push_back(contact_hash(gpu.world.contacts()));
+        if (i < checks) {
+            const std::span<const Contact> contacts = gpu.world.contacts();
+            found.emplace_back(contacts.begin(), contacts.end());
+        }
         if (i < 8) continue;  // trees, buffers and graphs come into being
         wall.push_back(last.milliseconds);
         on_device.push_back(last.device_milliseconds);
@@ -275,7 +300,9 @@ void run(const std::string& name, const scenes::Recording& recording, const Opti
         for (std::uint32_t i = 0; i < checks; ++i) {
             cpu.put(frame_of_step(i));
             embree.push_back(cpu.world.detect().milliseconds);
-            differ += contact_hash(cpu.world.contacts()) != hashes[i];
+            if (contact_hash(cpu.world.contacts()) == contact_hash(found[i])) continue;
+            ++differ;
+            describe_difference(i, found[i], cpu.world.contacts());
         }
     }
     std::printf(
