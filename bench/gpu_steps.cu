@@ -107,6 +107,8 @@ public:
         cuda::check(
             cudaMemcpy(data_, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice),
             "a frame's places");
+        // A copy from pageable memory may return before it is done, and steps have other streams.
+        cuda::check(cudaStreamSynchronize(nullptr), "a frame's places");
     }
 
 private:
