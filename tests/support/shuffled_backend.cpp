@@ -39,7 +39,20 @@ public:
     }
 };
 
+class BackendWithLittleMemory : public PipelineBackend<ShuffledExecutor, ArrangedTrees> {
+public:
+    explicit BackendWithLittleMemory(std::uint32_t& lists_left)
+        : PipelineBackend("with little memory", std::make_unique<ShuffledExecutor>(),
+                          std::make_unique<ArrangedTrees>()) {
+        executor().lists_left = &lists_left;
+    }
+};
+
 }  // namespace
+
+std::unique_ptr<Backend> backend_with_little_memory(std::uint32_t& lists_left) {
+    return std::make_unique<BackendWithLittleMemory>(lists_left);
+}
 
 std::unique_ptr<Backend> shuffled_backend() { return std::make_unique<ShuffledBackend>(); }
 

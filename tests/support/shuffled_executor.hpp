@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <new>
 #include <numeric>
 #include <vector>
 
@@ -41,8 +42,12 @@ public:
         return serial_.select(id, n, wanted, out);
     }
 
+    /// How many more lists there is memory for, if not null.
+    std::uint32_t* lists_left = nullptr;
+
     template <class F, class... T>
     void emit(ListId, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
+        if (lists_left != nullptr && (*lists_left)-- == 0) throw std::bad_alloc();
         for (std::uint32_t i : shuffled(n)) finder.find(i);
         std::vector<std::uint32_t> blocks((n + block - 1) / block);
         std::iota(blocks.begin(), blocks.end(), 0u);

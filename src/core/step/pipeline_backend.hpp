@@ -27,10 +27,15 @@ public:
     std::string description() const override { return description_; }
     void step(const Scene& scene, StepStats& stats) override {
         grow_older();
-        executor_->run([&] { pipeline_.step(scene, stats); });
-        pipeline_.report(*scene.plan, stats);
-        const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
         contacts_.clear();
+        try {
+            executor_->run([&] { pipeline_.step(scene, stats); });
+            pipeline_.report(*scene.plan, stats);
+        } catch (...) {
+            pipeline_.remember(StepMemory{});
+            throw;
+        }
+        const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
         if (others.empty() || of_sheets.empty()) return;
         contacts_.assign(others.begin(), others.end());
         contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());

@@ -10,6 +10,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/oriented_box.hpp"
+#include "core/partition/contact_order.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
@@ -173,11 +174,12 @@ std::string number(double value) {
 
 /// Those of a world's contacts that a pair of solids may have: all of them where contacts are
 /// sorted by world before pairs, and else the pair's own.
-std::span<const Contact> contacts_of(std::span<const Contact> all, Pair pair, bool by_world) {
+std::span<const Contact> contacts_of(std::span<const Contact> all, View<const BodyView> bodies,
+                                     Pair pair, bool by_world) {
     if (by_world) return all;
     const auto of_pair = [](const Contact& c) { return Pair{c.a.index, c.b.index}; };
     const auto solids_end = std::ranges::partition_point(
-        all, [](const Contact& c) { return !c.of_sheet; });
+        all, [&](const Contact& c) { return is_by_ray(c, bodies); });
     const std::ranges::subrange solids(all.begin(), solids_end);
     const auto own = std::ranges::equal_range(
         solids, pair, [](Pair p, Pair q) { return p < q; }, of_pair);
@@ -220,7 +222,8 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
         return filtered;
     }
     const std::vector<Contact> found = of_vertex(
-        contacts_of(contacts(), pair, sheet || !state_->worlds.empty()), body, other, vertex);
+        contacts_of(contacts(), views, pair, sheet || !state_->worlds.empty()), body, other,
+        vertex);
     if (sheet)
         return explain_sheet(views[body.index], views[other.index], vertex,
                              std::max(collision_of(body).thickness, collision_of(other).thickness),

@@ -63,7 +63,7 @@ public:
             const BodyEntry& body = slots[i].thing;
             if (body.is_on_device())
                 throw InputError("body " + std::to_string(i) + " has its place in device memory");
-            if (!body.usable || state.left_out.contains(body.filter.world) ||
+            if (!body.usable || body.away || state.left_out.contains(body.filter.world) ||
                 body.collision.sheet || !state.mesh_of(body).inside().exists())
                 continue;
             bodies_.push_back(i);

@@ -308,9 +308,9 @@ const StepStats& World::detect() {
         return s.stats;
     }
     s.stats = {};
-    s.still = s.planned && s.changed.empty();
+    const bool still = s.planned && s.changed.empty();
     s.refresh_views();
-    const std::uint32_t forgets_sides = std::exchange(s.forgets_sides, false);
+    const std::uint32_t forgets_sides = s.forgets_sides;
     const bool certifies = s.plan.settings.temporal == Temporal::certified;
     const bool few_change = constants::memory_still * s.moved_bodies() <=
                             s.plan.rigid_bodies + s.plan.deforming_bodies;
@@ -333,7 +333,10 @@ const StepStats& World::detect() {
                       .plan = rests ? &s.resting_plan : &s.plan,
                       .part = s.part,
                       .forgets_sides = {&forgets_sides, 1}};
+    s.stepped = s.still = false;
     s.backend->step(scene, s.stats);
+    s.forgets_sides = false;
+    s.still = still;
     if (certifies && !few_change) s.rest.note(s.stats, s.plan.measures_deformation);
     s.stats.rested = rests;
     s.end_motion();

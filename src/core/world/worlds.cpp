@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include "core/partition/contact_order.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
@@ -173,7 +174,9 @@ WorldOffsets World::world_offsets() const {
     s.check_stepped("world_offsets");
     WorldOffsets offsets{s.worlds, {}, {}};
     const std::span<const Contact> all = contacts();
-    const auto sheets = std::ranges::find_if(all, [](const Contact& c) { return c.of_sheet; });
+    const View<const BodyView> views = view_of(s.views);
+    const auto sheets = std::ranges::find_if_not(
+        all, [&](const Contact& c) { return is_by_ray(c, views); });
     const auto place_of = [&](const Contact& c) {
         return std::min(s.views[c.a.index].world_place, s.views[c.b.index].world_place);
     };
