@@ -120,6 +120,8 @@ std::unique_ptr<Backend> backend_of(const pierce_backend_options* given) {
     const auto kind = enumerated(options.kind, PIERCE_BACKEND_CUDA, "backend.kind");
     if (options.host_share != 0 && (kind != PIERCE_BACKEND_CUDA || !(options.host_share > 0)))
         throw InputError("backend.host_share is positive, and for CUDA");
+    if (options.parts > most_parts)
+        throw InputError("backend.parts is more than " + std::to_string(most_parts));
     if (options.parts <= 1 || kind == PIERCE_BACKEND_CUDA) return one_backend(options, kind);
     return partitioned_backend(options.parts, options.threads, [&](int threads) {
         pierce_backend_options of_part = options;

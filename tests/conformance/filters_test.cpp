@@ -14,6 +14,7 @@
 
 #include "pierce/contact_hash.hpp"
 #include "pierce/error.hpp"
+#include "pierce/explain.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
@@ -349,6 +350,50 @@ TEST_P(FiltersTest, ReplicatedWorldsFindTheSame) {
     EXPECT_EQ(world.worlds().size(), 6u);
     EXPECT_THROW(world.copy_places(4, 99), InputError);
     EXPECT_THROW(world.set_world_active(99, false), InputError);
+}
+
+/// Contacts of a sheet that looks for itself along velocities stand among those of solids.
+TEST_P(FiltersTest, WorldsWithRaysOfSheets) {
+    World world(GetParam().make());
+    const MeshData flat = scenes::grid(1, 1, 6, 6);
+    MeshData lifted = flat;
+    for (Vec3f& p : lifted.positions) p.z += 0.2f;
+    const MeshData layers = scenes::joined(flat, lifted);
+    const BodyId sheet = world.add_deforming_body(
+        world.add_mesh("layers", layers, {.inside = Inside::none}));
+    world.set_collision(sheet, {SelfCollision::rays, true, 0.01});
+    const MeshId box = world.add_mesh("box", scenes::box({4, 4, 4}, {5, 5, 5}));
+    const std::vector<BodyId> boxes{world.add_rigid_body(box),
+                                    world.add_rigid_body(box, {{0.9, 0.1, 0.1}, {}})};
+    for (BodyId body : {sheet, boxes[0], boxes[1]}) world.set_filter(body, {.world = 0});
+    world.replicate(0, 2);
+    std::vector<Vec3f> crossed = layers.positions;
+    for (std::size_t v = 0; v < crossed.size(); ++v)
+        crossed[v].z += v < flat.positions.size() ? 0.15f : -0.15f;
+    for (const std::int32_t w : world.worlds())
+        world.set_motion(world.bodies_of(w)[0], layers.positions, crossed);
+    world.detect();
+    const WorldOffsets offsets = world.world_offsets();
+    const auto contacts = world.contacts();
+    ASSERT_EQ(offsets.solids.size(), 4u);
+    std::size_t of_rays = 0;
+    for (std::size_t w = 0; w < 3; ++w) {
+        const std::vector<BodyId> bodies = world.bodies_of(offsets.worlds[w]);
+        std::size_t of_boxes = 0;
+        for (std::uint32_t i = offsets.solids[w]; i < offsets.solids[w + 1]; ++i) {
+            EXPECT_TRUE(std::ranges::find(bodies, contacts[i].a) != bodies.end()) << i;
+            of_rays += contacts[i].of_sheet;
+            of_boxes += !contacts[i].of_sheet;
+        }
+        EXPECT_GT(of_boxes, 0u);
+        for (std::uint32_t v = 0; v < 8; ++v) {
+            const bool is_there = std::ranges::any_of(contacts, [&](const Contact& c) {
+                return c.a == bodies[1] && c.source == Side::a && c.vertex == v && !c.is_edge();
+            });
+            EXPECT_EQ(world.explain(bodies[1], bodies[2], v).reason == Reason::contact, is_there);
+        }
+    }
+    EXPECT_GT(of_rays, 0u);
 }
 
 TEST_P(FiltersTest, ManyPosesAreSetAtOnce) {

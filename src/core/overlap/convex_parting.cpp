@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 
 #include "core/mesh/half_edges.hpp"
 #include "pierce/box.hpp"
@@ -54,7 +55,7 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     });
     if (!is_convex) return std::nullopt;
     const auto less = [](Vec3d a, Vec3d b) {
-        return std::lexicographical_compare(&a.x, &a.x + 3, &b.x, &b.x + 3);
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     };
     std::ranges::stable_sort(normals, less);
     const auto same = std::ranges::unique(normals,

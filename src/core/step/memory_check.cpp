@@ -31,25 +31,6 @@ public:
         for (const BodyView& body : bodies) as_keys_.by_world |= body.filter.world != all_worlds;
     }
 
-    void run() {
-        const std::size_t pairs = memory_.pair_keys.size();
-        require(pairs <= stages::no_pair / 2 && memory_.identities.size() == pairs);
-        require(std::ranges::is_sorted(memory_.pair_keys));
-        require(memory_.directed.empty() || memory_.directed.size() == 2 * pairs);
-        require(memory_.ages.size() == memory_.contact_keys.size());
-        require(memory_.contacts.empty() || memory_.contacts.size() == memory_.contact_keys.size());
-        require(std::ranges::is_sorted(memory_.contact_keys));
-        require(memory_.sheet_records.size() == memory_.sheet_keys.size());
-        require(std::ranges::is_sorted(memory_.sheet_keys));
-        require(memory_.deepest.empty() || memory_.deepest.size() == pairs);
-        require(memory_.sheet_bits <= 32);
-        if (!memory_.directed.empty())
-            for (std::uint32_t i = 0; i < 2 * pairs; ++i) check_directed(i);
-        for (std::size_t i = 0; i < memory_.contacts.size(); ++i) check_contact(i);
-        for (std::size_t i = 0; i < memory_.sheet_records.size(); ++i) check_sheet_record(i);
-    }
-
-private:
     /// The pair of the next step that will be this remembered pair; not known if no pair will be.
     struct Known {
         Pair pair;
@@ -62,6 +43,27 @@ private:
         return {p, memory_.identities[pair].is(stages::identity_of(bodies_, ids_, p))};
     }
 
+    void run() const {
+        const std::size_t pairs = memory_.pair_keys.size();
+        require(pairs <= stages::no_pair / 2 && memory_.identities.size() == pairs);
+        require(std::ranges::is_sorted(memory_.pair_keys));
+        require(memory_.directed.empty() || memory_.directed.size() == 2 * pairs);
+        require(memory_.ages.size() == memory_.contact_keys.size());
+        // Contacts of pairs in which nothing moves are taken over.
+        require(memory_.contacts.size() == memory_.contact_keys.size() ||
+                (memory_.contacts.empty() && memory_.directed.empty()));
+        require(std::ranges::is_sorted(memory_.contact_keys));
+        require(memory_.sheet_records.size() == memory_.sheet_keys.size());
+        require(std::ranges::is_sorted(memory_.sheet_keys));
+        require(memory_.deepest.empty() || memory_.deepest.size() == pairs);
+        require(memory_.sheet_bits <= 32);
+        if (!memory_.directed.empty())
+            for (std::uint32_t i = 0; i < 2 * pairs; ++i) check_directed(i);
+        for (std::size_t i = 0; i < memory_.contacts.size(); ++i) check_contact(i);
+        for (std::size_t i = 0; i < memory_.sheet_records.size(); ++i) check_sheet_record(i);
+    }
+
+private:
     void check_directed(std::uint32_t i) const {
         const Known k = known(i / 2);
         if (!k.is_known) return;
@@ -127,8 +129,11 @@ private:
 
 }  // namespace
 
-void check(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids) {
-    Checker(memory, bodies, ids).run();
+void check(StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids) {
+    const Checker checker(memory, bodies, ids);
+    checker.run();
+    for (std::uint64_t pair = 0; pair < memory.pair_keys.size(); ++pair)
+        if (!checker.known(pair).is_known) memory.identities[pair] = {};
 }
 
 }  // namespace pierce

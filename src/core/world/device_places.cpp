@@ -26,6 +26,11 @@ void require_device(const Backend& backend, const char* what) {
                          backend.description() + "'");
 }
 
+void require_address(const void* address, const char* what) {
+    if (address == nullptr)
+        throw InputError(std::string(what) + " in device memory have no address");
+}
+
 /// Gives bodies the poses pose_at(k), where k is the first of their seven numbers. Throws before
 /// any change if one of them cannot have a pose.
 template <class State, class PoseAt>
@@ -96,14 +101,13 @@ void World::set_device_positions(BodyId body, const Vec3f* positions) {
     if (state_->plan.sheets)
         throw InputError(
             "a world with a sheet needs positions at both ends of a step: use set_device_motion()");
-    set_device_motion(body, nullptr, positions);
+    require_address(positions, "positions");
+    state_->put_on_device(body, nullptr, positions);
 }
 
 void World::set_device_positions(std::span<const BodyId> bodies, const Vec3f* positions) {
-    for (const BodyId body : bodies)
-        if (motion_of(body) != Motion::deforming)
-            throw InputError("body " + std::to_string(body.index) +
-                             " is rigid: it has a pose, not positions");
+    for (const BodyId body : bodies) state_->check_has_positions(body);
+    if (!bodies.empty()) require_address(positions, "positions");
     for (const BodyId body : bodies) {
         set_device_positions(body, positions);
         positions += mesh(mesh_of(body)).positions().size();
@@ -111,20 +115,25 @@ void World::set_device_positions(std::span<const BodyId> bodies, const Vec3f* po
 }
 
 void World::set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions) {
-    BodyEntry& entry = state_->bodies.get(body, "body");
-    if (entry.motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) +
-                         " is rigid: it has a pose, not positions");
-    require_device(*state_->backend, "positions");
+    require_address(start, "positions at the start");
+    require_address(positions, "positions");
+    state_->put_on_device(body, start, positions);
+}
+
+void World::State::put_on_device(BodyId body, const Vec3f* start, const Vec3f* positions) {
+    check_has_positions(body);
+    require_device(*backend, "positions");
+    BodyEntry& entry = bodies.get(body, "body");
     entry.device_positions = positions;
     entry.device_start = start;
-    entry.positions_version = state_->next_key++;
+    entry.positions_version = next_key++;
     entry.usable = true;
-    state_->note_change(body);
+    note_change(body);
 }
 
 void World::set_device_poses(std::span<const BodyId> bodies, const float* poses) {
     require_device(*state_->backend, "poses");
+    if (!bodies.empty()) require_address(poses, "poses");
     set_device_pose(*state_, bodies, [&](std::size_t at) {
         return DevicePose{.floats = poses + at, .doubles = nullptr};
     });
@@ -132,6 +141,7 @@ void World::set_device_poses(std::span<const BodyId> bodies, const float* poses)
 
 void World::set_device_poses(std::span<const BodyId> bodies, const double* poses) {
     require_device(*state_->backend, "poses");
+    if (!bodies.empty()) require_address(poses, "poses");
     set_device_pose(*state_, bodies, [&](std::size_t at) {
         return DevicePose{.floats = nullptr, .doubles = poses + at};
     });

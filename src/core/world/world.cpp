@@ -157,6 +157,12 @@ void World::State::check_have_poses(std::span<const BodyId> some) const {
                              " deforms: it has positions, not a pose");
 }
 
+void World::State::check_has_positions(BodyId body) const {
+    if (bodies.get(body, "body").motion != Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) +
+                         " does not deform: it has a pose, not positions");
+}
+
 BodyEntry& World::State::place(BodyId body, const Pose& pose) {
     check_have_poses({&body, 1});
     BodyEntry& entry = begin_motion(body);
@@ -217,9 +223,7 @@ void World::set_poses(std::span<const BodyId> bodies, std::span<const float> pos
 
 void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
-    if (entry.motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) +
-                         " is rigid: it has a pose, not positions");
+    state_->check_has_positions(body);
     check_count(positions.size(), state_->mesh_of(entry));
     state_->begin_motion(body);
     std::ranges::copy(positions, entry.positions.begin());
@@ -233,9 +237,7 @@ void World::set_positions(std::span<const BodyId> bodies, std::span<const Vec3f>
     std::size_t count = 0;
     for (const BodyId body : bodies) {
         const BodyEntry& entry = state_->bodies.get(body, "body");
-        if (entry.motion != Motion::deforming)
-            throw InputError("body " + std::to_string(body.index) +
-                             " is rigid: it has a pose, not positions");
+        state_->check_has_positions(body);
         count += state_->mesh_of(entry).positions().size();
     }
     if (positions.size() != count)

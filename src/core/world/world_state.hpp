@@ -167,6 +167,10 @@ struct World::State {
     const BodyEntry& placed_body(BodyId body);
     /// Throws InputError for a body that deforms.
     void check_have_poses(std::span<const BodyId> some) const;
+    /// Throws InputError for a body that does not deform.
+    void check_has_positions(BodyId body) const;
+    /// Lets steps read a deforming body's positions in device memory; `start` may be null.
+    void put_on_device(BodyId body, const Vec3f* start, const Vec3f* positions);
     /// Throws InputError, naming the body, for a Collision that the body cannot have.
     void check_collision(Motion motion, const Mesh& mesh, const Collision& collision,
                          const std::string& name) const;

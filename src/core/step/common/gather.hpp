@@ -68,11 +68,4 @@ struct MarkTargets {
     }
 };
 
-/// Tells rays that are traced from those that hit nothing by definition.
-struct IsTraced {
-    View<const Ray> rays;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return rays[i].t_max >= 0; }
-};
-
 }  // namespace pierce::stages
