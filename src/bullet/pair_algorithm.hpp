@@ -36,7 +36,7 @@ public:
     void write_manifolds(const ContactSide& a, const ContactSide& b,
                          std::span<const Contact> contacts, std::uint32_t most,
                          std::span<const ImpactContact> impacts);
-    /// Notes that so many contacts of the pair went to soft bodies, and leaves no manifold.
+    /// Notes that so many contacts of the pair went to soft bodies, which need no manifold.
     void note_soft(std::uint32_t count);
 
     /// The near callback of an Installation writes contacts; these do nothing.

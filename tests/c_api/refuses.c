@@ -346,13 +346,13 @@ static void places(scene* s, pierce_body_id stale) {
     REFUSES(pierce_set_poses_float(w, one, 1, NULL), "poses is null");
     REFUSES(pierce_set_poses_float(w, one, 2, f), "was removed");
     REFUSES(pierce_set_positions(NULL, s->above, p, torus_vertices), "world is null");
-    REFUSES(pierce_set_positions(w, s->above, p, torus_vertices), "rigid");
+    REFUSES(pierce_set_positions(w, s->above, p, torus_vertices), "does not deform");
     REFUSES(pierce_set_positions(w, s->above, NULL, torus_vertices), "positions is null");
     REFUSES(pierce_set_positions(w, stale, p, torus_vertices), "was removed");
     REFUSES(pierce_set_positions_many(NULL, one, 1, p, torus_vertices), "world is null");
     REFUSES(pierce_set_positions_many(w, NULL, 1, p, torus_vertices), "bodies is null");
     REFUSES(pierce_set_positions_many(w, one, 1, NULL, torus_vertices), "positions is null");
-    REFUSES(pierce_set_positions_many(w, one, 1, p, torus_vertices), "rigid");
+    REFUSES(pierce_set_positions_many(w, one, 1, p, torus_vertices), "does not deform");
     REFUSES(pierce_set_motion(NULL, s->above, p, p, torus_vertices), "world is null");
     REFUSES(pierce_set_motion(w, s->above, p, p, torus_vertices), "");
     REFUSES(pierce_set_motion(w, s->above, NULL, p, torus_vertices), "start is null");

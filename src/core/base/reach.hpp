@@ -28,11 +28,11 @@ PIERCE_HD inline bool is_usable(const Pose& pose) {
            norm <= constants::largest_rotation;
 }
 
-/// Throws InputError unless every position is within reach.
-inline void check_positions(const std::string& name, std::span<const Vec3f> positions) {
+/// Throws InputError, beginning with `subject`, unless every position is within reach.
+inline void check_positions(const std::string& subject, std::span<const Vec3f> positions) {
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!is_within_reach(positions[v]))
-            throw InputError("'" + name + "': vertex " + std::to_string(v) +
+            throw InputError(subject + ": vertex " + std::to_string(v) +
                              (is_finite(positions[v]) ? " is too far away" : " is not finite"));
 }
 

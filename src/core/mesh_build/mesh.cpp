@@ -40,7 +40,7 @@ constexpr std::size_t triangles_for_threads = 4096;
 
 void check_mesh_data(const std::string& name, const MeshData& data) {
     if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");
-    check_positions(name, data.positions);
+    check_positions("'" + name + "'", data.positions);
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (std::uint32_t v : data.triangles[t].vertex)
             if (v >= data.positions.size())

@@ -64,10 +64,12 @@ Part usable_part(const MeshData& mesh, Findings& findings) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         bool known = true, finite = true;
         for (std::uint32_t v : mesh.triangles[t].vertex) {
-            if (v < used.size())
-                used[v] = true, finite &= is_finite(mesh.positions[v]);
-            else
+            if (v < used.size()) {
+                used[v] = true;
+                finite &= is_finite(mesh.positions[v]);
+            } else {
                 known = false;
+            }
         }
         if (!known) findings.add(MeshDefect::bad_index, {t});
         if (!known || !finite) continue;

@@ -15,8 +15,7 @@ namespace pierce {
 void check_mesh_data(const std::string& name, const MeshData& data);
 
 /// The traits of a mesh with valid indices and finite positions. `sides`: of its triangles;
-/// `origin` is a point near the mesh,
-/// which keeps the volume accurate.
+/// `origin`: a point near the mesh, which keeps the volume accurate.
 MeshTraits traits_of(const MeshData& data, const HalfEdges& sides, Vec3d origin);
 
 /// The corners of every vertex, in triangle order, and where the corners of each vertex begin:

@@ -34,9 +34,9 @@ struct FirstMeeting {
 };
 
 /// The first meeting of two surfaces, nothing if they do not meet. No meeting is missed
-/// (core/geometry/continuous.hpp) but of places that touch at time 0, and not deeper than the touch
-/// tolerance later. It is followed by the first meetings of other vertices, far from
-/// each other as they begin, up to `most` in all.
+/// (core/geometry/continuous.hpp) but of places that touch at time 0 and are not deeper than the
+/// touch tolerance later. It is followed by the first meetings of other vertices, far from each
+/// other as they begin, up to `most` in all.
 std::vector<FirstMeeting> first_meetings(const MovingSurface& first, const MovingSurface& second,
                                          std::uint32_t most);
 

@@ -511,11 +511,11 @@ private:
 
     // trace: The triangle each ray crosses first.
     void trace(const Scene& scene) {
-        const bool some_walk = scene.plan->remembers();
+        const bool remembers = scene.plan->remembers();
         traced_ = count_of(full_rays(*scene.plan));
         tools_.trace(scene.bodies, full_rays(*scene.plan),
-                     some_walk ? routes_.full_hits : batch_.hits);
-        if (some_walk) scatter_hits();
+                     remembers ? routes_.full_hits : batch_.hits);
+        if (remembers) scatter_hits();
         if (scene.plan->velocity_rays) relate_to_layers(scene.bodies);
     }
 
@@ -611,13 +611,14 @@ private:
         const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
         if (!margins)
             return tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
-        tools_.sort(bits, sort_.keys, sort_.values, with_seconds_.keys, with_seconds_.order);
-        executor_.emit(ListId::first_contacts, count_of(with_seconds_.keys),
-                       stages::DropSeconds{.sources = view_of(batch_.sources),
-                                           .candidates = view_of(batch_.candidates),
-                                           .order = view_of(std::as_const(with_seconds_.order)),
-                                           .keys = view_of(std::as_const(with_seconds_.keys))},
-                       now_.contact_keys, sort_.order);
+        tools_.sort(bits, sort_.keys, sort_.values, with_duplicates_.keys, with_duplicates_.order);
+        executor_.emit(
+            ListId::first_contacts, count_of(with_duplicates_.keys),
+            stages::DropDuplicates{.sources = view_of(batch_.sources),
+                                   .candidates = view_of(batch_.candidates),
+                                   .order = view_of(std::as_const(with_duplicates_.order)),
+                                   .keys = view_of(std::as_const(with_duplicates_.keys))},
+            now_.contact_keys, sort_.order);
     }
 
     // contacts: The list, in (pair, side, vertex) order. Candidates are tested on the way, unless
@@ -770,7 +771,7 @@ private:
     RouteLists<E> routes_;
     ExitLists<E> exits_;
     SortScratch<E> sort_;
-    SortScratch<E> with_seconds_;
+    SortScratch<E> with_duplicates_;
     StepSums<E> sums_;
     Count traced_ = 0u;  ///< rays of vertices, of chords, and along velocities
     TracerCounts reported_;

@@ -297,8 +297,6 @@ void World::State::make_plan() {
     }
     add_nodes();
     arrange_worlds();
-    plan.moving = plan.rigid_bodies + plan.deforming_bodies > 0 &&
-                  (ids.size() > 1 || plan.sheets || plan.meets_itself);
     plan.measures_deformation = plan.deforming_bodies > 0;
     list_stages(plan);
     resting_plan = plan;

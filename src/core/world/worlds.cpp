@@ -98,11 +98,11 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
         throw InputError("there would be " + std::to_string(bodies) +
                          " bodies; with worlds there are at most " +
                          std::to_string(std::uint64_t{1} << constants::body_bits));
-    // Pairs that are excluded in the world: which of its bodies, and the other one, which may be
-    // in all worlds.
     std::vector<BodyEntry> copies;
     copies.reserve(originals.size());
     for (BodyId id : originals) copies.push_back(copy_of(s.placed_body(id), world));
+    // Pairs that are excluded in the world: which of its bodies, and the other one, which may be
+    // in all worlds.
     std::vector<BodyIdPair> within;
     for (const BodyIdPair& p : s.excluded) {
         const auto is_here = [&](BodyId id) { return std::ranges::count(originals, id) > 0; };

@@ -12,6 +12,8 @@
 #include "pierce/backend.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/error.hpp"
+#include "pierce/partitioned_backend.hpp"
+#include "pierce/reference_backends.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/executor_backends.hpp"
 #include "support/random.hpp"
@@ -222,6 +224,9 @@ TEST(WorldTest, RefusesWhatItCannotBeMadeOf) {
     EXPECT_THROW(World::restore(saved, nullptr), InputError);
     EXPECT_THROW(World(Settings{.coverage = static_cast<Coverage>(7)}), InputError);
     EXPECT_THROW(World(Settings{.temporal = static_cast<Temporal>(7)}), InputError);
+    for (const std::uint32_t parts : {0u, most_parts + 1})
+        EXPECT_THROW(partitioned_backend(parts, 1, [](int) { return reference_backend(); }),
+                     InputError);
 }
 
 TEST(WorldTest, ADeformingBodyMayChangeItsTriangles) {

@@ -29,7 +29,6 @@ struct Plan {
     std::uint32_t open_bodies = 0;      ///< bodies without an inside: sources only
     std::uint32_t worlds = 0;           ///< different ones in Filter::world, without all_worlds
     std::uint32_t excluded_pairs = 0;   ///< by World::exclude()
-    bool moving = false;                ///< some contact is possible
     bool measures_deformation = false;  ///< bounds measures vertices, and trees are refitted
     bool casts_rays = false;  ///< some body has an inside in which others are looked for, or is
                               ///< looked for in itself by rays along velocities

@@ -47,6 +47,13 @@ struct MarkWanted {
     }
 };
 
+/// Tells items that are marked.
+struct IsMarked {
+    View<const std::uint32_t> marks;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const { return marks[i] != 0; }
+};
+
 /// Per item: zero.
 struct Clear {
     View<std::uint32_t> items;

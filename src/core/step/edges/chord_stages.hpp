@@ -34,8 +34,8 @@ struct FoundChord {
 };
 
 /// Per near edge to be looked at: lists its chords. A ray along the edge finds the target's surface
-/// and goes on behind each crossing. Marks pairs whose edges touch the
-/// other surface, or may cross it.
+/// and goes on behind each crossing. Marks pairs whose edges touch the other surface, or may cross
+/// it.
 struct FindChords {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/device/view.hpp"
+#include "core/step/common/gather.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
 #include "core/step/margin/margin_stages.hpp"
@@ -91,7 +92,7 @@ private:
                                        .keep = view_of(near_.keep)};
                                });
         tools_.list(ListId::near_contacts, count,
-                    stages::IsKept{view_of(std::as_const(near_.keep))}, near_.candidates);
+                    stages::IsMarked{view_of(std::as_const(near_.keep))}, near_.candidates);
     }
 
     /// Lists the pairs of edges.

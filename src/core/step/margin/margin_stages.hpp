@@ -225,13 +225,6 @@ struct MeasureNear {
     }
 };
 
-/// Tells what is kept.
-struct IsKept {
-    View<const std::uint32_t> keep;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return keep[i] != 0; }
-};
-
 /// Per place of a list of rays: the ray joins a batch as a contact.
 struct JoinAsContact {
     View<const std::uint32_t> kept;

@@ -5,6 +5,7 @@
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
+#include "core/step/common/gather.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/self_overlap/self_overlap_stages.hpp"
 #include "core/step/solids/ray_batch.hpp"
@@ -71,7 +72,7 @@ private:
                                                          .winding = view_of(winding_),
                                                          .goes_on = view_of(goes_on_)});
         const Count left = tools_.list(ListId::outward_rays, count,
-                                       stages::IsUnderWay{view_of(goes_on_)}, places_);
+                                       stages::IsMarked{view_of(goes_on_)}, places_);
         next_active_.resize(left);
         executor_.for_each(left, stages::Gather<std::uint32_t>{view_of(active_), view_of(places_),
                                                                view_of(next_active_)});

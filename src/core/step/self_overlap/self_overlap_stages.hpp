@@ -73,13 +73,6 @@ struct AdvanceOutward {
     }
 };
 
-/// True for rays that go on.
-struct IsUnderWay {
-    View<const std::uint32_t> goes_on;
-
-    PIERCE_HD bool operator()(std::uint32_t i) const { return goes_on[i] != 0; }
-};
-
 /// Per candidate of a body against itself: 1 if its vertex is inside another part that is not near
 /// it at rest.
 struct KeepSelf {

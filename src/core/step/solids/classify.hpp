@@ -160,8 +160,7 @@ struct GenerateOwnRays {
 
 /// Per candidate: R2 and R3. ray_gen has limited rays of vertices of rigid and fixed sources at
 /// their own exit; open sources have no inside. A candidate whose own ray is not traced is a
-/// contact. Reads own
-/// hits; writes 1 for a contact, 0 otherwise.
+/// contact. Reads own hits; writes 1 for a contact, 0 otherwise.
 struct TestOwnExit {
     View<const BodyView> bodies;
     View<const Ray> rays;

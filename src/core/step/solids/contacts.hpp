@@ -127,7 +127,7 @@ private:
 /// Per contact in the order of their keys: lists all but vertices that are near, if the same vertex
 /// is in contact by a ray, too. Rounding may see a vertex on both sides of a surface that it
 /// touches.
-struct DropSeconds {
+struct DropDuplicates {
     View<const RaySource> sources;
     View<const std::uint32_t> candidates, order;
     View<const std::uint64_t> keys;

@@ -12,7 +12,8 @@
 
 namespace pierce {
 
-/// What the stages of reproject, edges and separation read of a step, and the marks that they set.
+/// What the stages of reproject, edges, separation and margin read of a step, and the marks that
+/// they set.
 template <Executor E>
 struct StepOfPairs {
     const Scene& scene;
