@@ -1,0 +1,56 @@
+// Steps that run out of memory.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "pierce/contact_hash.hpp"
+#include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
+#include "support/executor_backends.hpp"
+#include "support/random.hpp"
+
+namespace pierce {
+namespace {
+
+/// A step that runs out of memory anywhere has no contacts, and the next one is a first one.
+TEST(LittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
+    test::Random random(5);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (const Temporal temporal : {Temporal::certified, Temporal::paper}) {
+        std::uint32_t lists_left = ~0u;
+        const Settings settings{.temporal = temporal};
+        World world(test::backend_with_little_memory(lists_left), settings);
+        const MeshId mesh = world.add_mesh("torus", scenes::torus(1, 0.4, 12, 8));
+        std::vector<BodyId> bodies;
+        for (int k = 0; k < 6; ++k) bodies.push_back(world.add_rigid_body(mesh));
+        std::vector<Pose> poses(bodies.size());
+        for (Pose& p : poses) p = {random.in_box(1.5), random.rotation()};
+        int failed = 0;
+        for (int step = 0; step < 60; ++step) {
+            for (Pose& p : poses) p.position += random.in_box(0.02);
+            world.set_poses(bodies, poses);
+            lists_left = step % 3 == 2 ? static_cast<std::uint32_t>(random.integer(0, 25)) : ~0u;
+            try {
+                world.detect();
+            } catch (const std::bad_alloc&) {
+                ++failed;
+                EXPECT_TRUE(world.contacts().empty());
+                lists_left = ~0u;
+                world.detect();
+                World fresh(settings);
+                const MeshId same = fresh.add_mesh("torus", scenes::torus(1, 0.4, 12, 8));
+                for (const Pose& p : poses) fresh.add_rigid_body(same, p);
+                fresh.detect();
+                ASSERT_EQ(contact_hash(world.contacts()), contact_hash(fresh.contacts())) << step;
+                for (const Contact& c : world.contacts()) ASSERT_EQ(c.age, 0u);
+            }
+        }
+        EXPECT_GT(failed, 5);
+    }
+}
+
+}  // namespace
+}  // namespace pierce
