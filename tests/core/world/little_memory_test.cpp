@@ -24,8 +24,8 @@ TEST(LittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
         const Settings settings{.temporal = temporal};
         World world(test::backend_with_little_memory(lists_left), settings);
         const MeshId mesh = world.add_mesh("torus", scenes::torus(1, 0.4, 12, 8));
-        std::vector<BodyId> bodies;
-        for (int k = 0; k < 6; ++k) bodies.push_back(world.add_rigid_body(mesh));
+        std::vector<BodyId> bodies(6);
+        for (BodyId& body : bodies) body = world.add_rigid_body(mesh);
         std::vector<Pose> poses(bodies.size());
         for (Pose& p : poses) p = {random.in_box(1.5), random.rotation()};
         int failed = 0;
