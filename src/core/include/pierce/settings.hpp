@@ -19,13 +19,14 @@ enum class Temporal : std::uint8_t {
 /// Which parts of a body are looked for inside other bodies.
 enum class Coverage : std::uint8_t {
     vertices,  ///< its vertices (the paper): takes half to three quarters of the time of overlaps,
-               ///< and misses overlaps that hold no vertex or are thinner than one ray, up to 18 %
+               ///< and misses overlaps that hold no vertex or are thinner than one ray, up to 21 %
                ///< of the pairs in piles (docs/accuracy.md)
     complete,  ///< all its edges, too: takes 1.4 to 2.5 times as long as overlaps, and adds the
                ///< places where edges alone cross in pairs that have contacts of vertices elsewhere
     overlaps,  ///< its vertices, the edges of pairs in which no vertex has a contact with a depth,
-               ///< and bodies inside one another: misses no pair of the piles; docs/trust.md
-               ///< lists the rare random pairs that it misses
+               ///< and bodies inside one another: of the piles it misses no pair that is
+               ///< deeper than the touch tolerance; docs/trust.md lists the rare random pairs
+               ///< that it misses
 };
 
 /// How a world detects contacts. Every field has a default that suits any scale.

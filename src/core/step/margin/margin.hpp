@@ -32,7 +32,7 @@ public:
               Buffer<Route>& routes) {
         pairs_.clear();
         if (!step.scene.plan->margins) return;
-        executor_.join();
+        executor_.join();  // boxes around deforming bodies were measured beside the other stages
         executor_.beside([&] { find_vertices(step); });
         find_edge_pairs(step, edges);
         executor_.join();

@@ -144,7 +144,8 @@ struct FindGroupsNearRidge {
     View<const DirectedPair> directed;
     View<const CullItem> ridges;
 
-    /// The first groups.
+    /// The first groups. Measured: with four of them, so many soft tori of a lattice look twice
+    /// that steps take 2 % longer on an H200.
     struct Found {
         static constexpr std::uint32_t most = 8;
 

@@ -98,7 +98,8 @@ PIERCE_API pierce_status pierce_overlap(pierce_world* world, pierce_body_id a, p
 /** Where and when two solids first meet in the next step. World space. */
 typedef struct pierce_impact {
     pierce_body_id a, b; /**< a < b by their lower 32 bits */
-    double time;         /**< [0..1] of the step; never after they meet */
+    double time;         /**< [0..1] of the step; never after they meet; of what touches when
+                              the step begins: until it is as deep as the touch tolerance */
     double point[3];     /**< at that time */
     double normal[3];    /**< unit, from a to b */
     double gap;          /**< [length] along the normal as the step begins */
