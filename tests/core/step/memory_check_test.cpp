@@ -1,0 +1,43 @@
+// What a step may find in a saved world's memory.
+#include "core/step/memory_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/step/common/step_memory.hpp"
+#include "pierce/error.hpp"
+
+namespace pierce {
+namespace {
+
+/// One pair of bodies that are not there, with a contact.
+StepMemory memory_of_a_pair() {
+    StepMemory memory;
+    memory.pair_keys = {1};
+    memory.identities.resize(1);
+    memory.identities[0].b = {1, 1};
+    memory.directed.resize(2);
+    memory.contact_keys = {0};
+    memory.ages = {3};
+    memory.contacts.resize(1);
+    return memory;
+}
+
+TEST(MemoryCheckTest, ContactsThatWouldBeTakenOverAreThere) {
+    StepMemory memory = memory_of_a_pair();
+    EXPECT_NO_THROW(check(memory, {}, {}));
+    memory.contacts.clear();
+    EXPECT_THROW(check(memory, {}, {}), InputError);
+    memory.directed.clear();
+    EXPECT_NO_THROW(check(memory, {}, {})) << "nothing is taken over";
+}
+
+TEST(MemoryCheckTest, PairsThatAreNoMoreAreForgotten) {
+    StepMemory memory = memory_of_a_pair();
+    const PairIdentity before = memory.identities[0];
+    check(memory, {}, {});
+    EXPECT_FALSE(memory.identities[0].is(before));
+    EXPECT_TRUE(memory.identities[0].is({}));
+}
+
+}  // namespace
+}  // namespace pierce
