@@ -123,10 +123,8 @@ World World::restore(MPI_Comm ranks, std::istream& in, std::unique_ptr<Backend> 
     const std::vector<std::uint32_t> owners = s.cut(bodies);
     s.together([&] {
         StepMemory memory = from.backend->memory();
-        const bool by_world = !from.world_begins.empty();
-        s.handed = memory_of_part(memory, by_world, from.bodies.slots(), owners, s.rank());
+        s.handed = memory_of_part(memory, from.bodies.slots(), owners, s.rank());
         s.handed->bodies.resize(memory.bodies.size());
-        s.by_world = by_world;
         s.hands_over = true;
         s.excluded = from.excluded;
         s.inside.left_out = from.left_out;

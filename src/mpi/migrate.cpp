@@ -3,18 +3,15 @@
 
 #include "core/partition/memory_parts.hpp"
 #include "core/partition/space_cut.hpp"
-#include "core/step/common/pairs.hpp"
 #include "mpi/items.hpp"
 #include "mpi/world_state.hpp"
 #include "pierce/constants.hpp"
 
 /// Bodies that go from one rank to another, with what is remembered of their pairs.
 namespace pierce::mpi {
-StepMemory memory_of_part(const StepMemory& all, bool by_world, const BodySlots& bodies,
+StepMemory memory_of_part(const StepMemory& all, const BodySlots& bodies,
                           std::span<const std::uint32_t> owners, std::uint32_t part) {
-    const stages::PairKeys keys{by_world};
-    StepMemory memory = part_of_memory(all, [&](std::uint64_t key) {
-        const Pair pair = keys.pair(key);
+    StepMemory memory = part_of_memory(all, [&](Pair pair) {
         const auto is_there = [&](std::uint32_t b) {
             return b < bodies.size() && bodies[b].used && b < owners.size();
         };
@@ -109,7 +106,7 @@ Migration World::migrate() {
         s.inside.bring_places(leaving);
         for (std::uint32_t other = 0; other < to.size(); ++other) {
             Handover handover;
-            handover.memory = memory_of_part(memory, s.by_world, slots, owners, other);
+            handover.memory = memory_of_part(memory, slots, owners, other);
             if (other == s.rank()) {
                 kept = std::move(handover.memory);
                 continue;

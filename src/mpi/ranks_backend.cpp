@@ -156,8 +156,7 @@ private:
             given = gathered_memory(owners);
             gather_seen(owners, whole.seen);
         }
-        backend_->remember(part_of_memory(*given, [&](std::uint64_t key) {
-            const Pair pair = keys_.pair(key);
+        backend_->remember(part_of_memory(*given, [&](Pair pair) {
             return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
                    part_of(whole.bodies, pair) == part();
         }));

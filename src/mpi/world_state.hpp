@@ -75,7 +75,7 @@ struct World::State {
 
     bool hands_over = false;           ///< the next step's ghosts come with what is remembered
     std::optional<StepMemory> handed;  ///< what the next step is to remember
-    bool by_world = false;             ///< how pairs are written in what is remembered
+    bool by_world = false;             ///< how pairs of the last step's contacts are written
     bool detected = false;             ///< the last step has not failed
 
     /// Throws on all ranks what make(), which makes `local`, throws on one.
@@ -164,7 +164,7 @@ struct World::State {
 };
 
 /// Of what is remembered, the pairs of one part. `owners`: by number.
-StepMemory memory_of_part(const StepMemory& all, bool by_world, const BodySlots& bodies,
+StepMemory memory_of_part(const StepMemory& all, const BodySlots& bodies,
                           std::span<const std::uint32_t> owners, std::uint32_t part);
 
 }  // namespace pierce::mpi

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "fuzz/hostile_files.hpp"
 #include "fuzz/judge.hpp"
 
 namespace pierce::fuzz {
@@ -30,19 +29,6 @@ TEST_P(RegressionTest, KeepsEveryPromise) {
     const auto failure = judge(program, test::backends(), counts);
     EXPECT_FALSE(failure) << failure->kind << "\n" << failure->text;
     EXPECT_GT(counts.steps, 0u);
-}
-
-// Saved worlds that were taken, and must not be: a step of such a world did not end.
-TEST(RegressionFilesTest, AreRefused) {
-    std::size_t files = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(
-             std::filesystem::path(PIERCE_REGRESSIONS) / "saved_worlds")) {
-        std::ifstream file(entry.path(), std::ios::binary);
-        EXPECT_FALSE(read(Reader::saved_world, {std::istreambuf_iterator<char>(file), {}}))
-            << entry.path();
-        ++files;
-    }
-    EXPECT_GT(files, 0u);
 }
 
 TEST(RegressionProgramsTest, AreThere) { EXPECT_GE(programs().size(), 18u); }

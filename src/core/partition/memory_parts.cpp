@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/step/common/pairs.hpp"
+
 namespace pierce {
 namespace {
 
@@ -16,17 +18,19 @@ public:
     explicit MemoryJoiner(std::span<const StepMemory> from) : from_(from), moved_(from.size()) {
         for (std::size_t m = 0; m < from.size(); ++m) {
             moved_[m].assign(from[m].contact_keys.size(), dropped);
+            joined_.by_world |= from[m].by_world;
             joined_.sheet_bits = std::max(joined_.sheet_bits, from[m].sheet_bits);
         }
     }
 
-    /// Takes over the pairs for which is_wanted(key), sorted by their keys.
+    /// Takes over the pairs for which is_wanted(pair), sorted by their keys.
     template <class IsWanted>
     void take_pairs(const IsWanted& is_wanted) {
         std::vector<Place> places;
         for (std::size_t m = 0; m < from_.size(); ++m)
             for (std::size_t p = 0; p < from_[m].pair_keys.size(); ++p)
-                if (is_wanted(from_[m].pair_keys[p])) places.push_back({m, p});
+                if (is_wanted(stages::PairKeys{from_[m].by_world}.pair(from_[m].pair_keys[p])))
+                    places.push_back({m, p});
         const auto key = [&](const Place& at) { return from_[at.memory].pair_keys[at.pair]; };
         std::ranges::sort(places, {}, key);
         for (const Place& at : places) take_pair(at);
@@ -125,7 +129,7 @@ private:
 
 StepMemory join_memory(std::span<const StepMemory> parts, std::span<const std::uint32_t> owners) {
     MemoryJoiner joiner(parts);
-    joiner.take_pairs([](std::uint64_t) { return true; });
+    joiner.take_pairs([](Pair) { return true; });
     joiner.take_records();
     for (std::size_t b = 0; b < owners.size(); ++b) {
         const std::vector<SeenBody>& seen = parts[owners[b]].bodies;
@@ -137,8 +141,7 @@ StepMemory join_memory(std::span<const StepMemory> parts, std::span<const std::u
     return std::move(joiner).result();
 }
 
-StepMemory part_of_memory(const StepMemory& all,
-                          const std::function<bool(std::uint64_t key)>& is_here) {
+StepMemory part_of_memory(const StepMemory& all, const std::function<bool(Pair)>& is_here) {
     MemoryJoiner joiner({&all, 1});
     joiner.take_pairs(is_here);
     joiner.take_records();

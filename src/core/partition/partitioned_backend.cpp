@@ -275,8 +275,7 @@ void PartitionedBackend::hand_out(const Scene& whole, std::optional<StepMemory> 
         fetch_seen_of(owners, whole.ids, whole.seen);
     }
     for (Share& part : parts_) {
-        part.backend->remember(part_of_memory(*given, [&](std::uint64_t key) {
-            const Pair pair = keys_.pair(key);
+        part.backend->remember(part_of_memory(*given, [&](Pair pair) {
             return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
                    part_of(whole.bodies, pair) == part.number;
         }));

@@ -27,9 +27,7 @@ void require_range(std::uint32_t first, std::uint32_t count, std::size_t size) {
 class Checker {
 public:
     Checker(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids)
-        : memory_(memory), bodies_(bodies), ids_(ids) {
-        for (const BodyView& body : bodies) as_keys_.by_world |= body.filter.world != all_worlds;
-    }
+        : memory_(memory), bodies_(bodies), ids_(ids), as_keys_{memory.by_world} {}
 
     /// The pair of the next step that will be this remembered pair; not known if no pair will be.
     struct Known {

@@ -172,6 +172,7 @@ public:
     /// Makes this step's records those of the last step.
     void recall(const Scene& scene) {
         std::swap(now_, last_);
+        by_world_ = scene.world_begins.size > 0;
         // Contacts stay in `now_`, unless the next step may take some over.
         if (!scene.plan->settings.keeps_contacts()) {
             std::swap(now_.contacts, last_.contacts);
@@ -188,6 +189,7 @@ public:
     /// What the last step has left for the next one.
     StepMemory memory() const {
         StepMemory m;
+        m.by_world = by_world_;
         now_.save(executor_, m);
         sheets_.save(m);
         return m;
@@ -195,6 +197,7 @@ public:
     /// Makes `m` the last step's memory.
     void remember(const StepMemory& m) {
         now_.leave_contacts();
+        by_world_ = m.by_world;
         now_.restore(executor_, m);
         edges_.forget();
         sheets_.restore(m);
@@ -327,7 +330,7 @@ private:
         const std::uint32_t bodies = scene.bodies.size;
         const stages::LinkPair link{.bodies = scene.bodies,
                                     .ids = scene.ids,
-                                    .as_keys = {scene.world_begins.size > 0},
+                                    .as_keys = {by_world_},
                                     .last_keys = view_of(last_.pair_keys),
                                     .last = view_of(last_.identities)};
         const stages::WantedPairs wanted{.bodies = scene.bodies,
@@ -764,6 +767,7 @@ private:
     Sheets<E, T> sheets_;
 
     StepRecords<E> now_, last_;
+    bool by_world_ = false;  ///< how now_.pair_keys are written
     BoundsLists<E> bounds_;
     PairLists<E> pairs_;
     CullLists<E> cull_;

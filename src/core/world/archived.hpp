@@ -133,9 +133,9 @@ void transfer(A& archive, Contact& c) {
 
 template <class A>
 void transfer(A& archive, StepMemory& m) {
-    transfer_all(archive, m.pair_keys, m.identities, m.bodies, m.directed, m.blocks, m.patches,
-                 m.vertices, m.contact_keys, m.ages, m.contacts, m.sheet_bits, m.sheet_keys,
-                 m.sheet_records, m.deepest);
+    transfer_all(archive, m.by_world, m.pair_keys, m.identities, m.bodies, m.directed, m.blocks,
+                 m.patches, m.vertices, m.contact_keys, m.ages, m.contacts, m.sheet_bits,
+                 m.sheet_keys, m.sheet_records, m.deepest);
 }
 
 /// A mesh as it is saved.

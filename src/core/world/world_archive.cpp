@@ -17,7 +17,7 @@ namespace pierce {
 namespace {
 
 constexpr std::uint64_t mark = 0x646c726f77637270;  // "prcworld"
-constexpr std::uint32_t version = 4;
+constexpr std::uint32_t version = 5;
 
 void require(bool holds, const char* what) {
     if (!holds) throw InputError(std::string("a saved world holds ") + what);

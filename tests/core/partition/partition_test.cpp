@@ -222,18 +222,19 @@ TEST(MemoryPartsTest, WhatIsTakenApartAndJoinedIsTheSame) {
     SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
     for (int i = 0; i < 20; ++i) {
         StepMemory all = random_memory(random, 0, 50);
+        all.by_world = i % 2 == 1;
         for (std::uint32_t b = 0; b < 9; ++b) all.bodies.emplace_back().id = {b, 1};
         expect_whole(all);
         std::vector<StepMemory> parts;
         for (std::uint64_t part = 0; part < 3; ++part) {
-            parts.push_back(
-                part_of_memory(all, [&](std::uint64_t key) { return key % 3 == part; }));
+            parts.push_back(part_of_memory(all, [&](Pair pair) { return pair.b % 3 == part; }));
             expect_whole(parts.back());
             for (std::uint64_t key : parts.back().pair_keys) EXPECT_EQ(key % 3, part);
         }
         const std::vector<std::uint32_t> owners = {0, 1, 2, 2, 1, 0, 0, 1, 2};
         const StepMemory joined = join_memory(parts, owners);
         expect_whole(joined);
+        EXPECT_EQ(joined.by_world, all.by_world);
         EXPECT_EQ(joined.pair_keys, all.pair_keys);
         EXPECT_EQ(joined.ages, all.ages);
         ASSERT_EQ(joined.bodies.size(), 9u);

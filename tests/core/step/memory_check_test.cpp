@@ -31,6 +31,30 @@ TEST(MemoryCheckTest, ContactsThatWouldBeTakenOverAreThere) {
     EXPECT_NO_THROW(check(memory, {}, {})) << "nothing is taken over";
 }
 
+// A step looks keys up by halving: of some lists out of order it would not end.
+TEST(MemoryCheckTest, KeysAreInOrder) {
+    StepMemory memory = memory_of_a_pair();
+    memory.sheet_keys = {1, 2};
+    memory.sheet_records.resize(2);
+    EXPECT_NO_THROW(check(memory, {}, {}));
+    memory.sheet_keys = {2, 1};
+    EXPECT_THROW(check(memory, {}, {}), InputError);
+
+    memory = memory_of_a_pair();
+    memory.contact_keys = {1, 0};
+    memory.ages.resize(2);
+    memory.contacts.resize(2);
+    EXPECT_THROW(check(memory, {}, {}), InputError);
+
+    memory = memory_of_a_pair();
+    memory.pair_keys = {2, 1};
+    memory.identities.resize(2);
+    memory.directed.resize(4);
+    EXPECT_THROW(check(memory, {}, {}), InputError);
+    memory.pair_keys = {1, 2};
+    EXPECT_NO_THROW(check(memory, {}, {}));
+}
+
 TEST(MemoryCheckTest, PairsThatAreNoMoreAreForgotten) {
     StepMemory memory = memory_of_a_pair();
     const PairIdentity before = memory.identities[0];

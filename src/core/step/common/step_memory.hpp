@@ -12,6 +12,7 @@ namespace pierce {
 
 /// All that a step leaves for the next one, in host memory, so that a world can be saved.
 struct StepMemory {
+    bool by_world = false;                 ///< how pair_keys are written (PairKeys)
     std::vector<std::uint64_t> pair_keys;  ///< sorted
     std::vector<PairIdentity> identities;
     std::vector<SeenBody> bodies;
