@@ -93,7 +93,7 @@ void Coupling::detect() {
         world_.set_positions(binding.body, binding.positions);
     }
     world_.detect();
-    index_contacts();
+    is_indexed_ = false;
 }
 
 namespace {
@@ -135,6 +135,7 @@ std::span<const ImpactContact> Coupling::impacts_of(BodyId a, BodyId b) const {
 }
 
 void Coupling::index_contacts() {
+    is_indexed_ = true;
     by_pair_.clear();
     const std::span<const Contact> contacts = indexed_ = world_.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
@@ -150,6 +151,9 @@ void Coupling::index_contacts() {
 
 void Coupling::begin_step() {
     impacts_.clear();
+    // Whoever owns the world may have called detect(); new contacts may lie where the last ones
+    // did.
+    is_indexed_ = false;
     for (Binding& binding : bindings_)
         if (binding.soft != nullptr)
             binding.takes_contacts = binding.soft->m_rcontacts.size() == 0 &&
@@ -157,12 +161,12 @@ void Coupling::begin_step() {
 }
 
 std::span<const Contact> Coupling::contacts_of(BodyId a, BodyId b) {
-    // Whoever owns the world may have called detect().
     const std::span<const Contact> now = world_.contacts();
-    if (now.data() != indexed_.data() || now.size() != indexed_.size()) index_contacts();
+    if (!is_indexed_ || now.data() != indexed_.data() || now.size() != indexed_.size())
+        index_contacts();
     const auto found = by_pair_.find(key(a, b));
     if (found == by_pair_.end()) return {};
-    return world_.contacts().subspan(found->second.begin, found->second.end - found->second.begin);
+    return now.subspan(found->second.begin, found->second.end - found->second.begin);
 }
 
 ContactSide Coupling::side(const Binding& binding) {

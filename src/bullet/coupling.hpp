@@ -82,6 +82,7 @@ private:
     std::unordered_map<BodyId, std::size_t> by_body_;
     std::span<const Contact> indexed_;                  ///< World::contacts() as they were then
     std::unordered_map<std::uint64_t, Range> by_pair_;  ///< places there
+    bool is_indexed_ = false;                           ///< since the step began
     std::vector<ImpactContact> impacts_;                ///< sorted by (a, b)
     std::uint32_t written_ = 0, written_self_ = 0;
 };

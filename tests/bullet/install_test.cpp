@@ -290,6 +290,34 @@ TEST(InstallTest, WhatSleepsKeepsItsContactsAndIsNotLookedAt) {
     EXPECT_TRUE(scene.contacts.contacts().empty());
 }
 
+// The new list is as long as the last one and lies where that did.
+TEST(InstallTest, ContactsOfStepsThatTheWorldsOwnerTakesAreSeen) {
+    StockWorld scene;
+    World& contacts = scene.contacts;
+    const auto shape = MeshShape::gimpact(ring);
+    const Pose place{{9, 0, 0}, {0, 0, 0, 1}}, beside{{9.3, 0, 0.3}, {0, 0, 0, 1}};
+    const MeshId mesh = contacts.add_mesh("ring", ring);
+    const BodyId a = contacts.add_rigid_body(mesh, place),
+                 b = contacts.add_rigid_body(mesh, beside);
+    contacts.exclude(a, b);
+    bullet::Installation& installed = bullet::install(scene.bullet, contacts);
+    scene.add(*shape->shape, 1, at(0, 0, 0));
+    scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_GT(installed.reduced_contacts(), 0u);
+    const Contact first = contacts.contacts().front();
+    const std::size_t count = contacts.contacts().size();
+    const Contact* const last = contacts.contacts().data();
+
+    contacts.exclude(first.a, first.b);
+    contacts.include(a, b);
+    for (int i = 0; i < 2; ++i) contacts.detect();
+    ASSERT_EQ(contacts.contacts().size(), count);
+    EXPECT_EQ(contacts.contacts().data(), last);
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_EQ(installed.reduced_contacts(), 0u) << "these two are left out";
+}
+
 TEST(InstallTest, PairsThatBulletFiltersOutGetNoContacts) {
     StockWorld scene;
     bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
