@@ -37,16 +37,23 @@ std::string device_name(int device) {
     return properties.name;
 }
 
+/// All that steps leave on the device for the next one.
+struct StepState {
+    explicit StepState(const CudaOptions& options) : tracer({options.builder, options.rebuild}) {}
+
+    CudaExecutor executor;
+    BvhTracer<CudaExecutor> tracer;
+    cuda::SceneMirror mirror{executor};
+    Pipeline<CudaExecutor, BvhTracer<CudaExecutor>> pipeline{executor, tracer};
+};
+
 class CudaBackend : public Backend {
 public:
     /// On the current device.
     explicit CudaBackend(CudaOptions options)
-        : options_(std::move(options)),
-          name_(device_name(device_)),
-          tracer_({options_.builder, options_.rebuild}),
-          mirror_(executor_),
-          pipeline_(executor_, tracer_) {
+        : options_(std::move(options)), name_(device_name(device_)) {
         for (cudaEvent_t& event : events_) check(cudaEventCreate(&event), "an event");
+        state();
     }
     ~CudaBackend() override {
         // What is freed after this body needs the device, too.
@@ -66,20 +73,29 @@ public:
 
     void step(const Scene& host, StepStats& stats) override {
         const cuda::OnDevice here(device_);
-        caller_.hold_up(executor_.stream());
-        find_contacts(host, stats);
-        caller_.let_go_on(executor_.stream());
+        contacts_.clear();
+        pairs_.clear();
+        fetched_ = true;
+        try {
+            caller_.hold_up(stream());
+            find_contacts(host, stats);
+            caller_.let_go_on(stream());
+        } catch (...) {
+            start_over();
+            throw;
+        }
+        fetched_ = false;
     }
 
     DeviceContacts device_contacts(std::uint32_t part, std::uint32_t worlds) override {
         if (part > 0) throw InputError("there is one part only");
         const cuda::OnDevice here(device_);
-        const View<const BodyView> bodies = mirror_.scene().bodies;
+        const View<const BodyView> bodies = mirror().scene().bodies;
         DeviceContacts contacts;
-        contacts.solids = solids_.fill(executor_, pipeline_.contacts(), bodies, worlds);
-        if (mirror_.scene().plan->sheets)
-            contacts.sheets = sheets_.fill(executor_, pipeline_.sheet_contacts(), bodies, worlds);
-        caller_.let_go_on(executor_.stream());
+        contacts.solids = solids_.fill(executor(), pipeline().contacts(), bodies, worlds);
+        if (mirror().scene().plan->sheets)
+            contacts.sheets = sheets_.fill(executor(), pipeline().sheet_contacts(), bodies, worlds);
+        caller_.let_go_on(stream());
         return contacts;
     }
 
@@ -100,37 +116,37 @@ public:
     double measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,
                          View<const double> more, bool anew) override {
         const cuda::OnDevice here(device_);
-        caller_.hold_up(executor_.stream());
-        return meter_.measure(bodies, some, more, anew, executor_.stream());
+        caller_.hold_up(stream());
+        return meter_.measure(bodies, some, more, anew, stream());
     }
     void fetch_reach(View<const std::uint32_t> some, View<Box> reach) override {
         const cuda::OnDevice here(device_);
-        meter_.fetch(some, reach, executor_.stream());
+        meter_.fetch(some, reach, stream());
     }
 
     View<const FetchedPlace> fetch_places(View<const BodyView> bodies,
                                           View<const std::uint32_t> some) override {
         const cuda::OnDevice here(device_);
-        caller_.hold_up(executor_.stream());
-        return fetcher_.fetch(bodies, some, executor_.stream());
+        caller_.hold_up(stream());
+        return fetcher_.fetch(bodies, some, stream());
     }
 
     void fetch_bodies(View<BodyView> bodies) const override {
         const cuda::OnDevice here(device_);
-        mirror_.fetch(bodies);
+        mirror().fetch(bodies);
     }
 
     void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override {
         const cuda::OnDevice here(device_);
-        mirror_.fetch_seen(ids, seen);
+        mirror().fetch_seen(ids, seen);
     }
     StepMemory memory() const override {
         const cuda::OnDevice here(device_);
-        return pipeline_.memory();
+        return pipeline().memory();
     }
     void remember(const StepMemory& memory) override {
         const cuda::OnDevice here(device_);
-        pipeline_.remember(memory);
+        pipeline().remember(memory);
         // Captured steps know where memory lay, and how much there was of it.
         restart();
     }
@@ -140,6 +156,16 @@ public:
     }
 
 private:
+    StepState& state() const {
+        if (!state_) state_.emplace(options_);
+        return *state_;
+    }
+    CudaExecutor& executor() const { return state().executor; }
+    BvhTracer<CudaExecutor>& tracer() const { return state().tracer; }
+    cuda::SceneMirror& mirror() const { return state().mirror; }
+    Pipeline<CudaExecutor, BvhTracer<CudaExecutor>>& pipeline() const { return state().pipeline; }
+    cudaStream_t stream() const { return state().executor.stream(); }
+
     // The first steps after a change run stage by stage, so that the trees exist and the buffers
     // are large enough.
     static constexpr std::uint32_t rehearsals = 2;
@@ -147,14 +173,14 @@ private:
     void find_contacts(const Scene& host, StepStats& stats) {
         using Change = cuda::SceneMirror::Change;
         // The device's time begins with the places of bodies.
-        check(cudaEventRecord(events_[0], executor_.stream()), "an event");
-        const Change change = mirror_.update(host);
-        if (change != Change::none || tracer_.is_stale()) {
-            executor_.await_ghosts();
-            tracer_.arrange(executor_, host.bodies);
-            tracer_.build_changed(executor_, mirror_.scene().bodies);
+        check(cudaEventRecord(events_[0], stream()), "an event");
+        const Change change = mirror().update(host);
+        if (change != Change::none || tracer().is_stale()) {
+            executor().await_ghosts();
+            tracer().arrange(executor(), host.bodies);
+            tracer().build_changed(executor(), mirror().scene().bodies);
         }
-        if (change == Change::all || (host.plan->casts_rays && tracer_.is_stale())) restart();
+        if (change == Change::all || (host.plan->casts_rays && tracer().is_stale())) restart();
         bank_ = 1 - bank_;
         if (!can_repeat() || repeated_ < rehearsals) {
             exact_step(stats);
@@ -162,7 +188,20 @@ private:
         } else {
             bounded_step(stats);
         }
-        fetched_ = false;
+    }
+
+    /// After a step that failed: the next one begins from nothing. What was launched is awaited,
+    /// and what failed is no longer CUDA's last error.
+    void start_over() {
+        if (state_ && cuda::is_captured(stream())) {
+            cudaGraph_t captured = nullptr;
+            cudaStreamEndCapture(stream(), &captured);
+            cudaGraphDestroy(captured);
+        }
+        cudaDeviceSynchronize();
+        restart();
+        state_.reset();
+        cudaGetLastError();
     }
 
     /// True if steps may be bounded.
@@ -182,73 +221,74 @@ private:
     }
 
     void exact_step(StepStats& stats) {
-        executor_.begin_exact(bank_);
-        pipeline_.step(mirror_.scene(), stats);
-        executor_.end();
-        executor_.finish();
-        pipeline_.report(*mirror_.scene().plan, stats);
+        executor().begin_exact(bank_);
+        pipeline().step(mirror().scene(), stats);
+        executor().end();
+        executor().finish();
+        pipeline().report(*mirror().scene().plan, stats);
     }
 
     /// Two steps without a graph give every buffer its size; then each of the two banks is captured
     /// once and played back.
     void bounded_step(StepStats& stats) {
         cudaGraphExec_t& graph = graphs_[bank_];
-        mirror_.keep_seen();
+        mirror().keep_seen();
         if (graph != nullptr) {
-            executor_.begin_repetition(bank_);
-            pipeline_.recall(mirror_.scene());
+            executor().begin_repetition(bank_);
+            pipeline().recall(mirror().scene());
         } else if (warm_ < 2) {
             ++warm_;
             bounded_stages(stats);
         } else {
-            check(cudaStreamBeginCapture(executor_.stream(), cudaStreamCaptureModeThreadLocal),
+            check(cudaStreamBeginCapture(stream(), cudaStreamCaptureModeThreadLocal),
                   "capture of a step");
             bounded_stages(stats);
             cudaGraph_t captured = nullptr;
-            check(cudaStreamEndCapture(executor_.stream(), &captured), "capture of a step");
+            check(cudaStreamEndCapture(stream(), &captured), "capture of a step");
             check(cudaGraphInstantiate(&graph, captured, 0), "a graph of a step");
             cudaGraphDestroy(captured);
         }
         stats.stages.clear();
         if (graph != nullptr) {
-            check(cudaGraphLaunch(graph, executor_.stream()), "launch of a step");
-            check(cudaEventRecord(events_[1], executor_.stream()), "an event");
+            check(cudaGraphLaunch(graph, stream()), "launch of a step");
+            check(cudaEventRecord(events_[1], stream()), "an event");
         }
-        if (executor_.finish()) {
+        if (executor().finish()) {
             float milliseconds = 0;
             if (graph != nullptr)
                 check(cudaEventElapsedTime(&milliseconds, events_[0], events_[1]), "a time");
             stats.device_milliseconds = milliseconds;
-            return pipeline_.report(*mirror_.scene().plan, stats);
+            return pipeline().report(*mirror().scene().plan, stats);
         }
         // A list outgrew its room: the step runs once more as an exact step, from the same memory.
-        pipeline_.forget_step(mirror_.scene());
-        mirror_.restore_seen();
+        pipeline().forget_step(mirror().scene());
+        mirror().restore_seen();
         restart();
         exact_step(stats);
     }
 
     void bounded_stages(StepStats& stats) {
-        executor_.begin_bounded(bank_);
-        pipeline_.step(mirror_.scene(), stats);
-        executor_.end();
+        executor().begin_bounded(bank_);
+        pipeline().step(mirror().scene(), stats);
+        executor().end();
     }
 
     void fetch() const {
         if (fetched_) return;
         const cuda::OnDevice here(device_);
         fetched_ = true;
-        const std::uint32_t others = executor_.number(count_of(pipeline_.contacts()));
-        const std::uint32_t of_sheets = mirror_.scene().plan->sheets
-                                            ? executor_.number(count_of(pipeline_.sheet_contacts()))
+        const std::uint32_t others = executor().number(count_of(pipeline().contacts()));
+        const std::uint32_t of_sheets = mirror().scene().plan->sheets
+                                            ? executor().number(
+                                                  count_of(pipeline().sheet_contacts()))
                                             : 0;
         contacts_.resize(others + of_sheets);
-        pairs_.resize(executor_.number(count_of(pipeline_.pairs())));
-        executor_.copy_to_host(contacts_.data(), pipeline_.contacts().data(), others);
-        executor_.copy_to_host(contacts_.data() + others, pipeline_.sheet_contacts().data(),
-                               of_sheets);
-        executor_.copy_to_host(pairs_.data(), pipeline_.pairs().data(), pairs_.size());
-        executor_.wait();
+        pairs_.resize(executor().number(count_of(pipeline().pairs())));
+        executor().copy_to_host(contacts_.data(), pipeline().contacts().data(), others);
+        executor().copy_to_host(contacts_.data() + others, pipeline().sheet_contacts().data(),
+                                of_sheets);
+        executor().copy_to_host(pairs_.data(), pipeline().pairs().data(), pairs_.size());
+        executor().wait();
     }
 
     // The first member is the last one to end.
@@ -256,10 +296,7 @@ private:
     int device_ = cuda::current_device();
     CudaOptions options_;
     std::string name_;
-    CudaExecutor executor_;
-    BvhTracer<CudaExecutor> tracer_;
-    cuda::SceneMirror mirror_;
-    Pipeline<CudaExecutor, BvhTracer<CudaExecutor>> pipeline_;
+    mutable std::optional<StepState> state_;  ///< none after a step that has failed
     std::unique_ptr<Backend> outside_ = bvh_backend();
     std::uint32_t bank_ = 0, repeated_ = 0, warm_ = 0;
     std::array<cudaGraphExec_t, 2> graphs_{};

@@ -54,7 +54,7 @@ public:
         std::vector<BodyView> there(bodies_.size());
         executor_.copy_to_host(there.data(), bodies_.data(), there.size());
         executor_.wait();
-        for (std::uint32_t b = 0; b < host.size; ++b) {
+        for (std::uint32_t b = 0; b < host.size && b < there.size(); ++b) {
             static_cast<BodyBounds&>(host[b]) = there[b];
             host[b].space = there[b].space;
             host[b].active = there[b].active;

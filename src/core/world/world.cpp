@@ -336,7 +336,12 @@ const StepStats& World::detect() {
                       .part = s.part,
                       .forgets_sides = {&forgets_sides, 1}};
     s.stepped = s.still = false;
-    s.backend->step(scene, s.stats);
+    try {
+        s.backend->step(scene, s.stats);
+    } catch (...) {
+        s.change();  // what the backend has of the scene is unknown
+        throw;
+    }
     s.forgets_sides = false;
     s.still = still;
     if (certifies && !few_change) s.rest.note(s.stats, s.plan.measures_deformation);

@@ -63,8 +63,8 @@ struct KeptContacts {
 
 /// Bodies and their contacts. Not thread-safe; one step uses as many threads as its backend has.
 /// Calls that take a handle throw InputError if the handle is null or what it names was removed. A
-/// call that throws changes nothing, but for a step that runs out of memory. On the host it has no
-/// contacts then, and the next one remembers nothing; on a device, make the world anew.
+/// call that throws changes nothing, but for a step that runs out of memory, on the host or on a
+/// device: it has no contacts, and the next one remembers nothing.
 class World {
 public:
     /// Makes a world on the reference backend (reference_backends.hpp), which is slow, and right by
