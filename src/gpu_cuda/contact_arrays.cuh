@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/body/body_view.hpp"
+#include "core/device/partition_point.hpp"
 #include "core/device/view.hpp"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/device_buffer.hpp"
@@ -49,18 +50,10 @@ struct FindWorldBegin {
     std::uint32_t* begins = nullptr;
 
     PIERCE_HD void operator()(std::uint32_t place) const {
-        std::uint32_t low = 0, high = count;
-        while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            const Contact& c = contacts[middle];
-            const std::uint32_t its_place = min_of(bodies[c.a.index].world_place,
-                                                   bodies[c.b.index].world_place);
-            if (its_place < place)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        begins[place] = low;
+        begins[place] = partition_point(count, [&](std::uint32_t i) {
+            const Contact& c = contacts[i];
+            return min_of(bodies[c.a.index].world_place, bodies[c.b.index].world_place) < place;
+        });
     }
 };
 

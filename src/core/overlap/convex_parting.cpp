@@ -14,13 +14,13 @@ namespace {
 
 /// An edge of a convex surface and the outward normals of the two faces beside it. Seen from a
 /// direction between these two, the edge is in front of everything else.
-struct Ridge {
+struct ConvexEdge {
     Vec3d point, normals[2], along;
 };
 
 struct ConvexSurface {
     std::vector<Vec3d> normals;  ///< unit, outward, of faces
-    std::vector<Ridge> ridges;
+    std::vector<ConvexEdge> edges;
 };
 
 /// Nothing if the surface is open, or not convex by more than the rounding of its positions.
@@ -50,7 +50,7 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
         is_convex = dot(n, opposite(sides[1]) - p) <= tolerance &&
                     dot(m, opposite(sides[0]) - p) <= tolerance;
         if (length(cross(n, m)) > constants::touch_tolerance)
-            convex.ridges.push_back(
+            convex.edges.push_back(
                 {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
     });
     if (!is_convex) return std::nullopt;
@@ -75,7 +75,7 @@ double reach_along(Vec3d n, const std::vector<Vec3d>& first, const std::vector<V
 
 /// True if there is a direction seen from which an edge of the first surface is in front, and
 /// against which one of the second is: the arcs of their normals cross on the sphere.
-bool face_each_other(const Ridge& first, const Ridge& second) {
+bool face_each_other(const ConvexEdge& first, const ConvexEdge& second) {
     const Vec3d a = first.normals[0], b = first.normals[1], c = -second.normals[0],
                 d = -second.normals[1];
     const Vec3d ba = cross(b, a), dc = cross(d, c);
@@ -115,8 +115,8 @@ std::optional<Vec3d> shortest_convex_parting(const PlacedSurface& first,
     for (const Vec3d n : b->normals)
         shortest.offer(-n, reach_along(-n, first.points, second.points));
     Shortest of_edges;
-    for (const Ridge& edge : a->ridges)
-        for (const Ridge& other : b->ridges) {
+    for (const ConvexEdge& edge : a->edges)
+        for (const ConvexEdge& other : b->edges) {
             if (!face_each_other(edge, other)) continue;
             const Vec3d n = cross(edge.along, other.along);
             if (length(n) == 0) continue;

@@ -19,7 +19,7 @@ struct Cut {
     Vec3d place;
 };
 
-struct Edge {
+struct CutEdge {
     std::uint32_t from = 0, to = 0;
     std::vector<Cut> cuts;  ///< sorted along the edge
 
@@ -41,7 +41,7 @@ struct Use {
 struct Cuttable {
     GridSurface surface;
     Shift shift;
-    std::vector<Edge> edges;
+    std::vector<CutEdge> edges;
     std::vector<std::array<Use, 3>> uses;                  ///< by triangle
     std::vector<std::vector<std::uint32_t>> edges_at;      ///< by vertex
     std::vector<std::vector<std::uint32_t>> triangles_at;  ///< by edge
@@ -116,7 +116,7 @@ void cut_edges(const Grid& grid, Cuttable& cut, const Cuttable& by) {
     }
     if (near.empty()) return;
     const BoxTree tree(boxes);
-    for (Edge& edge : cut.edges) {
+    for (CutEdge& edge : cut.edges) {
         const GridPoint p = cut.surface.points[edge.from], q = cut.surface.points[edge.to];
         Box box;
         box.extend(in_steps(p));
@@ -156,7 +156,7 @@ void find_windings(Cuttable& cut, const Cuttable& by) {
             const std::uint32_t v = open.back();
             open.pop_back();
             for (const std::uint32_t e : cut.edges_at[v]) {
-                const Edge& edge = cut.edges[e];
+                const CutEdge& edge = cut.edges[e];
                 const std::uint32_t other = edge.from == v ? edge.to : edge.from;
                 if (known[other]) continue;
                 cut.winding[other] = cut.winding[v] + (edge.from == v ? edge.rise() : -edge.rise());
@@ -182,16 +182,16 @@ void find_windings(Cuttable& cut, const Cuttable& by) {
 
 /// Where a triangle of the first surface and one of the second meet: a segment that has the inside
 /// of the second surface at its left, seen from above the first triangle.
-struct Meeting {
+struct Segment {
     Vec3d from, to;
 };
-using Meetings = std::map<std::pair<std::uint32_t, std::uint32_t>, Meeting>;
+using Segments = std::map<std::pair<std::uint32_t, std::uint32_t>, Segment>;
 
 /// An outline of a part inside runs along edges from where they come in to where they go out, and
 /// from there along segments to where edges come in; edges of the other triangle see it the other
 /// way around.
-Meetings find_meetings(const Cuttable& first, const Cuttable& second) {
-    Meetings meetings;
+Segments find_segments(const Cuttable& first, const Cuttable& second) {
+    Segments segments;
     const auto add = [&](const Cuttable& cut, bool is_first) {
         for (std::uint32_t e = 0; e < cut.edges.size(); ++e)
             for (const Cut& c : cut.edges[e].cuts)
@@ -200,15 +200,15 @@ Meetings find_meetings(const Cuttable& first, const Cuttable& second) {
                     for (const Use& use : of_triangle) {
                         if (use.edge != e) continue;
                         const bool comes_in = (c.inward > 0) != use.reversed;
-                        Meeting& meeting = is_first ? meetings[{t, c.triangle}]
-                                                    : meetings[{c.triangle, t}];
-                        (comes_in == is_first ? meeting.to : meeting.from) = c.place;
+                        Segment& segment = is_first ? segments[{t, c.triangle}]
+                                                    : segments[{c.triangle, t}];
+                        (comes_in == is_first ? segment.to : segment.from) = c.place;
                     }
                 }
     };
     add(first, true);
     add(second, false);
-    return meetings;
+    return segments;
 }
 
 /// Sums integrals over the inside of an outline, as triangles from a corner of the face.
@@ -235,7 +235,7 @@ private:
 
 /// Adds the pieces of an edge, as the triangle runs along it.
 void add_edge(const Grid& grid, const Cuttable& of, const Use& use, Outline& outline) {
-    const Edge& edge = of.edges[use.edge];
+    const CutEdge& edge = of.edges[use.edge];
     int winding = of.winding[edge.from];
     Vec3d last = grid.place(of.surface.points[edge.from]);
     const auto piece = [&](Vec3d next) {
@@ -251,21 +251,21 @@ void add_edge(const Grid& grid, const Cuttable& of, const Use& use, Outline& out
 }
 
 std::vector<FacePart> parts_of(const Grid& grid, const Cuttable& of,
-                               const std::vector<std::vector<Meeting>>& meetings) {
+                               const std::vector<std::vector<Segment>>& segments) {
     std::vector<FacePart> parts;
     for (std::uint32_t t = 0; t < of.surface.triangles.size(); ++t) {
         const auto is_inside = [&](const Use& use) {
-            const Edge& edge = of.edges[use.edge];
+            const CutEdge& edge = of.edges[use.edge];
             return of.winding[edge.from] != 0 || !edge.cuts.empty();
         };
-        if (meetings[t].empty() && std::ranges::none_of(of.uses[t], is_inside)) continue;
+        if (segments[t].empty() && std::ranges::none_of(of.uses[t], is_inside)) continue;
         const std::uint32_t* v = of.surface.triangles[t].vertex;
         const Vec3d corner = grid.place(of.surface.points[v[0]]);
         const Vec3d normal = normalized(cross(grid.place(of.surface.points[v[1]]) - corner,
                                               grid.place(of.surface.points[v[2]]) - corner));
         Outline outline(corner, normal);
         for (const Use& use : of.uses[t]) add_edge(grid, of, use, outline);
-        for (const Meeting& m : meetings[t]) outline.add(1, m.from, m.to);
+        for (const Segment& m : segments[t]) outline.add(1, m.from, m.to);
         if (outline.part().area == 0) continue;
         parts.push_back(outline.part());
         parts.back().triangle = t;
@@ -281,10 +281,10 @@ FaceParts find_face_parts(const Grid& grid, const GridSurface& first, const Grid
     cut_edges(grid, b, a);
     find_windings(a, b);
     find_windings(b, a);
-    std::vector<std::vector<Meeting>> on_a(first.triangles.size()), on_b(second.triangles.size());
-    for (const auto& [triangles, meeting] : find_meetings(a, b)) {
-        on_a[triangles.first].push_back(meeting);
-        on_b[triangles.second].push_back({meeting.to, meeting.from});
+    std::vector<std::vector<Segment>> on_a(first.triangles.size()), on_b(second.triangles.size());
+    for (const auto& [triangles, segment] : find_segments(a, b)) {
+        on_a[triangles.first].push_back(segment);
+        on_b[triangles.second].push_back({segment.to, segment.from});
     }
     FaceParts parts;
     parts.of[0] = parts_of(grid, a, on_a);

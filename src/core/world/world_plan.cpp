@@ -79,6 +79,8 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
 
 void World::State::check_collision(Motion motion, const Mesh& mesh, const Collision& collision,
                                    const std::string& name) const {
+    if (collision.self > SelfCollision::published)
+        throw InputError(name + " meets itself in a way without a meaning");
     const bool asks = collision.sheet || collision.self != SelfCollision::off;
     if (asks && motion != Motion::deforming)
         throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");

@@ -99,8 +99,10 @@ public:
     void remove_body(BodyId body);
 
     /// Sets what the body is in contact with besides solids that it overlaps; by default that is
-    /// nothing. Throws InputError for a body that does not deform, for a negative thickness, and
-    /// for an open mesh that is to meet itself without being a sheet.
+    /// nothing. Throws InputError for a body that does not deform and is to be a sheet or to meet
+    /// itself, for a thickness or a margin that is not finite, for a thickness that is negative or
+    /// of a solid, for rays along the velocities of a solid, for an open mesh that is to meet
+    /// itself without being a sheet, and for a sheet of a mesh whose holes are closed.
     void set_collision(BodyId body, const Collision& collision);
     const Collision& collision_of(BodyId body) const;
 
@@ -123,7 +125,8 @@ public:
 
     /// The worlds that bodies are in, sorted, without all_worlds.
     std::vector<std::int32_t> worlds() const;
-    /// The bodies of a world, in the order in which they are sorted in contacts().
+    /// The bodies of a world, in the order in which they are sorted in contacts(); none if there
+    /// is no such world.
     std::vector<BodyId> bodies_of(std::int32_t world) const;
     /// Copies all bodies of a world, with their meshes, places, collisions, groups, chains and
     /// excluded pairs, into `count` new worlds, and returns the first of those; they follow each
@@ -262,7 +265,8 @@ public:
 
     /// Says why `vertex` of `body` has a contact with `other` after the last detect(), or none.
     /// `other` may be `body` itself if that is a sheet. Throws InputError if the vertex is out of
-    /// range, or if bodies were added, removed, moved or changed since.
+    /// range, for places in device memory, or if bodies were added, removed, moved or changed
+    /// since.
     Explanation explain(BodyId body, BodyId other, std::uint32_t vertex);
 
     /// How far body b has to move, and where to, until it does not overlap body a any more, with
@@ -278,9 +282,11 @@ public:
     /// What two solids have in common, with both where the last set_pose or set_positions left
     /// them: volume, areas, how the volume changes, and patches. A patch is what overlaps along
     /// directions with at least `same_direction` as cosine. Nothing if they have no volume in
-    /// common. Which triangles cross is decided without rounding; positions are rounded to 1e-11 of
-    /// the pair's extent first. Nothing of the last step is used or changed; it takes one thread of
-    /// the host. Throws InputError for a body and itself, and for a body without an inside.
+    /// common, or if the place of one is not usable. Which triangles cross is decided without
+    /// rounding; positions are rounded to 1e-11 of the pair's extent first. Nothing of the last
+    /// step is used or changed; it takes one thread of the host. Throws InputError for a body and
+    /// itself, for a sheet or a mesh without an inside, and for a `same_direction` that is no
+    /// cosine.
     std::optional<Overlap> overlap(BodyId a, BodyId b, double same_direction = 0.9);
 
     /// The first body along each line of sight from `origin`, with bodies where the last detect()

@@ -2,6 +2,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/ordered_float.hpp"
+#include "core/device/partition_point.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/oriented_box.hpp"
@@ -168,12 +169,9 @@ struct WantedPairs {
     PIERCE_HD bool allows(Pair pair) const {
         if (pair.is_self()) return true;
         if (!bodies[pair.a].filter.allows(bodies[pair.b].filter)) return false;
-        std::uint32_t low = 0, high = excluded.size;
-        while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            (excluded[middle] < pair ? low : high) = excluded[middle] < pair ? middle + 1 : middle;
-        }
-        return low == excluded.size || !(excluded[low] == pair);
+        const std::uint32_t place = partition_point(
+            excluded.size, [&](std::uint32_t i) { return excluded[i] < pair; });
+        return place == excluded.size || !(excluded[place] == pair);
     }
     /// True unless the caller leaves the pair out when asked.
     PIERCE_HD bool wants([[maybe_unused]] Pair pair) const {
@@ -233,13 +231,11 @@ struct LinkPair {
                               std::uint32_t& link) const {
         pair = as_keys.pair(key);
         identity = identity_of(bodies, ids, pair);
-        std::uint32_t low = 0, high = last_keys.size;
-        while (low < high) {
-            const std::uint32_t middle = low + (high - low) / 2;
-            (last_keys[middle] < key ? low : high) = last_keys[middle] < key ? middle + 1 : middle;
-        }
-        link = low < last_keys.size && last_keys[low] == key && last[low].is(identity) ? low
-                                                                                       : no_pair;
+        const std::uint32_t place = partition_point(
+            last_keys.size, [&](std::uint32_t i) { return last_keys[i] < key; });
+        const bool is_known = place < last_keys.size && last_keys[place] == key &&
+                              last[place].is(identity);
+        link = is_known ? place : no_pair;
     }
 };
 

@@ -25,11 +25,11 @@ struct alignas(16) TrianglePair {
 /// For a triangle and another one of its body that is near: 1 if they hang together where nothing
 /// folds.
 struct HangTogether {
-    View<const NearTriangles> near;
+    View<const NearInGroup> near;
     View<const FlatCorners> flat_corners;
 
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
-        const NearTriangles n = read_whole(near[i]);
+        const NearInGroup n = read_whole(near[i]);
         return read_whole(flat_corners[n.first])
             .shares_one(read_whole(flat_corners[n.others + bit]));
     }
@@ -39,7 +39,7 @@ struct HangTogether {
 /// that no normal of the two and no line between their middles keeps apart.
 struct CullTriangles {
     View<const SheetPair> pairs;
-    View<const NearTriangles> near;
+    View<const NearInGroup> near;
     Interleaved<const DriftingTriangle> drifting;
     View<const FlatCorners> flat_corners;
 
@@ -58,7 +58,7 @@ struct CullTriangles {
         write_bits<asked_bits>(
             found, i, place,
             [&](std::uint32_t item, std::uint32_t mask, std::uint32_t bit, std::uint32_t at) {
-                const NearTriangles n = read_whole(near[item]);
+                const NearInGroup n = read_whole(near[item]);
                 write_whole(triangles[at],
                             {n.pair, n.first, n.others + bit, mask >> (separate_shift + bit) & 1});
             });
@@ -67,7 +67,7 @@ struct CullTriangles {
     /// For a triangle and another one near: 0 if a direction keeps them apart, else 1, and 2 more
     /// if they do not meet.
     PIERCE_HD std::uint32_t operator()(std::uint32_t i, std::uint32_t bit) const {
-        const NearTriangles n = read_whole(near[i]);
+        const NearInGroup n = read_whole(near[i]);
         const float margin = pairs[n.pair].quick_margin;
         const DriftingPair both(drifting.read(n.first), drifting.read(n.others + bit));
         Company company = both.along_normal_of_a(margin);
@@ -97,7 +97,7 @@ struct CullTriangles {
 private:
     /// The triangles near that do not hang together with the item's.
     PIERCE_HD std::uint32_t asked(std::uint32_t i) const {
-        const NearTriangles n = read_whole(near[i]);
+        const NearInGroup n = read_whole(near[i]);
         const bool in_itself = pairs[n.pair].is_self();
         return n.mask & ~ask_bits(in_itself ? n.mask : 0, i, HangTogether{near, flat_corners});
     }
@@ -118,7 +118,7 @@ private:
         for (std::uint32_t lane = 0; lane < Four::count; ++lane) {
             // The last one stands in all lanes that are left.
             const Job& job = jobs[min_of(lane, count - 1)];
-            const NearTriangles& n = near[begin + job.item];
+            const NearInGroup& n = near[begin + job.item];
             a.triangle[lane] = &drifting.items[n.first];
             b.triangle[lane] = &drifting.items[n.others + job.bit];
             margin[lane] = pairs[n.pair].quick_margin;

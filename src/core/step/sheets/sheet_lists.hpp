@@ -78,7 +78,7 @@ struct SheetSearchLists {
                                   ///< sheets forget
     Buffer<stages::SectionRow> section_rows;
     Buffer<stages::ClosePair> sections, blocks, groups;
-    Buffer<stages::NearTriangles> near;
+    Buffer<stages::NearInGroup> near;
     Buffer<stages::TrianglePair> triangles;
 };
 

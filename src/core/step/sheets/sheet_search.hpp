@@ -214,7 +214,7 @@ struct FindParts {
 };
 
 /// A triangle and those of a group that are near it.
-struct alignas(16) NearTriangles {
+struct alignas(16) NearInGroup {
     std::uint32_t pair = 0;
     std::uint32_t first = 0;   ///< its place
     std::uint32_t others = 0;  ///< where the group begins
@@ -257,7 +257,7 @@ struct FindTriangles {
         return std::uint32_t{(mask & of_one) != 0} + (mask > of_one);
     }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
-                         NearTriangles* near) const {
+                         NearInGroup* near) const {
         if (mask == 0) return;
         const ClosePair c = read_whole(close[i / per_group]);
         const std::uint32_t first = c.first * constants::group_size + i % per_group,

@@ -2,6 +2,7 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/number.hpp"
+#include "core/device/partition_point.hpp"
 #include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/device/whole.hpp"
@@ -34,12 +35,7 @@ inline constexpr std::uint32_t taken_over = std::uint32_t{1} << 31;
 
 /// The place of the first key that is not less.
 PIERCE_HD inline std::uint32_t first_not_less(View<const std::uint64_t> keys, std::uint64_t key) {
-    std::uint32_t low = 0, high = keys.size;
-    while (low < high) {
-        const std::uint32_t middle = low + (high - low) / 2;
-        (keys[middle] < key ? low : high) = keys[middle] < key ? middle + 1 : middle;
-    }
-    return low;
+    return partition_point(keys.size, [&](std::uint32_t i) { return keys[i] < key; });
 }
 
 /// Per contact: it is one step older.
