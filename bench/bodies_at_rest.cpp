@@ -17,6 +17,7 @@
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
+#include "times.hpp"
 
 namespace {
 
@@ -24,12 +25,6 @@ using namespace pierce;
 
 /// Not measured: caches fill, the step after a motion; and bodies come to rest.
 constexpr int first_steps = 3, steps_to_rest = 40;
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
 
 }  // namespace
 

@@ -17,22 +17,11 @@
 #include "pierce/world.hpp"
 #include "scenes/detect/method.hpp"
 #include "scenes/recording/recording.hpp"
+#include "times.hpp"
 
 namespace {
 
 using namespace pierce;
-using Clock = std::chrono::steady_clock;
-
-double milliseconds(Clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
-
 /// Turns the common edges of a few pairs of triangles, from a place on that depends on `round`.
 void turn_edges(MeshData& mesh, std::size_t round) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> triangle_at;  // by directed edge
@@ -125,12 +114,12 @@ int main(int argc, char** argv) try {
         turn_edges(changing.data[body], f);
         auto begin = Clock::now();
         changing.change(recording, body, f, rays.threads);
-        const double edit = milliseconds(begin);
+        const double edit = milliseconds_since(begin);
         changing.world.detect();
-        const double changed = milliseconds(begin);
+        const double changed = milliseconds_since(begin);
         begin = Clock::now();
         quiet.world.detect();
-        const double without = milliseconds(begin);
+        const double without = milliseconds_since(begin);
         contacts += changing.world.contacts().size();
         contacts_quiet += quiet.world.contacts().size();
         if (f < 10) continue;

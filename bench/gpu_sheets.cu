@@ -17,18 +17,12 @@
 #include "pierce/world.hpp"
 #include "scenes/named/layers.hpp"
 #include "scenes/named/shapes.hpp"
+#include "times.hpp"
 
 namespace pierce {
 namespace {
 
 constexpr double frame_time = 1.0 / 120;
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
 
 struct Options {
     std::uint32_t steps = 64, checks = 2, nodes = 0;

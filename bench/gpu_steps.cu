@@ -37,16 +37,10 @@
 #include "scenes/recording/lattice.hpp"
 #include "scenes/recording/recording.hpp"
 #include "scenes/recording/small_worlds.hpp"
+#include "times.hpp"
 
 namespace pierce {
 namespace {
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
 
 double mean(const std::vector<double>& values) {
     double sum = 0;

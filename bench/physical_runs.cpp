@@ -16,6 +16,7 @@
 #include "physical/scene.hpp"
 #include "physical/simulation.hpp"
 #include "pierce/error.hpp"
+#include "times.hpp"
 
 namespace {
 
@@ -51,12 +52,6 @@ struct Result {
     double moved = 0;
     Verdict verdict;
 };
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    std::ranges::sort(values);
-    return values[values.size() / 2];
-}
 
 std::vector<BodyState> states_of(const Simulation& simulation, const Scene& scene) {
     std::vector<BodyState> states;

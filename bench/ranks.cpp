@@ -21,19 +21,10 @@
 #include "pierce/embree_backend.hpp"
 #include "pierce/mpi/world.hpp"
 #include "scenes/recording/lattice.hpp"
+#include "times.hpp"
 
 namespace pierce {
 namespace {
-
-double median(std::vector<double> values) {
-    std::ranges::sort(values);
-    return values.empty() ? 0 : values[values.size() / 2];
-}
-
-double milliseconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
-        .count();
-}
 
 /// The largest value of all ranks.
 double most(double value) {

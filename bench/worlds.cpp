@@ -18,23 +18,12 @@
 #include "pierce/world.hpp"
 #include "scenes/detect/method.hpp"
 #include "scenes/named/shapes.hpp"
+#include "times.hpp"
 
 namespace {
 
 using namespace pierce;
-using Clock = std::chrono::steady_clock;
-
 constexpr int phases = 16;  ///< of the swaying, after which it repeats
-
-double milliseconds(Clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
 
 /// The bodies of one world in every phase.
 struct Swaying {
@@ -123,17 +112,17 @@ int main(int argc, char** argv) try {
         auto begin = Clock::now();
         for (int w = 0; w < count; ++w)
             swaying.place(together, bodies[static_cast<std::size_t>(w)], step + w);
-        const double place = milliseconds(begin);
+        const double place = milliseconds_since(begin);
         begin = Clock::now();
         together.detect();
-        const double one = milliseconds(begin);
+        const double one = milliseconds_since(begin);
         for (int w = 0; w < count; ++w) {
             const auto at = static_cast<std::size_t>(w);
             swaying.place(*apart[at], bodies_apart[at], step + w);
         }
         begin = Clock::now();
         for (const auto& world : apart) world->detect();
-        const double many = milliseconds(begin);
+        const double many = milliseconds_since(begin);
         contacts += together.contacts().size();
         for (const auto& world : apart) contacts_apart += world->contacts().size();
         if (step < 10) continue;

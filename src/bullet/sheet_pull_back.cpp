@@ -16,13 +16,13 @@ constexpr std::uint32_t ring_attempts = 28;
 /// Calls visit(body, vertex) for every vertex of a contact.
 template <class Visit>
 void each_vertex(const World& world, const Contact& c, const Visit& visit) {
-    visit(source_of(c), c.vertex);
-    if (c.is_edge()) visit(source_of(c), c.edge_end);
-    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
+    visit(c.source_body(), c.vertex);
+    if (c.is_edge()) visit(c.source_body(), c.edge_end);
+    const Triangle& t = world.mesh(world.mesh_of(c.target_body())).triangles()[c.triangle];
     for (int k = 0; k < 3; ++k)
         // A vertex may meet a corner, where the other corners have no weight, but the whole
         // triangle counts. Where an edge meets an edge, the opposite corner does not count.
-        if (!c.is_edge() || c.barycentric[k] != 0) visit(target_of(c), t.vertex[k]);
+        if (!c.is_edge() || c.barycentric[k] != 0) visit(c.target_body(), t.vertex[k]);
 }
 
 }  // namespace

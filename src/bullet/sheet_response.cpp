@@ -45,9 +45,8 @@ SheetProjection::Point SheetResponse::State::solid_point(BodyId body, Vec3d poin
 }
 
 SheetProjection::Point SheetResponse::State::source_point(const Contact& c) {
-    const auto found = sheet_of.find(source_of(c));
-    if (found == sheet_of.end())
-        return solid_point(source_of(c), c.source == Side::a ? c.point_a : c.point_b);
+    const auto found = sheet_of.find(c.source_body());
+    if (found == sheet_of.end()) return solid_point(c.source_body(), c.source_point());
     SheetProjection::Point p;
     p.nodes = &found->second->nodes;
     p.vertex[0] = c.vertex;
@@ -61,12 +60,11 @@ SheetProjection::Point SheetResponse::State::source_point(const Contact& c) {
 }
 
 SheetProjection::Point SheetResponse::State::target_point(const Contact& c) {
-    const auto found = sheet_of.find(target_of(c));
-    if (found == sheet_of.end())
-        return solid_point(target_of(c), c.source == Side::a ? c.point_b : c.point_a);
+    const auto found = sheet_of.find(c.target_body());
+    if (found == sheet_of.end()) return solid_point(c.target_body(), c.target_point());
     SheetProjection::Point p;
     p.nodes = &found->second->nodes;
-    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
+    const Triangle& t = world.mesh(world.mesh_of(c.target_body())).triangles()[c.triangle];
     for (int k = 0; k < 3; ++k) {
         p.vertex[k] = t.vertex[k];
         p.weight[k] = c.barycentric[k];
@@ -153,10 +151,10 @@ MovingPoint SheetResponse::State::vertex_motion(BodyId body, std::uint32_t verte
 Vec3d SheetResponse::State::out_of(const Contact& c) const {
     const Vec3d out = c.source == Side::a ? -c.normal : c.normal;
     if (is_crossed || !is_met(c) || c.is_edge()) return out;
-    const Triangle& t = world.mesh(world.mesh_of(target_of(c))).triangles()[c.triangle];
-    const MovingPoint p = vertex_motion(source_of(c), c.vertex);
+    const Triangle& t = world.mesh(world.mesh_of(c.target_body())).triangles()[c.triangle];
+    const MovingPoint p = vertex_motion(c.source_body(), c.vertex);
     MovingPoint corner[3];
-    for (int k = 0; k < 3; ++k) corner[k] = vertex_motion(target_of(c), t.vertex[k]);
+    for (int k = 0; k < 3; ++k) corner[k] = vertex_motion(c.target_body(), t.vertex[k]);
     const auto when = [&](const MovingPoint& m) { return m.start + c.time * (m.end - m.start); };
     const Vec3d at[3] = {when(corner[0]), when(corner[1]), when(corner[2])}, met = when(p);
     const Vec3d n = cross(at[1] - at[0], at[2] - at[0]);

@@ -10,8 +10,6 @@
 
 namespace pierce::bullet {
 
-inline BodyId source_of(const Contact& c) { return c.source == Side::a ? c.a : c.b; }
-inline BodyId target_of(const Contact& c) { return c.source == Side::a ? c.b : c.a; }
 /// True if the features have met during the step.
 inline bool is_met(const Contact& c) { return c.of_sheet && c.found == Found::crossing; }
 

@@ -9,9 +9,6 @@
 namespace pierce::bullet {
 namespace {
 
-Vec3d target_point(const Contact& c) { return c.source == Side::a ? c.point_b : c.point_a; }
-Vec3d source_point(const Contact& c) { return c.source == Side::a ? c.point_a : c.point_b; }
-
 /// A node that carries a contact's source point.
 struct SourceNode {
     btSoftBody::Node* node;
@@ -25,7 +22,7 @@ std::vector<SourceNode> source_nodes(btSoftBody& source, const Contact& c) {
     for (int k = 0; k < (c.is_edge() ? 2 : 1); ++k) {
         btSoftBody::Node& node = source.m_nodes[static_cast<int>(vertex[k])];
         nodes.push_back({&node, static_cast<btScalar>(c.source_weight(k)),
-                         c.is_edge() ? from_bullet(node.m_x) - source_point(c) : Vec3d{}});
+                         c.is_edge() ? from_bullet(node.m_x) - c.source_point() : Vec3d{}});
     }
     return nodes;
 }
@@ -97,7 +94,7 @@ void add_soft_soft(btSoftBody& source, btSoftBody::Face& face, const btSoftBody&
 }
 
 void add_soft_rigid(btSoftBody& source, const btCollisionObject& target, const Contact& contact) {
-    const Vec3d hit = target_point(contact);
+    const Vec3d hit = contact.target_point();
     const Vec3d normal = contact.found != Found::separation ? contact.face_normal
                          : contact.source == Side::a        ? -contact.normal
                                                             : contact.normal;
@@ -107,12 +104,12 @@ void add_soft_rigid(btSoftBody& source, const btCollisionObject& target, const C
 
 void add_rigid_soft(const btCollisionObject& source, btSoftBody::Face& face, btSoftBody& target,
                     const Contact& contact) {
-    const Vec3d way = source_point(contact) - target_point(contact);
+    const Vec3d way = contact.source_point() - contact.target_point();
     for (int k = 0; k < 3; ++k) {
         if (contact.barycentric[k] <= 0) continue;
         const Vec3d goal = from_bullet(face.m_n[k]->m_x) + way;
         add_plane_contact(target, *face.m_n[k], source, -contact.face_normal, goal,
-                          source_point(contact), static_cast<btScalar>(contact.barycentric[k]));
+                          contact.source_point(), static_cast<btScalar>(contact.barycentric[k]));
     }
 }
 

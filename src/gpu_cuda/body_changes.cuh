@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/reach.hpp"
+#include "core/base/usable.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/reach.hpp"
+#include "core/base/usable.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/reach.hpp"
 #include "core/device/view.hpp"

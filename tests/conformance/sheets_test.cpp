@@ -267,8 +267,7 @@ std::set<Meeting> all_meetings(const std::vector<Moving>& bodies) {
 std::set<Meeting> crossings(const World& world) {
     std::set<Meeting> found;
     for (const Contact& c : world.contacts()) {
-        const std::uint32_t source = c.source == Side::a ? c.a.index : c.b.index,
-                            target = c.source == Side::a ? c.b.index : c.a.index;
+        const std::uint32_t source = c.source_body().index, target = c.target_body().index;
         if (c.found != Found::crossing) continue;
         EXPECT_TRUE(found
                         .insert(c.is_edge() ? Meeting{1, source, c.edge, target, c.other_edge}

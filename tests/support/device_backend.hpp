@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/reach.hpp"
+#include "core/base/usable.hpp"
 #include "core/body/fetched_place.hpp"
 #include "core/body/reach.hpp"
 #include "support/failing_backend.hpp"

@@ -113,13 +113,11 @@ std::string describe(const std::optional<Contact>& contact) {
 
 void print(const WrongContact& wrong, const Validation& validation) {
     const Contact& c = wrong.difference.subject();
-    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index,
-                        target = (c.source == Side::a ? c.b : c.a).index;
     fmt::print("  frame {}, {} {} of body {} against body {}: {} has {}; right is {}{}\n",
                wrong.frame, c.is_edge() ? "edge" : "vertex", c.is_edge() ? c.edge : c.vertex,
-               source, target, validation.results[wrong.candidate].name,
-               describe(wrong.difference.found), describe(wrong.difference.right),
-               wrong.near_tie ? " (a near tie)" : "");
+               c.source_body().index, c.target_body().index,
+               validation.results[wrong.candidate].name, describe(wrong.difference.found),
+               describe(wrong.difference.right), wrong.near_tie ? " (a near tie)" : "");
 }
 
 void print(const Validation& validation) {

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/reach.hpp"
+#include "core/base/usable.hpp"
 #include "core/base/workers.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/box_nodes.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/reach.hpp"
+#include "core/base/usable.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/fetched_place.hpp"
 #include "core/device/view.hpp"

@@ -191,8 +191,8 @@ std::vector<Contact> of_vertex(std::span<const Contact> some, BodyId body, BodyI
                                std::uint32_t vertex) {
     std::vector<Contact> result;
     std::ranges::copy_if(some, std::back_inserter(result), [&](const Contact& c) {
-        return (c.source == Side::a ? c.a : c.b) == body &&
-               (c.source == Side::a ? c.b : c.a) == other && c.vertex == vertex && !c.is_edge();
+        return c.source_body() == body && c.target_body() == other && c.vertex == vertex &&
+               !c.is_edge();
     });
     return result;
 }

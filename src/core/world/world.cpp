@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "core/base/reach.hpp"
+#include "core/base/usable.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/patch.hpp"

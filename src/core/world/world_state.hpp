@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/reach.hpp"
 #include "core/base/slot_map.hpp"
+#include "core/base/usable.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"

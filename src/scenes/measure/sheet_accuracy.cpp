@@ -17,8 +17,7 @@ double share(std::uint64_t part, std::uint64_t all) {
 }
 
 FeatureMeeting features_of(const Contact& c) {
-    const std::uint32_t source = (c.source == Side::a ? c.a : c.b).index,
-                        target = (c.source == Side::a ? c.b : c.a).index;
+    const std::uint32_t source = c.source_body().index, target = c.target_body().index;
     if (c.is_edge())
         return {.edges = true, .a = source, .item = c.edge, .b = target, .other = c.other_edge};
     return {.edges = false, .a = source, .item = c.vertex, .b = target, .other = c.triangle};

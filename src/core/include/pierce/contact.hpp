@@ -73,6 +73,13 @@ struct alignas(16) Contact {
 
     PIERCE_HD double penetration_depth() const { return max_of(-distance, 0.0); }
 
+    /// The body that the vertex or edge is of, and the one that the triangle is of.
+    PIERCE_HD BodyId source_body() const { return source == Side::a ? a : b; }
+    PIERCE_HD BodyId target_body() const { return source == Side::a ? b : a; }
+    /// The point on the source, and the point on the target.
+    PIERCE_HD Vec3d source_point() const { return source == Side::a ? point_a : point_b; }
+    PIERCE_HD Vec3d target_point() const { return source == Side::a ? point_b : point_a; }
+
     PIERCE_HD bool is_edge() const { return edge_end != no_vertex; }
     /// The weight of the source's vertices in the source point: of `vertex` (k = 0) and `edge_end`
     /// (k = 1).

@@ -152,6 +152,16 @@ private:
             if (triangles.count() > 0) marks.set(item.directed / 2, PairMarks::edge_crosses);
             if (triangles.count() < 2) return;
         }
+        divide(item, placed, triangles, see);
+    }
+
+    /// Calls see(chord) for the parts of an edge that begin and end where it crosses `triangles`,
+    /// or at its ends.
+    template <class See>
+    PIERCE_HD void divide(const NearEdge& item, const PlacedEdge& placed,
+                          const EdgeTriangles& triangles, const See& see) const {
+        const DirectedPair& d = directed[item.directed];
+        const BodyView& target = bodies[d.target];
         const Vec3d a = placed.a, b = placed.b;
         Ray ray;
         ray.origin = a;

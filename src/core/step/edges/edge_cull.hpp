@@ -168,9 +168,7 @@ struct CullEdgeBlock {
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
                          CullItem* groups) const {
-        for (; mask != 0; mask &= mask - 1)
-            groups[place++] = {blocks[i].directed,
-                               blocks[i].index * constants::block_size + lowest_bit(mask)};
+        write_parts(blocks[i], constants::block_size, mask, place, groups);
     }
 };
 

@@ -71,10 +71,7 @@ struct CullMarginBlock {
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
     PIERCE_HD void write(std::uint32_t item, std::uint32_t mask, std::uint32_t place,
                          CullItem* patches) const {
-        const CullItem block = blocks[Share::group_of(item)];
-        for (; mask != 0; mask &= mask - 1)
-            patches[place++] = {block.directed,
-                                block.index * constants::block_size + lowest_bit(mask)};
+        write_parts(blocks[Share::group_of(item)], constants::block_size, mask, place, patches);
     }
 };
 

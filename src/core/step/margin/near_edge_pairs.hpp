@@ -73,9 +73,7 @@ struct CullMarginEdgeBlock {
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
                          CullItem* groups) const {
-        for (; mask != 0; mask &= mask - 1)
-            groups[place++] = {blocks[i].directed,
-                               blocks[i].index * constants::block_size + lowest_bit(mask)};
+        write_parts(blocks[i], constants::block_size, mask, place, groups);
     }
 };
 
@@ -102,9 +100,7 @@ struct CullMarginEdges {
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t mask, std::uint32_t place,
                          CullItem* edges) const {
-        for (; mask != 0; mask &= mask - 1)
-            edges[place++] = {groups[i].directed,
-                              groups[i].index * constants::group_size + lowest_bit(mask)};
+        write_parts(groups[i], constants::group_size, mask, place, edges);
     }
 };
 

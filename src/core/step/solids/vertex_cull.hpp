@@ -34,6 +34,13 @@ struct CullItem {
     std::uint32_t index = 0;
 };
 
+/// Writes those of an item's `size` parts that have a bit in the mask, from a place on.
+PIERCE_HD inline void write_parts(const CullItem& item, std::uint32_t size, std::uint32_t mask,
+                                  std::uint32_t place, CullItem* parts) {
+    for (; mask != 0; mask &= mask - 1)
+        parts[place++] = {item.directed, item.index * size + lowest_bit(mask)};
+}
+
 /// True if vertices of a directed pair's source are looked at: its target has an inside, or they
 /// look along their velocities.
 PIERCE_HD inline bool is_asked(const BodyView& source, const BodyView& target, bool self,
