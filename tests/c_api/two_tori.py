@@ -84,10 +84,13 @@ def bits(number):
 
 
 def hash_of(contacts):
-    """pierce_contact_hash() once more: 64-bit FNV-1a over the bits of every field."""
+    """pierce_contact_hash() once more: 64-bit FNV-1a over the bits of every field but two."""
     value = 0xcbf29ce484222325
     for c in contacts:
-        numbers = [(c.a & 0xffffffff) << 32 | c.b & 0xffffffff, feature(c), c.grazing, c.triangle]
+        numbers = [(c.a & 0xffffffff) << 32 | c.b & 0xffffffff, c.a >> 32 << 32 | c.b >> 32,
+                   c.of_sheet << 4 | c.unknown_side << 3 | c.reprojected << 2 | c.grazing << 1 | c.source,
+                   c.vertex << 32 | c.edge_end, c.edge << 32 | c.chord, c.other_edge << 32 | c.triangle,
+                   bits(c.along), bits(c.time)]
         for vector in (c.barycentric, c.point_a, c.point_b, c.normal, c.face_normal):
             numbers += [bits(x) for x in vector]
         for number in numbers + [bits(c.distance)]:
