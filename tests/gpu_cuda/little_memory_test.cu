@@ -63,7 +63,8 @@ TEST(CudaLittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
     const MeshData ring = scenes::torus(1, 0.4, 18, 10);
     int failed = 0;
     for (const bool deforms : {false, true})
-        for (const int left : {0, 1, 2, 4, 8}) {
+        for (const int left : {0, 1, 2}) {
+            const LittleMemory little(left);  // outlives what is allocated from it
             World there(cuda_backend()), here(bvh_backend());
             constexpr std::size_t bodies = 10;
             std::vector<BodyId> ids[2];
@@ -88,16 +89,11 @@ TEST(CudaLittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
             const auto step = [&] {
                 there.detect();
                 here.detect();
-                ASSERT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts()));
+                ASSERT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts()))
+                    << left << " pieces left";
             };
-            // Steps are captured by then; what follows needs more.
-            for (int i = 0; i < 8; ++i) {
-                move(20);
-                step();
-            }
-            const LittleMemory little(left);
-            for (int i = 0; i < 3; ++i) {
-                move(1.5);
+            // What fails, if it does, is a first step, or one that finds more than those before.
+            const auto step_with_little = [&] {
                 little.take();
                 try {
                     there.detect();
@@ -108,14 +104,24 @@ TEST(CudaLittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
                     ++failed;
                 }
                 little.give_back();
-                if (i % 2 == 0) move(1.5);
-                there.detect();
-                here.detect();
-                ASSERT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts()))
-                    << left << " pieces left, step " << i;
+            };
+            move(1.5);
+            step_with_little();
+            // Steps are captured by the end of these.
+            for (int i = 0; i < 8; ++i) {
+                move(20);
+                step();
+            }
+            // Every step finds more than the one before.
+            for (int i = 0; i < 6; ++i) {
+                const double spread = 2 - 0.3 * i;
+                move(spread);
+                step_with_little();
+                if (i % 2 == 0) move(spread);
+                step();
             }
         }
-    EXPECT_GT(failed, 5);
+    EXPECT_GT(failed, 3);
 }
 
 }  // namespace
