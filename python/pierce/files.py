@@ -92,6 +92,9 @@ def read_parts(path: str | Path, groups: bool = False, weld: bool = False) -> li
         raise InputError(f"cannot read '{path}': {error}") from error
     if not any(len(part.triangles) for part in parts):
         raise InputError(f"'{path}' holds no triangles")
+    for part in parts:
+        if len(part.triangles) and int(part.triangles.max()) >= len(part.vertices):
+            raise InputError(f"cannot read '{path}': a triangle names a vertex that is not there")
     return [_welded(part) for part in parts] if weld else parts
 
 

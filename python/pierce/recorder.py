@@ -44,7 +44,13 @@ class Recorder:
             numbers.setdefault(mesh, len(numbers))
         meshes = [(self.world.mesh(mesh).name, self.world.mesh(mesh)) for mesh in numbers]
         bodies = [
-            (self._name(body), numbers[mesh], self.world.motion_of(body), np.stack(frames))
+            (
+                self._name(body),
+                numbers[mesh],
+                self.world.motion_of(body),
+                np.stack(frames),
+                self.world.collision_of(body),
+            )
             for body, mesh, frames in zip(self.bodies, self._meshes, self._frames, strict=True)
         ]
         return Recording(self.dt, meshes, bodies)

@@ -15,7 +15,9 @@ from ._needs import need
 
 def _command(*arguments: str) -> str:
     command = [os.environ.get("PIERCE_COMMAND", "pierce"), "sweep", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True)
+    # What it says is the answer.
+    environment = {name: value for name, value in os.environ.items() if name != "PIERCE_QUIET"}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
     if done.returncode != 0:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
     return done.stdout

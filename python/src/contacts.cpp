@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -31,6 +32,14 @@ Contacts part_of(const Contacts& c, std::size_t begin, std::size_t end) {
     const KeptContacts& whole = c.kept();
     return Contacts(
         {std::shared_ptr<const Contact>(whole.first, whole.first.get() + begin), end - begin});
+}
+
+/// A list of its own of some of the contacts.
+template <class IsWanted>
+Contacts copy_of(const Contacts& c, const IsWanted& is_wanted) {
+    const auto list = std::make_shared<std::vector<Contact>>();
+    std::ranges::copy_if(all(c), std::back_inserter(*list), is_wanted);
+    return Contacts({std::shared_ptr<const Contact>(list, list->data()), list->size()});
 }
 
 /// A member of every record, as a view: shape (n,), or (n, columns) if columns is not 0.
@@ -216,11 +225,14 @@ void bind_contacts(nb::module_& module) {
                 };
                 const auto begin = std::ranges::find_if(list, is_of);
                 const auto end = std::find_if_not(begin, list.end(), is_of);
+                // Contacts of sheets come after all others.
+                if (std::find_if(end, list.end(), is_of) != list.end()) return copy_of(c, is_of);
                 return part_of(c, static_cast<std::size_t>(begin - list.begin()),
                                static_cast<std::size_t>(end - list.begin()));
             },
             nb::arg("a"), nb::arg("b"),
-            "The contacts of two bodies, in either order, without a copy.")
+            "The contacts of two bodies, in either order, without a copy unless there are contacts "
+            "of both solids and sheets among them.")
         .def("__repr__",
              [](const Contacts& c) {
                  double deepest = 0;

@@ -1,5 +1,8 @@
 #include <nanobind/nanobind.h>
 
+#include <exception>
+#include <string_view>
+
 #include "contacts.hpp"
 #include "handles.hpp"
 #include "mesh.hpp"
@@ -16,8 +19,22 @@ NB_MODULE(_core, module) {
     namespace python = pierce::python;
     namespace nb = nanobind;
     module.doc() = "Contacts between triangle meshes by ray tracing.";
-    nb::exception<pierce::InputError>(module, "InputError", PyExc_ValueError).attr("__doc__") =
-        "Input that cannot be used; the message names it, and nothing has changed.";
+    const nb::exception<pierce::InputError> input_error(module, "InputError", PyExc_ValueError);
+    input_error.attr(
+        "__doc__") = "Input that cannot be used; the message names it, and nothing has changed.";
+    // A message may hold bytes of a file that are not UTF-8.
+    nb::register_exception_translator(
+        [](const std::exception_ptr& thrown, void* type) {
+            try {
+                std::rethrow_exception(thrown);
+            } catch (const pierce::InputError& error) {
+                const std::string_view text = error.what();
+                const nb::object message = nb::steal(PyUnicode_DecodeUTF8(
+                    text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+                PyErr_SetObject(static_cast<PyObject*>(type), message.ptr());
+            }
+        },
+        input_error.ptr());
     module.attr("all_worlds") = pierce::all_worlds;
     module.attr("no_vertex") = pierce::no_vertex;
     module.attr("no_triangle") = pierce::no_triangle;

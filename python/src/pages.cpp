@@ -25,7 +25,12 @@ struct PyPage {
 /// What Python's json module makes of it.
 json json_of(nb::handle value) {
     const nb::object dumps = nb::module_::import_("json").attr("dumps");
-    return json::parse(nb::cast<std::string>(dumps(value)));
+    try {
+        return json::parse(nb::cast<std::string>(dumps(value, nb::arg("allow_nan") = false)));
+    } catch (nb::python_error& error) {
+        if (!error.matches(PyExc_ValueError)) throw;
+        throw InputError("a value of a page is not finite, or holds itself");
+    }
 }
 
 void make_page(PyPage* self, std::shared_ptr<PyWorld> world, std::string title, nb::dict names,

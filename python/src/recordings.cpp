@@ -8,7 +8,9 @@
 
 #include "arrays.hpp"
 #include "mesh.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
+#include "pierce/inside.hpp"
 #include "records.hpp"
 #include "scenes/detect/detector.hpp"
 #include "scenes/measure/validation.hpp"
@@ -89,14 +91,18 @@ nb::object positions_in(nb::handle_t<Recording> self, std::uint32_t body, std::u
 }
 
 /// A recording from meshes, as (name, mesh), and bodies, as (name, place of the mesh, Motion,
-/// motion as motion_of() has it).
+/// motion as motion_of() has it, and maybe Collision).
 void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies) {
+    scenes::check_time_step(dt, "dt");
     Recording made;
     made.dt = dt;
-    for (nb::handle mesh : meshes)
-        made.meshes.push_back({.name = nb::cast<std::string>(mesh[0]),
-                               .data = mesh_data_of(mesh[1]),
-                               .convex_pieces = {}});
+    for (nb::handle mesh : meshes) {
+        scenes::SceneMesh& kept = made.meshes.emplace_back();
+        kept.name = nb::cast<std::string>(mesh[0]);
+        kept.data = mesh_data_of(mesh[1]);
+        if (nb::isinstance<Mesh>(mesh[1]))
+            kept.inside = rule_that_made(nb::cast<const Mesh&>(mesh[1]).inside());
+    }
     const nb::object numpy = nb::module_::import_("numpy");
     for (nb::handle given : bodies) {
         RecordedBody body;
@@ -118,6 +124,8 @@ void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies
                     .c_str());
         body.values.assign(values.data(), values.data() + values.size());
         const auto frames = static_cast<std::uint32_t>(values.shape(0));
+        if (frames == 0) throw InputError(body.name + ": there are no frames");
+        if (nb::len(given) > 4) body.collision = nb::cast<Collision>(given[4]);
         made.frame_count = std::max(made.frame_count, frames);
         made.bodies.push_back(std::move(body));
     }
@@ -142,13 +150,15 @@ std::shared_ptr<Recording> simulate(const std::string& scene, std::uint32_t coun
     scenes::RaySettings rays;
     rays.threads = threads;
     rays.world = settings_from(settings, fields);
+    scenes::check_time_step(dt, "dt");
     const nb::gil_scoped_release release;
     const scenes::SceneSetup setup = scenes::make_scene(
         scene, {.count = count, .soft = soft, .seed = seed});
     scenes::Simulation simulation(setup, scenes::method_named(method), rays);
     auto recording = std::make_shared<Recording>(scenes::start_recording(setup, dt));
-    const auto steps = static_cast<std::uint32_t>(std::max(1.0, seconds / dt + 0.5));
-    for (std::uint32_t k = 0; k < steps; ++k) {
+    const double steps = std::max(1.0, seconds / dt + 0.5);
+    if (!(steps < constants::max_elements)) throw InputError("seconds are too many time steps");
+    for (double k = 1; k <= steps; ++k) {
         simulation.record(*recording);
         simulation.step(dt);
     }
@@ -171,7 +181,8 @@ void bind_recording(nb::module_& module) {
                           "The motion of bodies over time, which any method can be shown.")
         .def("__init__", make_recording, nb::arg("dt"), nb::arg("meshes"), nb::arg("bodies"),
              "`meshes`: (name, mesh) each; `bodies`: (name, place of the mesh, Motion, motion) "
-             "each, where a motion is (frames, 7) poses, or (frames, vertices, 3) positions.")
+             "each, and a Collision if it is not the default. A motion is (frames, 7) poses, or "
+             "(frames, vertices, 3) positions. Raises InputError.")
         .def_static(
             "read",
             [](const std::string& folder) {

@@ -109,8 +109,8 @@ void bind_bodies(nb::class_<PyWorld>& c) {
             "remove_mesh", [](PyWorld& w, MeshId mesh) { Use(w)->remove_mesh(mesh); },
             nb::arg("mesh"), "Raises InputError while a body uses the mesh.")
         .def(
-            "mesh", [](PyWorld& w, MeshId mesh) -> const Mesh& { return Use(w)->mesh(mesh); },
-            nb::arg("mesh"), nb::rv_policy::reference_internal, "The mesh of a handle.")
+            "mesh", [](PyWorld& w, MeshId mesh) { return Use(w)->share_mesh(mesh); },
+            nb::arg("mesh"), "The mesh of a handle; it stays when the world removes it.")
         .def(
             "add_fixed_body",
             [](PyWorld& w, MeshId mesh, nb::handle pose) {

@@ -259,6 +259,13 @@ def test_what_cannot_be_read(tmp_path, monkeypatch):
         (tmp_path / name).write_text("neither this nor that")
         with pytest.raises(pierce.InputError, match=name):
             files.read_parts(tmp_path / name)
+    (tmp_path / "far.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    for weld in (False, True):
+        with pytest.raises(pierce.InputError, match=r"far\.obj.*not there"):
+            files.read_parts(tmp_path / "far.obj", weld=weld)
+    (tmp_path / "latin.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \xe9\n")
+    with pytest.raises(pierce.InputError, match=r"latin\.obj"):
+        pierce.read_mesh(str(tmp_path / "latin.obj"))
     meshio = pytest.importorskip("meshio", reason="meshio is not installed")
     curved = meshio.Mesh(np.eye(6, 3), [("triangle6", [[0, 1, 2, 3, 4, 5]])])
     meshio.write(tmp_path / "curved.vtu", curved)

@@ -270,6 +270,14 @@ def test_places_and_contacts_are_of_one_step(two_tori, reasons):
     assert page.frame_count == 1
 
 
+def test_numbers_that_are_none_are_refused(two_tori):
+    world = two_tori[0]
+    world.detect()
+    page = pierce.Page(world)
+    with pytest.raises(pierce.InputError, match="not finite"):
+        page.add(gap=float("inf"))
+
+
 def test_sheets_and_bodies_that_come_and_go(browser, tmp_path):
     world = pierce.World(threads=1)
     solid = world.add_mesh(box())

@@ -27,6 +27,31 @@ def test_a_recording_is_what_the_world_did(two_tori, tmp_path):
     assert repr(recorder) == "Recorder(2 bodies, 5 frames)"
 
 
+def test_meshes_of_one_name_insides_and_sheets_are_recorded(tmp_path):
+    world = pierce.World("embree", 1, coverage="complete")
+    vertices, triangles = box()
+    large, small = world.add_mesh((vertices, triangles)), world.add_mesh((vertices / 2, triangles))
+    hollow = world.add_mesh((vertices, triangles), "mesh 2", inside="none")
+    world.add_rigid_body(large)
+    world.add_rigid_body(small, [0.6, 0.1, 0.2, 0, 0, 0, 1])
+    world.add_rigid_body(hollow, [-0.7, 0.1, 0.2, 0, 0, 0, 1])
+    sheet = world.add_deforming_body(large, vertices + np.float32([0, 0, 0.9]))
+    world.set_collision(sheet, pierce.Collision(sheet=True, thickness=0.3))
+    near = world.add_deforming_body(small, vertices / 2 + np.float32([0.1, 0, -0.8]))
+    world.set_collision(near, pierce.Collision(margin=0.1))
+    recorder = pierce.Recorder(world)
+    hashes = []
+    for _ in range(2):
+        contacts = world.detect()
+        hashes.append(contacts.hash)
+        recorder.add()
+    assert contacts.of_sheet.any() and (contacts.found == int(pierce.Found.near)).any()
+    recorder.recording().write(str(tmp_path / "motion"))
+    for recording in (recorder.recording(), pierce.Recording.read(str(tmp_path / "motion"))):
+        replay = pierce.Replay(recording, "embree", 1, coverage="complete")
+        assert [replay.step(frame).hash for frame in range(2)] == hashes
+
+
 def test_a_body_with_another_mesh_is_refused(two_tori):
     world, rigid, _, _ = two_tori
     recorder = pierce.Recorder(world)

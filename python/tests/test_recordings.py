@@ -72,6 +72,17 @@ def test_a_recording_from_arrays(tmp_path):
     assert pierce.Recording.read(str(tmp_path / "made")).frame_count == 10
     with pytest.raises(ValueError, match=r"expected a motion of shape \(frames, 7\)"):
         pierce.Recording(0.1, [("box", box())], [("a", 0, "rigid", fall[0])])
+    with pytest.raises(pierce.InputError, match="no frames"):
+        pierce.Recording(0.1, [("box", box())], [("a", 0, "rigid", fall[:0])])
+    for dt in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(pierce.InputError, match="dt must be positive"):
+            pierce.Recording(dt, [("box", box())], [("a", 0, "rigid", fall)])
+        with pytest.raises(pierce.InputError, match="dt must be positive"):
+            pierce.simulate("tori", count=2, dt=dt)
+    with pytest.raises(pierce.InputError, match="too many"):
+        pierce.simulate("tori", count=2, seconds=np.inf)
+    with pytest.raises(pierce.InputError, match="every Nth frame"):
+        pierce.validate(made, ["embree", "bvh"], every=0)
     with pytest.raises(IndexError, match="no mesh 3"):
         pierce.Recording(0.1, [("box", box())], [("a", 3, "rigid", fall)])
 

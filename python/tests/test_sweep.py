@@ -86,6 +86,31 @@ def test_a_run_that_fails_is_said_and_tried_again(tmp_path):
         pierce.sweep.run(file, 1)
 
 
+def test_a_run_is_done_when_it_has_ended_well_with_what_the_file_says(tmp_path, monkeypatch):
+    file = sweep_in(tmp_path, parameters={"--count": [2, 3], "--seconds": ["0.1", "0.2"]})
+    assert pierce_sweep(file).returncode == 0 and pierce.sweep.missing(file) == []
+    sweep_in(tmp_path, parameters={"--count": [2, 5, 3], "--seconds": ["0.1"]})
+    assert pierce.sweep.missing(file) == [1, 2]
+    monkeypatch.setenv("PIERCE_QUIET", "1")
+    assert pierce.sweep.missing(file) == [1, 2]
+    monkeypatch.delenv("PIERCE_QUIET")
+    assert pierce_sweep(file).returncode == 0
+    for row in table_of(tmp_path):
+        result = json.loads((tmp_path / f"sweep/00000{row['run']}/result.json").read_text())
+        assert result["settings"]["count"] == int(row["count"])
+        assert result["settings"]["seconds"] == float(row["seconds"])
+    # What a stopped run has written is there, and the run is not done.
+    (tmp_path / "sweep/000001/done.json").unlink()
+    assert pierce.sweep.missing(file) == [1]
+    sweep_in(
+        tmp_path,
+        parameters={"--count": [2, 5, 3], "--seconds": ["0.1"]},
+        compare=["--methods", "full"],
+    )
+    assert pierce.sweep.missing(file) == [0, 1, 2]
+    assert pierce_sweep(file).returncode == 0 and pierce.sweep.missing(file) == []
+
+
 def test_a_script_for_slurm_runs_what_is_missing(tmp_path):
     file = sweep_in(tmp_path, parameters={"--count": [2, 3, 4]})
     pierce.sweep.run(file, 1)

@@ -349,6 +349,47 @@ def test_meshes_of_others():
     assert pierce.check_mesh(made).sound
     (_, fixed), places, done = pierce.fix_mesh((vertices, triangles[1:]))
     assert len(fixed) == len(triangles) and done.holes == 1
+    closed = pierce.Mesh.make((vertices, triangles[1:]))
+    assert closed.given_triangle(0) == 0
+    for beyond in (len(closed.triangles), 2**31):
+        with pytest.raises(pierce.InputError, match="has no triangle"):
+            closed.given_triangle(beyond)
+
+
+def test_a_mesh_stays_when_its_world_removes_it():
+    vertices, triangles = torus()
+    world, other = pierce.World("reference"), pierce.World("reference")
+    number = world.add_mesh((vertices, triangles), "ring")
+    mesh = world.mesh(number)
+    bodies = [other.add_rigid_body(other.add_mesh(mesh)) for _ in range(2)]
+    before = len(other.detect())
+    view = mesh.vertices
+    world.remove_mesh(number)
+    gc.collect()
+    junk = [np.full_like(vertices, 7) for _ in range(100)]
+    np.testing.assert_array_equal(view, vertices)
+    assert mesh.name == "ring" and len(junk) == 100
+    other.set_pose(bodies[1], [0.1, 0, 0, 0, 0, 0, 1])
+    assert len(other.detect()) >= before > 0
+
+
+def test_a_pair_of_solids_and_sheets(two_tori):
+    world, _, _, positions = two_tori
+    sheet = world.add_deforming_body(
+        world.mesh_of(two_tori[2]), positions + np.float32([0.2, 0, 0])
+    )
+    other = world.add_deforming_body(
+        world.mesh_of(two_tori[2]), positions + np.float32([0.4, 0, 0])
+    )
+    world.set_collision(sheet, pierce.Collision(sheet=True, thickness=0.05))
+    contacts = world.detect()
+    for body in (two_tori[1], two_tori[2], other):
+        a, b = sorted((body, sheet))
+        of_pair = (contacts.a == int(a)) & (contacts.b == int(b))
+        part = contacts.of_pair(body, sheet)
+        assert of_pair.sum() == len(part) > 0
+        np.testing.assert_array_equal(part.distance, contacts.distance[of_pair])
+        np.testing.assert_array_equal(part.of_sheet, contacts.of_sheet[of_pair])
 
 
 def test_a_mesh_that_worlds_share_stays():

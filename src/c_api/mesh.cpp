@@ -131,6 +131,15 @@ pierce_status pierce_add_shared_mesh(pierce_world* world, const pierce_shared_me
     });
 }
 
+pierce_status pierce_share_mesh(const pierce_world* world, pierce_mesh_id mesh,
+                                pierce_shared_mesh** shared) {
+    return guarded([&] {
+        const auto& inner = world_of(world);
+        required(shared, "shared");
+        *shared = new pierce_shared_mesh{inner.share_mesh(mesh_handle(mesh))};
+    });
+}
+
 pierce_status pierce_remove_mesh(pierce_world* world, pierce_mesh_id mesh) {
     return guarded([&] { world_of(world).remove_mesh(mesh_handle(mesh)); });
 }

@@ -173,6 +173,9 @@ static void meshes(scene* s) {
     REFUSES(pierce_add_shared_mesh(w, shared, NULL), "mesh is null");
     WORKS(pierce_add_shared_mesh(w, shared, &mesh));
     pierce_destroy_shared_mesh(shared);
+    REFUSES(pierce_share_mesh(NULL, mesh, &shared), "world is null");
+    REFUSES(pierce_share_mesh(w, mesh, NULL), "shared is null");
+    REFUSES(pierce_share_mesh(w, mesh + 9, &shared), "mesh");
 
     REFUSES(pierce_remove_mesh(NULL, mesh), "world is null");
     REFUSES(pierce_remove_mesh(w, s->mesh), "still used");

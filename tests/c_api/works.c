@@ -414,6 +414,12 @@ static void meshes(void) {
     pierce_destroy_shared_mesh(shared);
     WORKS(pierce_mesh(s.world, other, &info));
     CHECK(strcmp(info.name, "shared") == 0);
+    WORKS(pierce_share_mesh(s.world, other, &shared));
+    WORKS(pierce_remove_mesh(s.world, other));
+    WORKS(pierce_add_shared_mesh(s.world, shared, &other));
+    pierce_destroy_shared_mesh(shared);
+    WORKS(pierce_mesh(s.world, other, &info));
+    CHECK(strcmp(info.name, "shared") == 0);
 
     WORKS(pierce_default_mesh_check_options(&how, sizeof how));
     how.self_intersections = 1;

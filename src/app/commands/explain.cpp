@@ -113,13 +113,15 @@ void explain_recording(const ExplainOptions& options) {
             throw InputError(
                 fmt::format("{}bodies 0 to {}, no body {}", where, recording.bodies.size() - 1, b));
     const std::uint32_t body = options.bodies[0], other = options.bodies[1];
+    const scenes::SceneMesh& mesh = recording.meshes[recording.mesh_of(body, *options.frame)];
+    if (options.vertex >= mesh.data.positions.size())
+        throw InputError(fmt::format("mesh '{}' has no vertex {}", mesh.name, options.vertex));
 
     const auto detector = scenes::make_detector(scenes::scene_of(recording), scenes::Method::rays,
                                                 options.rays);
     World& world = *detector->world();
     // A World gives out handles in order, and a scene never removes a body.
     const BodyId body_id{body, 1}, other_id{other, 1};
-    world.vertex_position(body_id, options.vertex);  // refuses one there is not before the replay
     {
         Progress progress("replaying", *options.frame + 1);
         for (std::uint32_t f = 0; f <= *options.frame; ++f) {

@@ -19,6 +19,7 @@
 
 #include "app/commands/sweep_plan.hpp"
 #include "app/output/child.hpp"
+#include "app/output/json_file.hpp"
 #include "app/output/progress.hpp"
 #include "core/base/whole_file.hpp"
 #include "pierce/error.hpp"
@@ -53,17 +54,21 @@ bool run_pierce(std::vector<std::string> arguments, const fs::path& log) {
 bool run_one(const Sweep& sweep, const SweepRun& run) {
     fs::create_directories(run.folder);
     const fs::path log = run.folder / "log.txt";
-    if (!fs::exists(run.result()) || (sweep.compares && !fs::exists(run.motion()))) {
+    if (!sweep.has_run(run)) {
         std::vector<std::string> arguments = run.arguments;
         arguments.insert(arguments.end(), {"--json", run.result().string()});
         if (sweep.compares) arguments.insert(arguments.end(), {"--record", run.motion().string()});
+        fs::remove(run.done());
         if (!run_pierce(arguments, log)) return false;
+        write_json_file(run.done(), sweep.done_by(run, false));
     }
-    if (!sweep.compares || fs::exists(run.comparison())) return true;
+    if (sweep.is_done(run)) return true;
     std::vector<std::string> arguments{"compare", run.motion().string(), "--json",
                                        run.comparison().string()};
     arguments.insert(arguments.end(), sweep.compare.begin(), sweep.compare.end());
-    return run_pierce(arguments, log);
+    if (!run_pierce(arguments, log)) return false;
+    write_json_file(run.done(), sweep.done_by(run, true));
+    return true;
 }
 
 /// Runs on several threads, each of which waits for its process. Returns those that failed.

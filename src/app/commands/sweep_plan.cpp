@@ -117,8 +117,25 @@ Sweep sweep_of(const json& content, const fs::path& folder) {
 
 }  // namespace
 
+nlohmann::json Sweep::done_by(const SweepRun& run, bool compared) const {
+    nlohmann::json done{{"run", run.arguments}};
+    if (compared) done["compare"] = compare;
+    return done;
+}
+
+bool Sweep::has_run(const SweepRun& run) const {
+    std::ifstream in(run.done());
+    const nlohmann::json done = nlohmann::json::parse(in, nullptr, false);
+    return done.is_object() && done.value("run", nlohmann::json()) == run.arguments &&
+           fs::exists(run.result()) && (!compares || fs::exists(run.motion()));
+}
+
 bool Sweep::is_done(const SweepRun& run) const {
-    return fs::exists(run.result()) && (!compares || fs::exists(run.comparison()));
+    if (!has_run(run)) return false;
+    if (!compares) return true;
+    std::ifstream in(run.done());
+    return nlohmann::json::parse(in, nullptr, false) == done_by(run, true) &&
+           fs::exists(run.comparison());
 }
 
 Sweep read_sweep(const fs::path& file) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct SweepRun {
     std::filesystem::path motion() const { return folder / "motion"; }
     /// The methods' time and error on the run's motion.
     std::filesystem::path comparison() const { return folder / "comparison.json"; }
+    /// What has ended well (Sweep::done_by).
+    std::filesystem::path done() const { return folder / "done.json"; }
 };
 
 /// A command with every combination of some parameters. docs/sweeps.md has the file's format.
@@ -28,7 +31,11 @@ struct Sweep {
     bool compares = false;
     std::filesystem::path out;
 
-    /// True if all results of a run are there. Results are written whole.
+    /// What is written of a run that has ended well: its arguments, and those of the comparison.
+    nlohmann::json done_by(const SweepRun& run, bool compared) const;
+    /// True if the run's command has ended well with the arguments that it has now.
+    bool has_run(const SweepRun& run) const;
+    /// True if all results of a run are there.
     bool is_done(const SweepRun& run) const;
 };
 

@@ -1,12 +1,10 @@
 #include "app/output/json_file.hpp"
 
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/output/waiting.hpp"
 #include "core/base/whole_file.hpp"
-#include "pierce/error.hpp"
 
 namespace pierce::app {
 
@@ -14,7 +12,9 @@ namespace fs = std::filesystem;
 
 void write_json_file(const fs::path& file, const nlohmann::json& content) {
     const Waiting waiting("writing " + file.string());
-    write_text_file(file, content.dump(1) + '\n');
+    // Names of files need not be UTF-8.
+    write_text_file(file,
+                    content.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
 }
 
 void write_text_file(const fs::path& file, const std::string& text) {
@@ -36,11 +36,7 @@ void check_folder_writable(const fs::path& folder) {
 
 void check_writable(const fs::path& file) {
     if (file.empty()) return;
-    const bool existed = fs::exists(file);
-    std::FILE* opened = std::fopen(file.c_str(), "ab");
-    if (opened == nullptr) throw InputError("cannot write '" + file.string() + "'");
-    std::fclose(opened);
-    if (!existed) fs::remove(file);
+    if (!can_be_written(file)) refuse_to_write(file);
 }
 
 }  // namespace pierce::app

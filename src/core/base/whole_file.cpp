@@ -24,12 +24,16 @@ bool can_be_replaced(const fs::path& file) {
     return !fs::exists(status) || fs::is_regular_file(status);
 }
 
-/// The file itself, if `file` is a link to it.
-fs::path behind_links(const fs::path& file) {
+/// The file itself, if `file` is a link to it. It need not be there.
+fs::path behind_links(fs::path file) {
+    constexpr int most_links = 40;  // as many as Linux follows
     std::error_code failed;
-    if (!fs::is_symlink(file, failed)) return file;
-    const fs::path real = fs::weakly_canonical(file, failed);
-    return failed ? file : real;
+    for (int k = 0; k < most_links && fs::is_symlink(file, failed); ++k) {
+        const fs::path next = fs::read_symlink(file, failed);
+        if (failed) break;
+        file = file.parent_path() / next;
+    }
+    return file;
 }
 
 }  // namespace
@@ -56,6 +60,15 @@ void WholeFile::keep() {
         if (failed) refuse_to_write(file_);
     }
     kept_ = true;
+}
+
+bool can_be_written(const fs::path& file) {
+    std::error_code failed;
+    const fs::file_status status = fs::status(file, failed);
+    if (fs::is_directory(status)) return false;
+    if (fs::exists(status)) return ::access(file.c_str(), W_OK) == 0;
+    const WholeFile trial(file);  // goes again, as it is not kept
+    return fs::exists(trial.part(), failed);
 }
 
 void refuse_to_write(const fs::path& file) {

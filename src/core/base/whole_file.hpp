@@ -5,7 +5,8 @@
 namespace pierce {
 
 /// A file that is there as a whole or not at all: it is written under another name beside its own,
-/// and takes its own when it is kept. What was there before stays until then. Devices and pipes,
+/// and takes its own when it is kept. What was there before stays until then, and so do links to
+/// it. Devices and pipes,
 /// and files in folders that nothing can be added to, are written as they are.
 class WholeFile {
 public:
@@ -24,6 +25,9 @@ private:
     std::filesystem::path file_, part_;
     bool kept_ = false;
 };
+
+/// True if a WholeFile can be put there. What is there is neither opened nor changed.
+bool can_be_written(const std::filesystem::path& file);
 
 /// Throws InputError that says that a file cannot be written.
 [[noreturn]] void refuse_to_write(const std::filesystem::path& file);

@@ -152,12 +152,6 @@ void transfer(A& archive, SavedMesh& m) {
     transfer(archive, m.inside, Inside::none);
 }
 
-/// The rule by which a mesh of the same data gets the same inside.
-inline Inside rule_that_made(const MeshInside& inside) {
-    const bool unites_parts = inside.rule == Inside::closed && inside.covered_triangles > 0;
-    return unites_parts ? Inside::automatic : inside.rule;
-}
-
 inline SavedMesh saved(const MeshEntry& entry) {
     return {.name = entry.mesh->name(),
             .data = entry.mesh->data(),

@@ -81,6 +81,10 @@ void World::remove_mesh(MeshId mesh) {
 
 const Mesh& World::mesh(MeshId mesh) const { return *state_->meshes.get(mesh, "mesh").mesh; }
 
+std::shared_ptr<const Mesh> World::share_mesh(MeshId mesh) const {
+    return state_->meshes.get(mesh, "mesh").mesh;
+}
+
 BodyId World::add_fixed_body(MeshId mesh, const Pose& pose) {
     check_pose(pose, this->mesh(mesh).name());
     return state_->add({mesh, Motion::fixed, pose});

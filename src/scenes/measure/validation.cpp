@@ -252,6 +252,7 @@ Validation validate(const Recording& recording, std::vector<Candidate> candidate
                     const std::function<void(std::uint32_t)>& progress) {
     if (candidates.size() < 2)
         throw InputError("validation compares backends: it needs two at least");
+    if (every == 0) throw InputError("validation looks at every Nth frame: N is 1 at least");
     const SceneSetup scene = scene_of(recording);
     Validation validation;
     std::vector<std::unique_ptr<Detector>> detectors;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/whole_file.hpp"
 #include "pierce/constants.hpp"
@@ -68,9 +70,29 @@ SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::
 }
 
 json collision_json(const Collision& collision) {
-    return {{"self", self_names[static_cast<std::size_t>(collision.self)]},
-            {"sheet", collision.sheet},
-            {"thickness", collision.thickness}};
+    json entry{{"self", self_names[static_cast<std::size_t>(collision.self)]},
+               {"sheet", collision.sheet},
+               {"thickness", collision.thickness}};
+    if (collision.margin >= 0) entry["margin"] = collision.margin;
+    return entry;
+}
+
+/// Per mesh, a name that no other one has, as bodies name their meshes.
+std::vector<std::string> names_of(std::span<const SceneMesh> meshes) {
+    std::set<std::string> taken;
+    for (const SceneMesh& mesh : meshes) taken.insert(mesh.name);
+    std::set<std::string> used;
+    std::vector<std::string> names;
+    for (const SceneMesh& mesh : meshes) {
+        std::string name = mesh.name;
+        for (int k = 2; used.contains(name); ++k) {
+            const std::string other = mesh.name + " " + std::to_string(k);
+            if (!taken.contains(other)) name = other;
+        }
+        used.insert(name);
+        names.push_back(std::move(name));
+    }
+    return names;
 }
 
 Collision read_collision(const json& entry, const std::string& where) {
@@ -80,10 +102,11 @@ Collision read_collision(const json& entry, const std::string& where) {
         throw InputError(where + ": self-collision is '" + self +
                          "'; there are off, on, rays, published");
     return {static_cast<SelfCollision>(known - self_names.begin()), entry.value("sheet", false),
-            entry.value("thickness", 0.0)};
+            entry.value("thickness", 0.0), entry.value("margin", Collision{}.margin)};
 }
 
 void count_frames(std::size_t frames, const fs::path& file, Recording& recording) {
+    if (frames == 0) throw InputError("'" + file.string() + "' has no frames");
     if (recording.frame_count == 0) recording.frame_count = static_cast<std::uint32_t>(frames);
     if (frames != recording.frame_count)
         throw InputError("'" + file.string() + "' has " + std::to_string(frames) +
@@ -224,6 +247,10 @@ SceneSetup scene_of(const Recording& recording) {
     return scene;
 }
 
+void check_time_step(double dt, const std::string& what) {
+    if (!(dt > 0) || std::isinf(dt)) throw InputError(what + " must be positive");
+}
+
 Recording start_recording(const SceneSetup& scene, double dt) {
     Recording recording{.dt = dt, .frame_count = 0, .meshes = scene.meshes, .bodies = {}};
     for (const SceneBody& b : scene.bodies)
@@ -251,10 +278,11 @@ void write_recording(const Recording& recording, const fs::path& folder,
                {"dt", recording.dt},
                {"meshes", json::array()},
                {"bodies", json::array()}};
+    const std::vector<std::string> names = names_of(recording.meshes);
     for (std::size_t m = 0; m < recording.meshes.size(); ++m) {
         const std::string file = "mesh_" + std::to_string(m) + ".obj";
         write_obj(folder / file, recording.meshes[m].data);
-        scene["meshes"].push_back({{"name", recording.meshes[m].name}, {"file", file}});
+        scene["meshes"].push_back({{"name", names[m]}, {"file", file}});
         if (recording.meshes[m].inside != Inside::automatic)
             scene["meshes"].back()["inside"] = name(recording.meshes[m].inside);
     }
@@ -270,12 +298,12 @@ void write_recording(const Recording& recording, const fs::path& folder,
         write_npy(folder / file, shape, body.values);
         scene["bodies"].push_back(
             {{"name", body.name},
-             {"mesh", recording.meshes[body.mesh].name},
+             {"mesh", names[body.mesh]},
              {"motion", motion_names[static_cast<std::size_t>(body.motion)]},
              {body.motion == Motion::deforming ? "positions" : "poses", file}});
         for (const RecordedMeshChange& change : body.mesh_changes)
             scene["bodies"].back()["changes"].push_back(
-                {{"frame", change.frame}, {"mesh", recording.meshes[change.mesh].name}});
+                {{"frame", change.frame}, {"mesh", names[change.mesh]}});
         if (body.ground) scene["bodies"].back()["ground"] = true;
         if (body.collision != Collision{})
             scene["bodies"].back()["collision"] = collision_json(body.collision);
@@ -283,7 +311,8 @@ void write_recording(const Recording& recording, const fs::path& folder,
     }
     WholeFile whole(scene_file);
     std::ofstream out(whole.part());
-    out << scene.dump(2) << '\n';
+    // Names need not be UTF-8.
+    out << scene.dump(2, ' ', false, json::error_handler_t::replace) << '\n';
     if (!out.flush()) refuse_to_write(scene_file);
     out.close();
     whole.keep();
@@ -302,9 +331,14 @@ Recording read_recording(const fs::path& folder, const std::function<void(double
             throw InputError(where + " has version " + scene.at("version").dump() +
                              ", expected no more than " + std::to_string(format_version));
         recording.dt = scene.at("dt").get<double>();
-        if (!(recording.dt > 0)) throw InputError(where + ": dt must be positive");
-        for (const json& entry : scene.at("meshes"))
-            recording.meshes.push_back(read_scene_mesh(entry, folder, where));
+        check_time_step(recording.dt, where + ": dt");
+        for (const json& entry : scene.at("meshes")) {
+            SceneMesh mesh = read_scene_mesh(entry, folder, where);
+            if (std::ranges::find(recording.meshes, mesh.name, &SceneMesh::name) !=
+                recording.meshes.end())
+                throw InputError(where + ": two meshes are named '" + mesh.name + "'");
+            recording.meshes.push_back(std::move(mesh));
+        }
         for (const json& entry : scene.at("bodies")) {
             recording.bodies.push_back(read_body(entry, folder, recording, where));
             if (progress) progress(share(recording.bodies.size(), scene.at("bodies").size()));

@@ -58,6 +58,9 @@ void require_lasting_meshes(const Recording& recording, const std::string& what)
 /// The scene a recording starts with.
 SceneSetup scene_of(const Recording& recording);
 
+/// Throws InputError, beginning with `what`, unless a time step is positive and finite.
+void check_time_step(double dt, const std::string& what);
+
 /// A recording without frames of a scene's meshes and bodies.
 Recording start_recording(const SceneSetup& scene, double dt);
 

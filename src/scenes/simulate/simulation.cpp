@@ -149,7 +149,7 @@ Simulation::~Simulation() {
 }
 
 const FrameResult& Simulation::step(double dt) {
-    if (!(dt > 0) || !std::isfinite(dt)) throw InputError("time step must be positive");
+    check_time_step(dt, "time step");
     State& s = *state_;
     s.rigid_configuration.take_epa_milliseconds();
     const std::uint32_t tears = s.tear();

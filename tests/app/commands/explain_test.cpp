@@ -155,6 +155,23 @@ TEST_F(ExplainCommandTest, ReplaysRecordingsUpToTheFrame) {
     EXPECT_EQ(read("off.json")["settings"]["temporal"], "off");
 }
 
+TEST_F(ExplainCommandTest, KnowsVerticesThatAMeshGetsLater) {
+    scenes::Recording grows = motion;
+    scenes::RecordedBody& body = grows.bodies[2];
+    body.motion = Motion::deforming;
+    body.mesh_changes = {{2, 0}};
+    body.values.clear();
+    for (std::uint32_t f = 0; f < grows.frame_count; ++f)
+        for (Vec3f p : grows.meshes[grows.mesh_of(2, f)].data.positions)
+            body.values.insert(body.values.end(), {p.x + 0.7f, p.y, p.z});
+    write_recording(grows, folder / "motion");
+    const Outcome later = pierce(ask("--vertex 200 --frame 2 --bodies 2 0"));
+    EXPECT_EQ(later.code, 0) << later.text;
+    EXPECT_THAT(later.text, HasSubstr("vertex 200 of body 2"));
+    expect_refused(ask("--vertex 200 --frame 1 --bodies 2 0"), "mesh 'cube' has no vertex 200");
+    expect_refused(ask("--vertex 288 --frame 2 --bodies 2 0"), "mesh 'ring' has no vertex 288");
+}
+
 TEST_F(ExplainCommandTest, RefusesWhatCannotBeAsked) {
     scenes::write_obj(path("cube.obj"), scenes::box({0, 0, 0}, {1, 1, 1}));
     const std::string cube = path("cube.obj"), two = "explain " + cube + " " + cube;

@@ -252,9 +252,28 @@ TEST_F(MannersTest, FilesTakeTheirPlaceAsAWhole) {
     EXPECT_EQ(read("real.json")["frames"].size(), 6u);
     EXPECT_EQ(fs::status(folder / "real.json").permissions(),
               fs::perms::owner_read | fs::perms::owner_write);
+    fs::create_directory(folder / "later");
+    fs::create_symlink("later/real.json", folder / "broken.json");
+    ASSERT_EQ(pierce(run + "broken.json --count 0", folder).code, 2);
+    EXPECT_TRUE(fs::is_symlink(folder / "broken.json"));
+    EXPECT_TRUE(fs::is_empty(folder / "later"));
+    ASSERT_EQ(pierce(run + "broken.json", folder).code, 0);
+    EXPECT_TRUE(fs::is_symlink(folder / "broken.json"));
+    EXPECT_EQ(read("later/real.json")["frames"].size(), 6u);
+    EXPECT_EQ(pierce(run + ".", folder).code, 2) << "a folder";
     EXPECT_EQ(pierce(run + "/dev/null", folder).code, 0);
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
     EXPECT_THAT(parts(), testing::IsEmpty());
+}
+
+TEST_F(MannersTest, APipeGetsAllAtOnce) {
+    ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+    const Outcome outcome = pierce(
+        "run tori --count 2 --seconds 0.1 --json pipe & timeout 20 cat pipe > got.json; "
+        "kill $! 2> /dev/null; wait",
+        folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_EQ(read("got.json")["frames"].size(), 6u);
 }
 
 TEST_F(MannersTest, HelpListsExitCodesAndVersionListsBackends) {

@@ -166,6 +166,22 @@ TEST(RecordingFramesTest, PartsOfARecordingHaveItsFrames) {
               lattice(2, 6, LatticeMotion::rigid).pose(1, 5).position.x);
 }
 
+TEST_F(RecordingTest, MeshesOfOneNameGetOthers) {
+    Recording twins = sample();
+    for (SceneMesh& mesh : twins.meshes) mesh.name = "mesh";
+    twins.meshes.push_back(twins.meshes[0]);
+    twins.meshes.back().name = "mesh 2";
+    write_recording(twins, folder);
+    const Recording read = read_recording(folder);
+    const auto name = [&](std::size_t m) { return read.meshes[m].name; };
+    EXPECT_EQ(name(0), "mesh");
+    EXPECT_EQ(name(1), "mesh 3");
+    EXPECT_EQ(name(2), "mesh 2");
+    for (std::size_t b = 0; b < 3; ++b) EXPECT_EQ(read.bodies[b].mesh, twins.bodies[b].mesh);
+    overwrite("scene.json", "\"name\": \"mesh 3\"", "\"name\": \"mesh\"");
+    expect_refused("two meshes are named 'mesh'");
+}
+
 TEST_F(RecordingTest, DamageIsNamed) {
     expect_refused("cannot open");
     write_recording(sample(), folder);
@@ -206,6 +222,11 @@ TEST_F(RecordingTest, DamagedArraysAreNamed) {
     const std::vector<float> two(14);
     write_npy(folder / "body_1.npy", std::array<std::size_t, 2>{2, 7}, two);
     expect_refused("frames");
+    for (const char* file : {"body_0.npy", "body_1.npy"}) {
+        write_recording(sample(), folder);
+        write_npy(folder / file, std::array<std::size_t, 2>{0, 7}, {});
+        expect_refused("has no frames");
+    }
     write_recording(sample(), folder);
     std::ofstream(folder / "body_1.npy") << "no array at all";
     expect_refused("body_1.npy");

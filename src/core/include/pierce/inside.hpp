@@ -38,6 +38,12 @@ struct MeshInside {
     bool exists() const { return rule != Inside::none; }
 };
 
+/// The rule by which a mesh of the same data gets the same inside.
+inline Inside rule_that_made(const MeshInside& inside) {
+    const bool unites_parts = inside.rule == Inside::closed && inside.covered_triangles > 0;
+    return unites_parts ? Inside::automatic : inside.rule;
+}
+
 /// What was done to give the mesh an inside, in a sentence.
 std::string describe(const MeshInside& inside);
 

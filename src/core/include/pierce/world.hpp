@@ -87,7 +87,10 @@ public:
     MeshId add_mesh(std::string name, MeshData data, MeshId before, MeshOptions options = {});
     /// Throws InputError while a body still uses the mesh.
     void remove_mesh(MeshId mesh);
+    /// The mesh of a handle, until it is removed.
     const Mesh& mesh(MeshId mesh) const;
+    /// The same, for other worlds, and for as long as it is kept.
+    std::shared_ptr<const Mesh> share_mesh(MeshId mesh) const;
 
     /// Adds a body that does not move. Two fixed bodies are never in contact.
     BodyId add_fixed_body(MeshId mesh, const Pose& pose = {});

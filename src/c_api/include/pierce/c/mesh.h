@@ -65,6 +65,11 @@ PIERCE_API pierce_status pierce_add_shared_mesh(pierce_world* world,
                                                 const pierce_shared_mesh* shared,
                                                 pierce_mesh_id* mesh);
 
+/** Takes a mesh of a world for other worlds. The caller lets it go with
+ *  pierce_destroy_shared_mesh(); it stays when the world removes it or ends. */
+PIERCE_API pierce_status pierce_share_mesh(const pierce_world* world, pierce_mesh_id mesh,
+                                           pierce_shared_mesh** shared);
+
 /** Removes a mesh. Errors: a body still uses it. */
 PIERCE_API pierce_status pierce_remove_mesh(pierce_world* world, pierce_mesh_id mesh);
 
