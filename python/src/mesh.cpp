@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "pierce/box.hpp"
+#include "pierce/error.hpp"
 #include "pierce/mesh_check.hpp"
 #include "pierce/mesh_fix.hpp"
 #include "records.hpp"

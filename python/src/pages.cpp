@@ -8,6 +8,7 @@
 
 #include "casters.hpp"
 #include "page/scene_page.hpp"
+#include "pierce/error.hpp"
 #include "page/step_figures.hpp"
 #include "world.hpp"
 

@@ -241,8 +241,10 @@ void Detector::set_mesh(std::uint32_t, const Recording&, std::uint32_t, std::spa
 namespace {
 
 MeshOptions options_for(const SceneMesh& mesh, bool is_sheet, MeshOptions options) {
-    if (mesh.inside != Inside::automatic) options.inside = mesh.inside;
-    if (is_sheet) options.inside = Inside::none;
+    if (mesh.inside != Inside::automatic)
+        options.inside = mesh.inside;
+    else if (is_sheet)
+        options.inside = Inside::none;
     return options;
 }
 
@@ -273,9 +275,9 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
             case Motion::deforming:
                 bodies.push_back(world.add_deforming_body(
                     mesh, start_positions(body, scene.meshes[body.mesh].data)));
-                world.set_collision(bodies.back(), body.collision);
                 break;
         }
+        world.set_collision(bodies.back(), body.collision);
     }
 }
 

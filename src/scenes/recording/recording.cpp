@@ -203,11 +203,15 @@ Pose Recording::pose(std::uint32_t body, std::uint32_t frame) const {
     return {{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
 }
 
+std::span<const float> Recording::numbers(std::uint32_t body, std::uint32_t frame) const {
+    const RecordedBody& b = bodies[body];
+    return {b.values.data() + frame_begin(*this, b, frame), frame_size(*this, b, frame)};
+}
+
 std::span<const Vec3f> Recording::positions(std::uint32_t body, std::uint32_t frame) const {
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-    const RecordedBody& b = bodies[body];
-    return {reinterpret_cast<const Vec3f*>(b.values.data() + frame_begin(*this, b, frame)),
-            frame_size(*this, b, frame) / 3};
+    const std::span<const float> all = numbers(body, frame);
+    return {reinterpret_cast<const Vec3f*>(all.data()), all.size() / 3};
 }
 
 std::span<const Vec3f> Recording::start_positions(std::uint32_t body, std::uint32_t from,
@@ -220,13 +224,14 @@ std::uint32_t Recording::mesh_of(std::uint32_t body, std::uint32_t frame) const 
 }
 
 Inside inside_of(const Recording& recording, std::uint32_t mesh) {
+    if (recording.meshes[mesh].inside != Inside::automatic) return recording.meshes[mesh].inside;
     for (const RecordedBody& body : recording.bodies)
         if (body.collision.sheet &&
             (body.mesh == mesh || std::ranges::any_of(body.mesh_changes, [&](const auto& change) {
                  return change.mesh == mesh;
              })))
             return Inside::none;
-    return recording.meshes[mesh].inside;
+    return Inside::automatic;
 }
 
 void require_lasting_meshes(const Recording& recording, const std::string& what) {
@@ -349,66 +354,6 @@ Recording read_recording(const fs::path& folder, const std::function<void(double
     if (recording.bodies.empty()) throw InputError(where + " has no bodies");
     if (recording.frame_count == 0) recording.frame_count = 1;
     return recording;
-}
-
-namespace {
-
-/// Every Nth frame of those from `first` on, before `end`.
-Recording picked(const Recording& recording, std::uint32_t first, std::uint32_t end,
-                 std::uint32_t every) {
-    Recording result = recording;
-    result.dt = every * recording.dt;
-    result.frame_count = (end - first + every - 1) / every;
-    for (std::uint32_t b = 0; b < result.bodies.size(); ++b) {
-        const RecordedBody& whole = recording.bodies[b];
-        RecordedBody& body = result.bodies[b];
-        // A body that stays has one frame.
-        if (body.motion != Motion::deforming && body.values.size() == pose_size) continue;
-        body.values.clear();
-        body.mesh_changes.clear();
-        body.mesh = recording.mesh_of(b, first);
-        for (std::uint32_t f = first, mesh = body.mesh; f < end; f += every) {
-            if (recording.mesh_of(b, f) != mesh) {
-                mesh = recording.mesh_of(b, f);
-                body.mesh_changes.push_back({(f - first) / every, mesh});
-            }
-            const auto at = whole.values.begin() +
-                            static_cast<std::ptrdiff_t>(frame_begin(recording, whole, f));
-            body.values.insert(body.values.end(), at,
-                               at + static_cast<std::ptrdiff_t>(frame_size(recording, whole, f)));
-        }
-    }
-    return result;
-}
-
-}  // namespace
-
-Recording excerpt(const Recording& recording, std::uint32_t first, std::uint32_t count) {
-    const std::uint32_t begin = std::min(first, recording.frame_count);
-    return picked(recording, begin, begin + std::min(count, recording.frame_count - begin), 1);
-}
-
-Recording thinned(const Recording& recording, std::uint32_t frames) {
-    return picked(recording, 0, recording.frame_count,
-                  std::max(1u, recording.frame_count / std::max(frames, 1u)));
-}
-
-Recording as_deforming(const Recording& recording) {
-    Recording result = recording;
-    for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
-        if (recording.bodies[b].motion != Motion::rigid) continue;
-        RecordedBody& body = result.bodies[b];
-        body.motion = Motion::deforming;
-        body.values.clear();
-        for (std::uint32_t f = 0; f < recording.frame_count; ++f) {
-            const Frame frame = frame_of(recording.pose(b, f));
-            for (Vec3f rest : recording.meshes[body.mesh].data.positions) {
-                const Vec3f p = to_float(frame.to_parent(to_double(rest)));
-                body.values.insert(body.values.end(), {p.x, p.y, p.z});
-            }
-        }
-    }
-    return result;
 }
 
 }  // namespace pierce::scenes

@@ -41,6 +41,8 @@ struct Recording {
     Pose pose(std::uint32_t body, std::uint32_t frame) const;
     /// The mesh of a body in a frame.
     std::uint32_t mesh_of(std::uint32_t body, std::uint32_t frame) const;
+    /// The numbers of a body in a frame; not of one that stays, but for the first frame.
+    std::span<const float> numbers(std::uint32_t body, std::uint32_t frame) const;
     /// Where a deforming body's vertices are in a frame.
     std::span<const Vec3f> positions(std::uint32_t body, std::uint32_t frame) const;
     /// Where these vertices were when the step from another frame began: a body that has got
@@ -49,7 +51,8 @@ struct Recording {
                                            std::uint32_t frame) const;
 };
 
-/// What decides on the inside of a mesh: nothing if a sheet has it.
+/// What decides on the inside of a mesh: what the recording says; if that is `automatic` and a
+/// sheet has the mesh, nothing.
 Inside inside_of(const Recording& recording, std::uint32_t mesh);
 
 /// Throws InputError if a body's mesh changes: `what` needs meshes that stay.

@@ -269,8 +269,8 @@ TEST_F(MannersTest, FilesTakeTheirPlaceAsAWhole) {
 TEST_F(MannersTest, APipeGetsAllAtOnce) {
     ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
     const Outcome outcome = pierce(
-        "run tori --count 2 --seconds 0.1 --json pipe & timeout 20 cat pipe > got.json; "
-        "kill $! 2> /dev/null; wait",
+        "run tori --count 2 --seconds 0.1 --json pipe & cd '" + folder.string() +
+            "' && timeout 20 cat pipe > got.json; kill $! 2> /dev/null; wait",
         folder);
     EXPECT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_EQ(read("got.json")["frames"].size(), 6u);
