@@ -8,8 +8,8 @@
 
 #include "casters.hpp"
 #include "page/scene_page.hpp"
-#include "pierce/error.hpp"
 #include "page/step_figures.hpp"
+#include "pierce/error.hpp"
 #include "world.hpp"
 
 namespace pierce::python {
