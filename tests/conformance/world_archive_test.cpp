@@ -7,6 +7,7 @@
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
+#include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
 
@@ -113,6 +114,25 @@ TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
             random.integer(28, static_cast<int>(saved.size()) - 1))];
         byte = static_cast<char>(byte ^ (1 << random.integer(0, 7)));
         refused(damaged, "its checksum differs");
+    }
+}
+
+// What is remembered of bodies that are gone is forgotten.
+TEST(WorldArchiveTest, AWorldIsSavedAndRestoredAgainAndAgain) {
+    World world;
+    const MeshId mesh = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    const BodyId a = world.add_rigid_body(mesh),
+                 b = world.add_rigid_body(mesh, {{0.2, 0.3, 0.9}, {}});
+    world.add_rigid_body(mesh, {{9, 9, 9}, {}});
+    world.detect();
+    EXPECT_FALSE(world.contacts().empty());
+    world.remove_body(a);
+    world.remove_body(b);
+    for (int i = 0; i < 3; ++i) {
+        std::stringstream saved;
+        world.save(saved);
+        ASSERT_NO_THROW(world = World::restore(saved, reference_backend())) << i;
+        if (i == 1) world.detect();
     }
 }
 

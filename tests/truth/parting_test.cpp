@@ -138,6 +138,27 @@ TEST(PartingTest, AnyBodiesAreApartAfterwards) {
     EXPECT_GT(overlapping, 30);
 }
 
+// Steps do not look at bodies beyond the largest coordinate: that is not the same as apart.
+TEST(PartingTest, TheMovePartsNearTheLargestCoordinate) {
+    MeshData ring = scenes::torus(0.5, 0.2, 24, 12);
+    const double scale = 1e17;
+    for (Vec3f& p : ring.positions) p = static_cast<float>(scale) * p;
+    for (const double at : {0.0, 0.99999 * constants::largest_coordinate}) {
+        World world(Settings{.coverage = Coverage::complete});
+        const MeshId mesh = world.add_mesh("ring", ring);
+        const BodyId a = world.add_rigid_body(mesh, {{at - 0.3 * scale, 0, 0}, {}});
+        const BodyId b = world.add_rigid_body(mesh, {{at, 0, 0.1 * scale}, {}});
+        const std::optional<Parting> parting = world.parting(a, b);
+        ASSERT_TRUE(parting);
+        Pose there = world.pose_of(a);
+        there.position = there.position - parting->translation();
+        world.set_pose(a, there);
+        world.detect();
+        for (const Contact& c : world.contacts())
+            EXPECT_LT(c.penetration_depth(), 1e-5 * scale) << at;
+    }
+}
+
 TEST(PartingTest, SaysWhereBGoesAndChangesNothing) {
     World world;
     const MeshId cube_mesh = world.add_mesh("cube", cube(1)),

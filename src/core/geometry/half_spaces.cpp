@@ -34,12 +34,8 @@ std::optional<Vec3d> point_on(const Active& active) {
            (d(0) * cross(n(1), n(2)) + d(1) * cross(n(2), n(0)) + d(2) * cross(n(0), n(1)));
 }
 
-}  // namespace
-
-std::optional<Vec3d> closest_to_origin(std::span<const HalfSpace> all) {
-    double furthest = 0;
-    for (const HalfSpace& h : all) furthest = std::max(furthest, h.least);
-    const double slack = constants::translation_rounding * furthest;
+/// The same for a point that misses no half-space by more than `slack` [length].
+std::optional<Vec3d> closest_within(double slack, std::span<const HalfSpace> all) {
     const auto missed_by = [](const HalfSpace& h, Vec3d point) {
         return h.least - dot(h.normal, point);
     };
@@ -82,6 +78,19 @@ std::optional<Vec3d> closest_to_origin(std::span<const HalfSpace> all) {
         point = *next;
         active = holding;
     }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Vec3d> closest_to_origin(std::span<const HalfSpace> all) {
+    double furthest = 0;
+    for (const HalfSpace& h : all) furthest = std::max(furthest, h.least);
+    // Planes that are nearly parallel have no point in common that is well defined. A point of one
+    // of them then misses the others by a little more than its rounding.
+    double slack = constants::translation_rounding * furthest;
+    for (std::uint32_t k = 0; k < constants::translation_tries; ++k, slack *= 2)
+        if (const std::optional<Vec3d> point = closest_within(slack, all)) return point;
     return std::nullopt;
 }
 

@@ -30,6 +30,13 @@ FixedMesh fix_mesh(const MeshData& mesh) {
     }
     for (Triangle& t : fixed.mesh.triangles)
         for (std::uint32_t& v : t.vertex) v = place[v];
+    if (!fixed.done.exists()) {
+        // What was mended may have an inside now.
+        const HalfEdges now(fixed.mesh.triangles, fixed.mesh.positions.size());
+        fixed.done.rule = surface_with_inside(fixed.mesh, traits_of(fixed.mesh, now, {}),
+                                              Inside::automatic, workers)
+                              .inside.rule;
+    }
     return fixed;
 }
 

@@ -45,6 +45,8 @@ public:
     Vec3d origin() const { return origin_; }
     /// [length] Of the box.
     double extent() const { return extent_; }
+    /// [length] From one grid point to the next.
+    double step() const { return step_; }
 
 private:
     Vec3d origin_;

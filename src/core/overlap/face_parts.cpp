@@ -211,25 +211,28 @@ Segments find_segments(const Cuttable& first, const Cuttable& second) {
     return segments;
 }
 
-/// Sums integrals over the inside of an outline, as triangles from a corner of the face.
+/// Sums integrals over the inside of an outline, as triangles from one of its places.
 class Outline {
 public:
-    Outline(Vec3d corner, Vec3d normal) : corner_(corner), part_{} { part_.normal = normal; }
+    /// `origin`: what places are told from.
+    Outline(Vec3d origin, Vec3d normal) : origin_(origin), part_{} { part_.normal = normal; }
 
-    void add(double weight, Vec3d from, Vec3d to) {
+    void add(double weight, Vec3d from_there, Vec3d to_there) {
+        const Vec3d from = from_there - origin_, to = to_there - origin_;
+        if (part_.outline.empty()) apex_ = from;
         part_.outline.push_back({weight, from, to});
-        const double area = 0.5 * weight * dot(part_.normal, cross(from - corner_, to - corner_));
+        const double area = 0.5 * weight * dot(part_.normal, cross(from - apex_, to - apex_));
         part_.area += area;
-        part_.moment += area / 3 * (corner_ + from + to);
+        part_.moment += area / 3 * (apex_ + from + to);
         for (int k = 0; k < 3; ++k) {
-            const double a = corner_[k], b = from[k], c = to[k];
+            const double a = apex_[k], b = from[k], c = to[k];
             part_.squares[k] += area / 6 * (a * a + b * b + c * c + a * b + b * c + c * a);
         }
     }
     const FacePart& part() const { return part_; }
 
 private:
-    Vec3d corner_;
+    Vec3d origin_, apex_;
     FacePart part_;
 };
 
@@ -250,7 +253,7 @@ void add_edge(const Grid& grid, const Cuttable& of, const Use& use, Outline& out
     piece(grid.place(of.surface.points[edge.to]));
 }
 
-std::vector<FacePart> parts_of(const Grid& grid, const Cuttable& of,
+std::vector<FacePart> parts_of(const Grid& grid, Vec3d origin, const Cuttable& of,
                                const std::vector<std::vector<Segment>>& segments) {
     std::vector<FacePart> parts;
     for (std::uint32_t t = 0; t < of.surface.triangles.size(); ++t) {
@@ -263,7 +266,7 @@ std::vector<FacePart> parts_of(const Grid& grid, const Cuttable& of,
         const Vec3d corner = grid.place(of.surface.points[v[0]]);
         const Vec3d normal = normalized(cross(grid.place(of.surface.points[v[1]]) - corner,
                                               grid.place(of.surface.points[v[2]]) - corner));
-        Outline outline(corner, normal);
+        Outline outline(origin, normal);
         for (const Use& use : of.uses[t]) add_edge(grid, of, use, outline);
         for (const Segment& m : segments[t]) outline.add(1, m.from, m.to);
         if (outline.part().area == 0) continue;
@@ -271,6 +274,16 @@ std::vector<FacePart> parts_of(const Grid& grid, const Cuttable& of,
         parts.back().triangle = t;
     }
     return parts;
+}
+
+/// A place of what two surfaces have in common, if they have anything.
+Vec3d common_place(const Grid& grid, const Cuttable& a, const Cuttable& b,
+                   const Segments& segments) {
+    if (!segments.empty()) return segments.begin()->second.from;
+    for (const Cuttable* of : {&a, &b})
+        for (std::uint32_t v = 0; v < of->winding.size(); ++v)
+            if (of->winding[v] != 0) return grid.place(of->surface.points[v]);
+    return {};
 }
 
 }  // namespace
@@ -282,13 +295,15 @@ FaceParts find_face_parts(const Grid& grid, const GridSurface& first, const Grid
     find_windings(a, b);
     find_windings(b, a);
     std::vector<std::vector<Segment>> on_a(first.triangles.size()), on_b(second.triangles.size());
-    for (const auto& [triangles, segment] : find_segments(a, b)) {
+    const Segments segments = find_segments(a, b);
+    for (const auto& [triangles, segment] : segments) {
         on_a[triangles.first].push_back(segment);
         on_b[triangles.second].push_back({segment.to, segment.from});
     }
     FaceParts parts;
-    parts.of[0] = parts_of(grid, a, on_a);
-    parts.of[1] = parts_of(grid, b, on_b);
+    parts.origin = common_place(grid, a, b, segments);
+    parts.of[0] = parts_of(grid, parts.origin, a, on_a);
+    parts.of[1] = parts_of(grid, parts.origin, b, on_b);
     for (int side = 0; side < 2; ++side) {
         const Cuttable& of = side == 0 ? a : b;
         for (std::uint32_t v = 0; v < of.winding.size(); ++v)

@@ -21,7 +21,7 @@ struct OutlinePiece {
 };
 
 /// The part of a triangle that is inside another surface. Where that surface covers a place several
-/// times, the place counts as often. Places are from the middle of the grid.
+/// times, the place counts as often. Places are from FaceParts::origin.
 struct FacePart {
     std::uint32_t triangle = 0;
     double area = 0;  ///< zero or a little less only by rounding
@@ -33,6 +33,8 @@ struct FacePart {
 
 /// What two closed surfaces have in common, by their parts inside each other.
 struct FaceParts {
+    Vec3d origin;  ///< from the middle of the grid: one of the places that they have in common, so
+                   ///< that integrals over small parts keep their digits
     std::vector<FacePart> of[2];                ///< of the first surface and of the second
     std::vector<std::uint32_t> vertices_in[2];  ///< their vertices inside the respective other one
 };

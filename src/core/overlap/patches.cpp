@@ -67,15 +67,22 @@ class Places {
 public:
     /// What is not deeper than `touch` has no way out of its own; `outward` turns the surface's
     /// normals so that they point from a to b.
-    Places(Closest& other, double touch, double outward, std::vector<Place>& places)
-        : other_(other), touch_(touch), outward_(outward), places_(places) {}
+    Places(Closest& other, Vec3d origin, double touch, double outward, std::vector<Place>& places)
+        : other_(other), origin_(origin), touch_(touch), outward_(outward), places_(places) {}
 
     /// Triangles from the middle of the part to its outline, each by the middles of its edges: a
     /// rule that is exact for squares of places. A part that does not see its whole outline from
     /// its middle is one place.
     void add(const FacePart& part) {
         if (!(part.area > 0)) return;
-        const Vec3d middle = 1 / part.area * part.moment;
+        // Of a sliver, whose area is hardly more than rounding, the middle is within the outline,
+        // too.
+        Box around;
+        for (const OutlinePiece& piece : part.outline) {
+            around.extend(piece.from);
+            around.extend(piece.to);
+        }
+        const Vec3d middle = clamped(1 / part.area * part.moment, around);
         const auto area = [&](const OutlinePiece& piece) {
             return 0.5 * piece.weight *
                    dot(part.normal, cross(piece.from - middle, piece.to - middle));
@@ -84,14 +91,14 @@ public:
             return area(piece) >= -constants::double_rounding * part.area;
         });
         if (!is_star) {
-            add(middle, part.area, part.normal);
+            add(origin_ + middle, part.area, part.normal);
             return;
         }
         for (const OutlinePiece& piece : part.outline) {
             const double share = area(piece) / 3;
-            add(0.5 * (middle + piece.from), share, part.normal);
-            add(0.5 * (middle + piece.to), share, part.normal);
-            add(0.5 * (piece.from + piece.to), share, part.normal);
+            add(origin_ + 0.5 * (middle + piece.from), share, part.normal);
+            add(origin_ + 0.5 * (middle + piece.to), share, part.normal);
+            add(origin_ + 0.5 * (piece.from + piece.to), share, part.normal);
         }
     }
     /// A vertex stands for no area, but may be the deepest place.
@@ -107,7 +114,13 @@ private:
             {at, area, depth, touches ? outward_ * face_normal : -outward_ / depth * way});
     }
 
+    static Vec3d clamped(Vec3d p, const Box& box) {
+        for (int k = 0; k < 3; ++k) p[k] = std::clamp(p[k], box.lower[k], box.upper[k]);
+        return p;
+    }
+
     Closest& other_;
+    Vec3d origin_;  ///< of the parts' places
     double touch_;
     double outward_;
     std::vector<Place>& places_;
@@ -121,8 +134,8 @@ std::vector<ContactPatch> find_patches(const Grid& grid, const std::array<GridSu
     for (std::size_t side = 0; side < 2; ++side) {
         if (parts.of[side].empty()) continue;
         Closest other(grid, surfaces[1 - side]);
-        Places of_side(other, constants::touch_tolerance * grid.extent(), side == 0 ? 1 : -1,
-                       places);
+        Places of_side(other, parts.origin, constants::touch_tolerance * grid.extent(),
+                       side == 0 ? 1 : -1, places);
         for (const FacePart& part : parts.of[side]) of_side.add(part);
         for (const std::uint32_t v : parts.vertices_in[side])
             of_side.add_vertex(grid.place(surfaces[side].points[v]));

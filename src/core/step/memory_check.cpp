@@ -37,7 +37,8 @@ public:
     Known known(std::uint64_t pair) const {
         require(pair < memory_.pair_keys.size());
         const Pair p = as_keys_.pair(memory_.pair_keys[pair]);
-        if (p.a >= bodies_.size || p.b >= bodies_.size) return {};
+        // Two slots without a body look like a pair that is forgotten.
+        if (p.a >= bodies_.size || p.b >= bodies_.size || !ids_[p.a] || !ids_[p.b]) return {};
         return {p, memory_.identities[pair].is(stages::identity_of(bodies_, ids_, p))};
     }
 

@@ -33,6 +33,9 @@ bool overlap_at_start(const MovingSurface& a, const MovingSurface& b) {
     for (const MovingPoint& p : b.points) points[1].push_back(grid.point(p.start));
     const FaceParts parts = find_face_parts(grid, {points[0], a.triangles},
                                             {points[1], b.triangles});
+    // What is inside as a whole overlaps, however small it is beside the other one.
+    for (int side = 0; side < 2; ++side)
+        if (parts.vertices_in[side].size() == points[side].size()) return true;
     double volume = 0, area = 0;
     for (const std::vector<FacePart>& side : parts.of)
         for (const FacePart& part : side) {

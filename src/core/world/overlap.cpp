@@ -70,9 +70,10 @@ std::optional<Overlap> World::overlap(BodyId a, BodyId b, double same_direction)
         GridSurface{points[1], state_->mesh_of(*bodies[1]).triangles()}};
     const FaceParts parts = find_face_parts(grid, surfaces[0], surfaces[1]);
     Overlap result = overlap_of(parts);
-    if (!(result.volume > 0)) return std::nullopt;
+    // What is thinner than the positions are rounded is none.
+    if (!(result.volume > grid.step() * (result.area_a + result.area_b))) return std::nullopt;
     result.patches = find_patches(grid, surfaces, parts, same_direction);
-    result.center += grid.origin();
+    result.center += parts.origin + grid.origin();
     for (ContactPatch& patch : result.patches) {
         patch.center += grid.origin();
         patch.deepest += grid.origin();

@@ -73,6 +73,11 @@ PlacedSurface World::PairCopy::placed(int body) const {
     return surface;
 }
 
+bool World::PairCopy::are_within_reach() const {
+    const auto& views = world_.state_->views;
+    return views[ids_[0].index].active && views[ids_[1].index].active;
+}
+
 double World::PairCopy::touch() const {
     const auto& views = world_.state_->views;
     const BodyView &a = views[ids_[0].index], &b = views[ids_[1].index];

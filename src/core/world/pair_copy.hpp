@@ -35,6 +35,9 @@ public:
     /// True if the contact's a and b are a and b as they were set.
     bool is_in_order(const Contact& contact) const { return contact.a == ids_[0]; }
 
+    /// True if contacts_after() has not moved a body beyond what steps look at.
+    bool are_within_reach() const;
+
     /// [length] The touch tolerance of the pair as contacts_after() saw it last.
     double touch() const;
 

@@ -59,7 +59,8 @@ private:
         Vec3d on_a, on_b;
     };
 
-    /// Sets `deep_` to the contacts after a translation; false if there are none.
+    /// Sets `deep_` to the contacts after a translation; false if there are none, and both bodies
+    /// are where contacts are looked for.
     bool look(Vec3d way) {
         deep_.clear();
         const std::span<const Contact> contacts = pair_.contacts_after(way);
@@ -72,7 +73,7 @@ private:
                              .on_a = in_order ? c.point_a : c.point_b,
                              .on_b = in_order ? c.point_b : c.point_a});
         }
-        return !deep_.empty();
+        return !deep_.empty() || !pair_.are_within_reach();
     }
 
     bool is_shorter(double way) const { return way < length(best_); }

@@ -376,6 +376,7 @@ const Plan& World::plan() {
 std::string World::backend() const { return state_->backend->description(); }
 
 std::vector<World::BodyBox> World::body_boxes() const {
+    state_->check_stepped("body_boxes");
     state_->backend->fetch_bodies(view_of(state_->views));
     std::vector<BodyBox> boxes;
     for (std::size_t i = 0; i < state_->views.size(); ++i)

@@ -176,6 +176,8 @@ struct World::State {
                          const std::string& name) const;
     /// Throws InputError for a world that cannot be.
     static void check_filter(const Filter& filter);
+    /// To be called before a body is put into a world: one without bodies is not left out.
+    void begin_world(std::int32_t world);
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;
     BodyKinds kinds_of(const BodyEntry& body) const;

@@ -32,9 +32,18 @@ void World::State::check_filter(const Filter& filter) {
                          std::to_string(constants::most_worlds - 1));
 }
 
+void World::State::begin_world(std::int32_t world) {
+    const bool is_there = std::ranges::any_of(bodies.slots(), [&](const auto& slot) {
+        return slot.used && slot.thing.filter.world == world;
+    });
+    if (!is_there) left_out.erase(world);
+}
+
 void World::set_filter(BodyId body, const Filter& filter) {
     State::check_filter(filter);
-    state_->bodies.get(body, "body").filter = filter;
+    BodyEntry& entry = state_->bodies.get(body, "body");
+    if (!state_->left_out.empty()) state_->begin_world(filter.world);
+    entry.filter = filter;
     state_->change();
 }
 
@@ -110,6 +119,7 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     }
     s.change();
     for (std::uint32_t k = 0; k < count; ++k) {
+        s.left_out.erase(static_cast<std::int32_t>(first + k));
         std::vector<BodyId> made;
         for (const BodyEntry& copy : copies) {
             BodyEntry body = copy;

@@ -71,6 +71,21 @@ TEST(HalfSpacesTest, TheClosestPointIsTheBestOfAllCorners) {
     EXPECT_GT(corners, 100);
 }
 
+TEST(HalfSpacesTest, FlatPatchesHaveAWay) {
+    test::Random random(62);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3d up = random.unit_vector();
+        std::vector<HalfSpace> all;
+        for (int k = random.integer(4, 40); k > 0; --k)
+            all.push_back({normalized(up + 1e-4 * random.in_box(1)), 0.25});
+        const std::optional<Vec3d> found = closest_to_origin(all);
+        ASSERT_TRUE(found) << i;
+        for (const HalfSpace& h : all) ASSERT_GE(dot(h.normal, *found), h.least - 1e-6) << i;
+        ASSERT_NEAR(length(*found), 0.25, 1e-6) << i;
+    }
+}
+
 TEST(HalfSpacesTest, HardInputs) {
     EXPECT_EQ(closest_to_origin({}), Vec3d{});
     const std::vector<HalfSpace> same(100, {{0, 0, 1}, 2});

@@ -273,6 +273,36 @@ TEST(FixMeshTest, ClosesWhatIsNearlyClosed) {
     EXPECT_TRUE(same_triangles(again.mesh, fixed.mesh));
 }
 
+// Two holes: the large one is closed, and then the mesh has an inside.
+TEST(FixMeshTest, SaysWhetherTheResultHasAnInside) {
+    test::Random random(63);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    const MeshData whole = scenes::box({0, 0, 0}, {1, 1, 1});
+    for (int i = 0; i < 2000; ++i) {
+        MeshData mesh = whole;
+        for (int k = random.integer(1, 3); k > 0; --k) {
+            const auto at = static_cast<std::size_t>(
+                random.integer(0, static_cast<int>(mesh.triangles.size()) - 1));
+            Triangle& t = mesh.triangles[at];
+            if (random.integer(0, 2) == 0) {
+                // A new vertex on one of its sides.
+                const auto middle = static_cast<std::uint32_t>(mesh.positions.size());
+                mesh.positions.push_back(
+                    0.5f * (mesh.positions[t.vertex[0]] + mesh.positions[t.vertex[1]]));
+                mesh.triangles.push_back({{middle, t.vertex[1], t.vertex[2]}});
+                mesh.triangles[at].vertex[1] = middle;
+            } else if (random.integer(0, 1) == 0) {
+                std::swap(t.vertex[0], t.vertex[1]);
+            } else {
+                mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(at));
+            }
+        }
+        const FixedMesh fixed = fix_mesh(mesh);
+        const Mesh made("fixed", fixed.mesh);
+        ASSERT_EQ(fixed.done.exists(), made.inside().exists()) << i;
+    }
+}
+
 TEST(FixMeshTest, LeavesOpenMeshesOpenAndClosesTheirSmallHoles) {
     MeshData sheet = scenes::grid(1, 1, 20, 20);
     const std::size_t all = sheet.triangles.size();

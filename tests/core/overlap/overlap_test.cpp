@@ -269,6 +269,43 @@ TEST(OverlapTest, OneBodyInsideAnotherHasNoPatchOfTheOther) {
     EXPECT_NEAR(length(found->center), 0, 1e-9);
 }
 
+TEST(OverlapTest, SmallCornersKeepTheirDigits) {
+    test::Random random(31);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    const Solid box{scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}), {}};
+    for (const double side : {1e-1, 1e-3, 1e-5, 1e-7})
+        for (int i = 0; i < 20; ++i) {
+            Solid a = box, b = box;
+            a.pose.rotation = b.pose.rotation = random.rotation();
+            const Frame frame = frame_of(a.pose);
+            b.pose.position = (1 - side) * frame.to_parent({1, 1, 1});
+            const auto found = overlap_of(a, b);
+            ASSERT_TRUE(found) << side;
+            // Positions are rounded to 1e-11.
+            const double share = 1e-9 + 1e-10 / side;
+            EXPECT_NEAR(found->volume / (side * side * side), 1, 10 * share) << side;
+            EXPECT_NEAR(found->area_a / (3 * side * side), 1, 10 * share) << side;
+            EXPECT_NEAR(length(found->center - 0.5 * b.pose.position), 0, 10 * share * side);
+            for (const ContactPatch& patch : found->patches) {
+                EXPECT_LE(patch.depth, 2 * side);
+                EXPECT_LE(length(patch.center - 0.5 * b.pose.position), 2 * side);
+            }
+        }
+}
+
+TEST(OverlapTest, WhatOnlyTouchesHasNothingInCommon) {
+    test::Random random(32);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    const Solid box{scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}), {}};
+    for (int i = 0; i < 200; ++i) {
+        Solid a = box, b = box;
+        a.pose.rotation = b.pose.rotation = random.rotation();
+        b.pose.position = frame_of(a.pose).to_parent(
+            {1, random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9)});
+        EXPECT_FALSE(overlap_of(a, b)) << i;
+    }
+}
+
 TEST(OverlapTest, RefusesWhatHasNoVolume) {
     World world;
     const MeshId ball = world.add_mesh("ball", scenes::sphere(1, 1)),

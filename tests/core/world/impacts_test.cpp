@@ -278,6 +278,22 @@ TEST(ImpactsTest, NeitherEarlyNorLateWhereBodiesTouch) {
     EXPECT_GT(touching, 100);
 }
 
+TEST(ImpactsTest, WhatIsInsideAsAWholeOverlapsHoweverSmallItIs) {
+    for (const float size : {1e-1f, 1e-4f, 1e-6f, 1e-8f}) {
+        World world;
+        const BodyId large = world.add_rigid_body(
+            world.add_mesh("large", scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f})));
+        const BodyId small = world.add_rigid_body(
+            world.add_mesh("small", scenes::box({0, 0, 0}, {size, size, size})));
+        world.set_pose(small, {{2, 0.1, 0.2}, upright});
+        EXPECT_TRUE(world.impacts().empty()) << size;
+        world.detect();
+        world.set_pose(small, {{0, 0.1, 0.2}, upright});
+        ASSERT_EQ(world.impacts().size(), 1u) << size;
+        EXPECT_EQ(world.impacts()[0].a, large);
+    }
+}
+
 TEST(ImpactsTest, OnlyPairsThatMoveMeetAndWereApart) {
     World world;
     const MeshId ball = world.add_mesh("ball", scenes::sphere(0.5, 1)),

@@ -274,6 +274,47 @@ TEST(WorldTest, ThePlanFollowsTheBodies) {
     EXPECT_EQ(world.plan().rigid_bodies, 0u);
 }
 
+// Whether a plan was made between is no matter.
+TEST(WorldTest, AnEmptiedWorldBeginsAnew) {
+    for (const bool plans : {false, true})
+        for (const bool replicates : {false, true}) {
+            World world;
+            const MeshId mesh = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+            world.add_fixed_body(mesh);
+            const BodyId first = world.add_rigid_body(mesh, {{0.2, 0.3, 0.9}, {}}),
+                         second = world.add_rigid_body(mesh, {{0.2, 0.3, 0.9}, {}});
+            world.set_filter(first, {.world = 0});
+            world.set_filter(second, {.world = 1});
+            world.set_world_active(1, false);
+            world.detect();
+            const std::size_t of_one = world.contacts().size();
+            EXPECT_GT(of_one, 0u);
+            world.remove_world(1);
+            if (plans) world.plan();
+            if (replicates) {
+                EXPECT_EQ(world.replicate(0, 1), 1);
+            } else {
+                world.set_filter(world.add_rigid_body(mesh, {{0.2, 0.3, 0.9}, {}}), {.world = 1});
+            }
+            world.detect();
+            EXPECT_EQ(world.contacts().size(), 2 * of_one) << plans << replicates;
+        }
+}
+
+TEST(WorldTest, BoxesAreThoseOfTheLastStep) {
+    World world;
+    const MeshId mesh = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    const BodyId body = world.add_rigid_body(mesh);
+    EXPECT_THROW(world.body_boxes(), InputError);
+    world.detect();
+    ASSERT_EQ(world.body_boxes().size(), 1u);
+    EXPECT_EQ(world.body_boxes()[0].body, body);
+    world.plan();
+    EXPECT_EQ(world.body_boxes().size(), 1u);
+    world.add_rigid_body(mesh);
+    EXPECT_THROW(world.body_boxes(), InputError);
+}
+
 TEST(WorldTest, SheetsAloneCastNoRays) {
     World world;
     const MeshId grid = world.add_mesh("sheet", scenes::grid(1, 1, 4, 4));

@@ -152,8 +152,8 @@ inline constexpr double least_inside = 2;
 /// touch tolerance unless the pair is a hundred times as deep as it is long.
 inline constexpr double translation_rounding = 1.0 / (1 << 26);
 
-/// How often the search for a translation may go on after each contact has had its turn.
-inline constexpr std::size_t translation_rounds = 64;
+/// How often a search for a translation goes on once all contacts had a turn; how many searches.
+inline constexpr std::uint32_t translation_rounds = 64, translation_tries = 7;
 
 /// The search for a short translation that parts a pair: how many products of vectors a convex pair
 /// may take (0.1 s); how often others are moved again by what contacts demand; a way at most

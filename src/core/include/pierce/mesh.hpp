@@ -73,7 +73,7 @@ public:
     /// follow. Which triangles stay is found out, and what is known of them is taken over; grids,
     /// which pay off over many steps only, are not made anew. So the mesh is ready sooner. Steps
     /// find the same contacts as with a mesh made from nothing, unless a body is folded through
-    /// itself, and take a little longer.
+    /// itself or its mesh is inside out, and take a little longer.
     Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options = {});
     Mesh(Mesh&&) noexcept;
     Mesh& operator=(Mesh&&) noexcept;

@@ -11,7 +11,8 @@ namespace pierce {
 
 /// A way to take two bodies apart by moving one of them, without a turn.
 struct Parting {
-    Vec3d direction;   ///< unit, world space: where body b goes, or body a against it
+    Vec3d direction;   ///< unit, world space: where body b goes, or body a against it; zero if
+                       ///< nothing has to go
     double depth = 0;  ///< [length] how far
 
     PIERCE_HD Vec3d translation() const { return depth * direction; }

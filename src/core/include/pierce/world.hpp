@@ -263,7 +263,8 @@ public:
         BodyId body;
         Box box;
     };
-    /// The boxes of all bodies that took part in the last detect().
+    /// The boxes of all bodies that took part in the last detect(). Throws InputError if bodies
+    /// were added, removed, moved or changed since.
     std::vector<BodyBox> body_boxes() const;
 
     /// Says why `vertex` of `body` has a contact with `other` after the last detect(), or none.
