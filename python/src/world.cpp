@@ -259,7 +259,8 @@ void bind_steps(nb::class_<PyWorld>& c) {
             "on_device", [](PyWorld& w) { return w.on_device; }, "Steps run on a GPU.")
         .def(
             "body_boxes", [](PyWorld& w) { return Use(w)->body_boxes(); },
-            "The boxes of all bodies that took part in the last step.")
+            "The boxes of all bodies that took part in the last step. Raises InputError if bodies "
+            "were added, removed, moved or changed since.")
         .def(
             "save",
             [](PyWorld& w) {

@@ -109,7 +109,8 @@ typedef struct pierce_body_box {
     double upper[3];
 } pierce_body_box;
 
-/** The boxes of all bodies that took part in the last step. Valid until this is called again. */
+/** The boxes of all bodies that took part in the last step. Valid until this is called again.
+ *  Errors: bodies were added, removed, moved or changed since. */
 PIERCE_API pierce_status pierce_body_boxes(pierce_world* world, const pierce_body_box** boxes,
                                            size_t* count);
 
