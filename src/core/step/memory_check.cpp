@@ -26,20 +26,36 @@ void require_range(std::uint32_t first, std::uint32_t count, std::size_t size) {
 
 class Checker {
 public:
-    Checker(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids)
-        : memory_(memory), bodies_(bodies), ids_(ids), as_keys_{memory.by_world} {}
+    Checker(const StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids,
+            const std::function<const MeshView*(std::uint64_t key)>& mesh_with)
+        : memory_(memory),
+          bodies_(bodies),
+          ids_(ids),
+          mesh_with_(mesh_with),
+          as_keys_{memory.by_world} {}
 
-    /// The pair of the next step that will be this remembered pair; not known if no pair will be.
+    /// A remembered pair, and its two bodies as they were; not known if it cannot be again.
     struct Known {
         Pair pair;
+        BodyView a, b;
         bool is_known = false;
+
+        const BodyView& source(std::uint32_t side) const { return side == 0 ? a : b; }
+        const BodyView& target(std::uint32_t side) const { return side == 0 ? b : a; }
     };
     Known known(std::uint64_t pair) const {
         require(pair < memory_.pair_keys.size());
         const Pair p = as_keys_.pair(memory_.pair_keys[pair]);
-        // Two slots without a body look like a pair that is forgotten.
-        if (p.a >= bodies_.size || p.b >= bodies_.size || !ids_[p.a] || !ids_[p.b]) return {};
-        return {p, memory_.identities[pair].is(stages::identity_of(bodies_, ids_, p))};
+        const PairIdentity& was = memory_.identities[pair];
+        if (p.a >= bodies_.size || p.b >= bodies_.size) return {};
+        if (!ids_[p.a] || !ids_[p.b] || was.a != ids_[p.a] || was.b != ids_[p.b]) return {};
+        Known known{.pair = p, .a = bodies_[p.a], .b = bodies_[p.b]};
+        known.is_known = take_mesh(was.mesh_a, known.a) && take_mesh(was.mesh_b, known.b);
+        known.a.collision.self = was.self_a;
+        known.b.collision.self = was.self_b;
+        known.a.collision.sheet = was.sheet_a;
+        known.b.collision.sheet = was.sheet_b;
+        return known;
     }
 
     void run() const {
@@ -63,11 +79,18 @@ public:
     }
 
 private:
+    /// Gives a body the mesh of that key; false if there is none.
+    bool take_mesh(std::uint64_t key, BodyView& body) const {
+        if (body.mesh_key == key) return true;
+        const MeshView* const mesh = mesh_with_(key);
+        if (mesh != nullptr) body.mesh = *mesh;
+        return mesh != nullptr;
+    }
+
     void check_directed(std::uint32_t i) const {
         const Known k = known(i / 2);
         if (!k.is_known) return;
-        const BodyView &source = bodies_[k.pair.source(i % 2)],
-                       &target = bodies_[k.pair.target(i % 2)];
+        const BodyView &source = k.source(i % 2), &target = k.target(i % 2);
         if (!stages::is_asked(source, target, k.pair.is_self(), i % 2)) return;
         const std::uint32_t first = memory_.directed[i].first_block,
                             count = block_count(source.mesh);
@@ -101,8 +124,7 @@ private:
         if (!k.is_known) return;
         require(c.a == ids_[k.pair.a] && c.b == ids_[k.pair.b]);
         const auto side = static_cast<std::uint32_t>(c.source);
-        const MeshView &source = bodies_[k.pair.source(side)].mesh,
-                       &target = bodies_[k.pair.target(side)].mesh;
+        const MeshView &source = k.source(side).mesh, &target = k.target(side).mesh;
         require(c.vertex < source.positions.size && c.triangle < target.triangles.size);
         require(!c.is_edge() || (c.edge_end < source.positions.size && c.edge < source.edges.size));
     }
@@ -115,21 +137,23 @@ private:
         const SheetRecord& record = memory_.sheet_records[i];
         require(record.side >= -1 && record.side <= 1);
         if (kind == stages::FeatureKind::vertex_of_a)
-            require(record.other < bodies_[k.pair.b].mesh.triangles.size);
+            require(record.other < k.b.mesh.triangles.size);
         if (kind == stages::FeatureKind::vertex_of_b)
-            require(record.other < bodies_[k.pair.a].mesh.triangles.size);
+            require(record.other < k.a.mesh.triangles.size);
     }
 
     const StepMemory& memory_;
     View<const BodyView> bodies_;
     View<const BodyId> ids_;
+    const std::function<const MeshView*(std::uint64_t key)>& mesh_with_;
     stages::PairKeys as_keys_;
 };
 
 }  // namespace
 
-void check(StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids) {
-    const Checker checker(memory, bodies, ids);
+void check(StepMemory& memory, View<const BodyView> bodies, View<const BodyId> ids,
+           const std::function<const MeshView*(std::uint64_t key)>& mesh_with) {
+    const Checker checker(memory, bodies, ids, mesh_with);
     checker.run();
     for (std::uint64_t pair = 0; pair < memory.pair_keys.size(); ++pair)
         if (!checker.known(pair).is_known) memory.identities[pair] = {};

@@ -1,5 +1,6 @@
 #include <istream>
 #include <iterator>
+#include <map>
 #include <ostream>
 #include <set>
 
@@ -126,7 +127,14 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     s.left_out.insert(left_out.begin(), left_out.end());
     require(archive.left() == 0, "more than there should be");
     s.make_plan();
-    check(memory, view_of(std::as_const(s.views)), view_of(std::as_const(s.ids)));
+    std::map<std::uint64_t, MeshView> views;
+    for (const auto& slot : s.meshes.slots())
+        if (slot.used) views[slot.thing.key] = slot.thing.mesh->view({});
+    check(memory, view_of(std::as_const(s.views)), view_of(std::as_const(s.ids)),
+          [&](std::uint64_t key) {
+              const auto found = views.find(key);
+              return found == views.end() ? nullptr : &found->second;
+          });
     s.backend->remember(memory);
     return world;
 }

@@ -9,6 +9,8 @@
 namespace pierce {
 namespace {
 
+const MeshView* no_mesh(std::uint64_t /*key*/) { return nullptr; }
+
 /// One pair of bodies that are not there, with a contact.
 StepMemory memory_of_a_pair() {
     StepMemory memory;
@@ -24,11 +26,11 @@ StepMemory memory_of_a_pair() {
 
 TEST(MemoryCheckTest, ContactsThatWouldBeTakenOverAreThere) {
     StepMemory memory = memory_of_a_pair();
-    EXPECT_NO_THROW(check(memory, {}, {}));
+    EXPECT_NO_THROW(check(memory, {}, {}, no_mesh));
     memory.contacts.clear();
-    EXPECT_THROW(check(memory, {}, {}), InputError);
+    EXPECT_THROW(check(memory, {}, {}, no_mesh), InputError);
     memory.directed.clear();
-    EXPECT_NO_THROW(check(memory, {}, {})) << "nothing is taken over";
+    EXPECT_NO_THROW(check(memory, {}, {}, no_mesh)) << "nothing is taken over";
 }
 
 // A step looks keys up by halving: of some lists out of order it would not end.
@@ -36,29 +38,29 @@ TEST(MemoryCheckTest, KeysAreInOrder) {
     StepMemory memory = memory_of_a_pair();
     memory.sheet_keys = {1, 2};
     memory.sheet_records.resize(2);
-    EXPECT_NO_THROW(check(memory, {}, {}));
+    EXPECT_NO_THROW(check(memory, {}, {}, no_mesh));
     memory.sheet_keys = {2, 1};
-    EXPECT_THROW(check(memory, {}, {}), InputError);
+    EXPECT_THROW(check(memory, {}, {}, no_mesh), InputError);
 
     memory = memory_of_a_pair();
     memory.contact_keys = {1, 0};
     memory.ages.resize(2);
     memory.contacts.resize(2);
-    EXPECT_THROW(check(memory, {}, {}), InputError);
+    EXPECT_THROW(check(memory, {}, {}, no_mesh), InputError);
 
     memory = memory_of_a_pair();
     memory.pair_keys = {2, 1};
     memory.identities.resize(2);
     memory.directed.resize(4);
-    EXPECT_THROW(check(memory, {}, {}), InputError);
+    EXPECT_THROW(check(memory, {}, {}, no_mesh), InputError);
     memory.pair_keys = {1, 2};
-    EXPECT_NO_THROW(check(memory, {}, {}));
+    EXPECT_NO_THROW(check(memory, {}, {}, no_mesh));
 }
 
 TEST(MemoryCheckTest, PairsThatAreNoMoreAreForgotten) {
     StepMemory memory = memory_of_a_pair();
     const PairIdentity before = memory.identities[0];
-    check(memory, {}, {});
+    check(memory, {}, {}, no_mesh);
     EXPECT_FALSE(memory.identities[0].is(before));
     EXPECT_TRUE(memory.identities[0].is({}));
 }
