@@ -158,7 +158,8 @@ std::shared_ptr<Recording> simulate(const std::string& scene, std::uint32_t coun
     auto recording = std::make_shared<Recording>(scenes::start_recording(setup, dt));
     const double steps = std::max(1.0, seconds / dt + 0.5);
     if (!(steps < constants::max_elements)) throw InputError("seconds are too many time steps");
-    for (double k = 1; k <= steps; ++k) {
+    const auto count_of_steps = static_cast<std::uint32_t>(steps);
+    for (std::uint32_t k = 0; k < count_of_steps; ++k) {
         simulation.record(*recording);
         simulation.step(dt);
     }

@@ -115,6 +115,12 @@ Sweep sweep_of(const json& content, const fs::path& folder) {
     return sweep;
 }
 
+/// What has ended well so far; no JSON if nothing has.
+nlohmann::json read_done(const SweepRun& run) {
+    std::ifstream in(run.done());
+    return nlohmann::json::parse(in, nullptr, false);
+}
+
 }  // namespace
 
 nlohmann::json Sweep::done_by(const SweepRun& run, bool compared) const {
@@ -124,18 +130,14 @@ nlohmann::json Sweep::done_by(const SweepRun& run, bool compared) const {
 }
 
 bool Sweep::has_run(const SweepRun& run) const {
-    std::ifstream in(run.done());
-    const nlohmann::json done = nlohmann::json::parse(in, nullptr, false);
+    const nlohmann::json done = read_done(run);
     return done.is_object() && done.value("run", nlohmann::json()) == run.arguments &&
            fs::exists(run.result()) && (!compares || fs::exists(run.motion()));
 }
 
 bool Sweep::is_done(const SweepRun& run) const {
     if (!has_run(run)) return false;
-    if (!compares) return true;
-    std::ifstream in(run.done());
-    return nlohmann::json::parse(in, nullptr, false) == done_by(run, true) &&
-           fs::exists(run.comparison());
+    return !compares || (read_done(run) == done_by(run, true) && fs::exists(run.comparison()));
 }
 
 Sweep read_sweep(const fs::path& file) {

@@ -5,9 +5,8 @@
 namespace pierce {
 
 /// A file that is there as a whole or not at all: it is written under another name beside its own,
-/// and takes its own when it is kept. What was there before stays until then, and so do links to
-/// it. Devices and pipes,
-/// and files in folders that nothing can be added to, are written as they are.
+/// and takes its own when it is kept. What was there before stays until then. A link stays one.
+/// Devices and pipes, and files in folders that nothing can be added to, are written as they are.
 class WholeFile {
 public:
     explicit WholeFile(std::filesystem::path file);

@@ -87,7 +87,8 @@ std::optional<Vec3d> closest_to_origin(std::span<const HalfSpace> all) {
     double furthest = 0;
     for (const HalfSpace& h : all) furthest = std::max(furthest, h.least);
     // Planes that are nearly parallel have no point in common that is well defined. A point of one
-    // of them then misses the others by a little more than its rounding.
+    // of them then misses the others by a little more than its rounding, so each search that finds
+    // nothing is followed by one that is half as exact.
     double slack = constants::translation_rounding * furthest;
     for (std::uint32_t k = 0; k < constants::translation_tries; ++k, slack *= 2)
         if (const std::optional<Vec3d> point = closest_within(slack, all)) return point;
