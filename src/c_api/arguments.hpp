@@ -15,10 +15,15 @@
 /// What comes in over the border, checked; every InputError names the argument.
 namespace pierce::c {
 
+/// Throws InputError if an argument is null. It need not be aligned.
+inline void require(const void* argument, const char* name) {
+    if (argument == nullptr) throw InputError(std::string(name) + " is null");
+}
+
 /// What an argument points to. Throws InputError if it is null.
 template <class T>
 T& required(T* argument, const char* name) {
-    if (argument == nullptr) throw InputError(std::string(name) + " is null");
+    require(argument, name);
     return *argument;
 }
 
@@ -27,7 +32,7 @@ T& required(T* argument, const char* name) {
 template <class T>
 std::span<const T> list(const T* values, std::size_t count, const char* name) {
     if (count > 0xffffffffu) throw InputError(std::string(name) + " has too many elements");
-    if (count > 0) required(values, name);
+    if (count > 0) require(values, name);
     return {values, count};
 }
 

@@ -29,6 +29,7 @@ public:
         offset_ = choices_.pick({0.0, 0.0, 0.0, 0.0, 0.0, 100.0, 1e5, 1e7});
         on_grid_ = choices_.one_in(3);
         likes_sheets_ = choices_.one_in(3);
+        likes_worlds_ = choices_.one_in(5);
         // Some worlds are as people make them: truth has more to say of these.
         is_tame_ = choices_.one_in(3);
         if (is_tame_) scale_ = 1, offset_ = 0, on_grid_ = false;
@@ -39,9 +40,11 @@ public:
         const std::uint32_t steps = 1 + choices_.below(6);
         detect();
         for (std::uint32_t s = 1; s < steps; ++s) {
-            move_all();
-            for (std::uint32_t left = choices_.pick({0u, 0u, 0u, 1u, 1u, 2u, 4u}); left > 0; --left)
-                change_something();
+            // What happens to worlds shows best where nothing else happens.
+            if (!likes_worlds_ || choices_.one_in(2)) move_all();
+            const auto changes = likes_worlds_ ? choices_.pick({1u, 1u, 2u, 4u})
+                                               : choices_.pick({0u, 0u, 0u, 1u, 1u, 2u, 4u});
+            for (std::uint32_t left = changes; left > 0; --left) change_something();
             detect();
         }
         return std::move(program_);
@@ -266,6 +269,11 @@ private:
         bodies_.push_back(body);
         if (body.motion == Motion::deforming && choices_.one_in(likes_sheets_ ? 2 : 6))
             set_collision(static_cast<std::uint32_t>(bodies_.size()) - 1);
+        if (likes_worlds_) {
+            Call& filter = push(Kind::set_filter);
+            filter.body = static_cast<std::uint32_t>(bodies_.size()) - 1;
+            filter.filter.world = choices_.pick({0, 0, 1, -1});
+        }
     }
 
     void set_collision(std::uint32_t body) {
@@ -319,7 +327,8 @@ private:
     }
 
     void change_something() {
-        switch (choices_.below(20)) {
+        if (likes_worlds_ && !choices_.one_in(3)) return change_worlds();
+        switch (choices_.below(26)) {
             case 0:
                 if (choices_.one_in(2))
                     add_mesh();
@@ -386,7 +395,27 @@ private:
                 break;
             }
             case 17:
-            case 18: {
+            case 18:
+                change_worlds();
+                break;
+            case 19:
+            case 20:
+                ask_of_pair();
+                break;
+            case 21: {
+                Call& call = push(Kind::probe);
+                for (int k = 0; k < 4; ++k) {
+                    call.positions.push_back(to_float(any_pose().position));
+                    call.start.push_back(to_float({coordinate(), coordinate(), coordinate()}));
+                }
+                call.radius = scale_ * choices_.pick({0.0, 0.5, 10.0});
+                break;
+            }
+            case 22:
+                push(Kind::impacts).count = choices_.pick({1u, 4u});
+                break;
+            case 23:
+            case 24: {
                 Call& call = push(choices_.one_in(3) ? Kind::include : Kind::exclude);
                 call.body = any_body_number();
                 call.other = any_body_number();
@@ -397,12 +426,59 @@ private:
         }
     }
 
+    std::int32_t any_world() {
+        return likes_worlds_ ? choices_.pick({0, 0, 1, 1, 2, -1}) : choices_.pick({0, 1, 7, 8});
+    }
+
+    void change_worlds() {
+        switch (choices_.below(6)) {
+            case 0:
+                // Each time there are more bodies, which take time.
+                if (has_copies_) return;
+                has_copies_ = true;
+                {
+                    Call& call = push(Kind::replicate);
+                    call.world = any_world();
+                    call.count = choices_.pick({1u, 2u, 0u});
+                }
+                break;
+            case 1:
+            case 2: {
+                Call& call = push(Kind::set_world_active);
+                call.world = any_world();
+                call.active = choices_.one_in(2);
+                break;
+            }
+            case 3: {
+                Call& call = push(Kind::set_filter);
+                call.body = any_body_number();
+                call.filter.world = any_world();
+                break;
+            }
+            case 4: {
+                Call& call = push(Kind::copy_places);
+                call.world = any_world();
+                call.other_world = any_world();
+                break;
+            }
+            default:
+                push(Kind::remove_world).world = any_world();
+        }
+    }
+
+    void ask_of_pair() {
+        Call& call = push(choices_.one_in(4) ? Kind::parting : Kind::overlap);
+        call.body = any_body_number();
+        call.other = any_body_number();
+    }
+
     Choices& choices_;
     Program program_;
     std::vector<MeshData> meshes_;
     std::vector<KnownBody> bodies_;
     double scale_ = 1, offset_ = 0;
-    bool on_grid_ = false, likes_sheets_ = false, is_tame_ = false;
+    bool on_grid_ = false, likes_sheets_ = false, likes_worlds_ = false, is_tame_ = false;
+    bool has_copies_ = false;
 };
 
 }  // namespace

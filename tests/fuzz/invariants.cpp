@@ -63,7 +63,8 @@ private:
             return fail("names bodies of the world", c);
         if (c.a.index > c.b.index) return fail("a is not after b", c);
         const Placed &a = at_a->second, &b = at_b->second;
-        if (!a.body->finite || !b.body->finite) return fail("excluded bodies have none", c);
+        if (!model_.takes_part(*a.body) || !model_.takes_part(*b.body))
+            return fail("excluded bodies have none", c);
         const Placed &source = c.source == Side::a ? a : b, &target = c.source == Side::a ? b : a;
         if (c.vertex >= source.points.size() || c.triangle >= target.mesh->triangles.size() ||
             (c.is_edge() && c.edge_end >= source.points.size()))

@@ -96,7 +96,8 @@ private:
                             backends_[i].name + ": " + error.what());
             }
         const bool asks_of_last_step = call.kind == Call::Kind::explain ||
-                                       call.kind == Call::Kind::cast_rays;
+                                       call.kind == Call::Kind::cast_rays ||
+                                       call.kind == Call::Kind::probe;
         for (std::size_t i = 1; i < players_.size(); ++i) {
             if (asks_of_last_step && restored_.contains(i)) continue;  // it has none
             if (outcomes[i].refused != outcomes[0].refused ||
@@ -148,7 +149,10 @@ private:
                             backends_[0].name + " and " + backends_[i].name + ": " + *text);
         if (const auto broken = broken_invariant(model_, contacts))
             return fail(broken->kind, broken->text);
-        compare_with_fresh(contacts);
+        if (program_.settings.temporal != Temporal::paper && !knows_sides_) {
+            compare_with_fresh(contacts);
+            compare_with_worlds_alone(contacts);
+        }
         if (failure_) return;
         if (const auto wrong = contradicted_by_truth(model_, contacts, counts_.oracle))
             return fail(wrong->kind, wrong->text);
@@ -160,20 +164,55 @@ private:
     /// remembers nothing, has the same. But for the paper's mode, and for the sides of sheets that
     /// are through something.
     void compare_with_fresh(std::span<const Contact> contacts) {
-        if (program_.settings.temporal == Temporal::paper || knows_sides_) return;
         Player fresh = model_.fresh(backends_[0].make, Temporal::off, pool_);
-        fresh.world().detect();
-        std::vector<Contact> expected(fresh.world().contacts().begin(),
-                                      fresh.world().contacts().end());
-        const std::vector<const ModelBody*> bodies = model_.bodies();
+        const std::vector<Contact> expected = contacts_of(fresh, model_.bodies());
+        if (const auto text = difference(contacts, expected, Alike::but_for_history))
+            fail("history changes contacts", "world and fresh world: " + *text);
+    }
+
+    /// Each world's contacts are those of a world without worlds that has its bodies and those in
+    /// all worlds.
+    void compare_with_worlds_alone(std::span<const Contact> contacts) {
+        const WorldOffsets offsets = players_[0].world().world_offsets();
+        if (offsets.worlds != model_.worlds())
+            return fail("worlds are those that bodies are in", "world_offsets()");
+        std::set<BodyId> in_all;
+        for (const ModelBody* b : model_.bodies())
+            if (b->filter.world == all_worlds) in_all.insert(b->id);
+        for (std::size_t i = 0; i < offsets.worlds.size(); ++i) {
+            std::vector<Contact> own;
+            for (const auto* begins : {&offsets.solids, &offsets.sheets})
+                own.insert(own.end(), contacts.begin() + (*begins)[i],
+                           contacts.begin() + (*begins)[i + 1]);
+            std::vector<Contact> expected;
+            if (model_.is_active(offsets.worlds[i])) {
+                std::vector<const ModelBody*> bodies;
+                Player alone = model_.alone(offsets.worlds[i], backends_[0].make, Temporal::off,
+                                            pool_, bodies);
+                expected = contacts_of(alone, bodies);
+                std::erase_if(expected, [&](const Contact& c) {
+                    return in_all.contains(c.a) && in_all.contains(c.b);
+                });
+            }
+            if (const auto text = difference(own, expected, Alike::but_for_history))
+                return fail("a world in a world has the contacts that it has alone",
+                            "world " + std::to_string(offsets.worlds[i]) + ": " + *text);
+        }
+    }
+
+    /// After a step; with the handles of `bodies`, which are those of the player's, in that order.
+    static std::vector<Contact> contacts_of(Player& player,
+                                            const std::vector<const ModelBody*>& bodies) {
+        player.world().detect();
         std::map<BodyId, BodyId> id;
-        for (std::size_t i = 0; i < bodies.size(); ++i) id[fresh.bodies()[i]] = bodies[i]->id;
-        for (Contact& c : expected) {
+        for (std::size_t i = 0; i < bodies.size(); ++i) id[player.bodies()[i]] = bodies[i]->id;
+        std::vector<Contact> contacts(player.world().contacts().begin(),
+                                      player.world().contacts().end());
+        for (Contact& c : contacts) {
             c.a = id[c.a];
             c.b = id[c.b];
         }
-        if (const auto text = difference(contacts, expected, Alike::but_for_history))
-            fail("history changes contacts", "world and fresh world: " + *text);
+        return contacts;
     }
 
     const Program& program_;

@@ -103,7 +103,23 @@ void Model::apply(const Call& call, const Player& player) {
             bodies_[call.body].collision = call.collision;
             break;
         case Kind::set_filter:
+            if (bodies_of(call.filter.world).empty()) left_out_.erase(call.filter.world);
             bodies_[call.body].filter = call.filter;
+            break;
+        case Kind::replicate:
+            replicate(call, player);
+            break;
+        case Kind::copy_places:
+            copy_places(call);
+            break;
+        case Kind::remove_world:
+            for (ModelBody* b : bodies_of(call.world)) b->used = false;
+            break;
+        case Kind::set_world_active:
+            if (call.active)
+                left_out_.erase(call.world);
+            else
+                left_out_.insert(call.world);
             break;
         case Kind::exclude:
             excluded_.insert(pair_of(bodies_[call.body].id, bodies_[call.other].id));
@@ -141,32 +157,93 @@ void Model::apply(const Call& call, const Player& player) {
             break;
         }
         case Kind::detect:
-            for (ModelBody& b : bodies_) {
+            each_body([](ModelBody& b) {
                 b.moved = false;
                 b.start_pose = b.pose;
                 b.start = b.positions;
-            }
+            });
             break;
         case Kind::remove_mesh:
         case Kind::forget_sides:
         case Kind::explain:
         case Kind::cast_rays:
+        case Kind::probe:
+        case Kind::overlap:
+        case Kind::parting:
+        case Kind::impacts:
         case Kind::restore:
             break;
     }
 }
 
+std::vector<ModelBody*> Model::bodies_of(std::int32_t world) {
+    std::vector<ModelBody*> there;
+    each_body([&](ModelBody& b) {
+        if (b.filter.world == world) there.push_back(&b);
+    });
+    std::ranges::sort(there, {}, [](const ModelBody* b) { return b->id.index; });
+    return there;
+}
+
+void Model::replicate(const Call& call, const Player& player) {
+    const std::int32_t first = worlds().back() + 1;
+    std::vector<ModelBody> originals;
+    for (const ModelBody* b : bodies_of(call.world)) originals.push_back(*b);
+    const std::set<std::pair<BodyId, BodyId>> excluded = excluded_;
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(call.count); ++k) {
+        left_out_.erase(first + k);
+        const std::vector<BodyId> made = player.world().bodies_of(first + k);
+        const auto copy = [&](BodyId id) {
+            for (std::size_t i = 0; i < originals.size(); ++i)
+                if (originals[i].id == id) return made[i];
+            return id;
+        };
+        for (std::size_t i = 0; i < originals.size(); ++i) {
+            ModelBody body = originals[i];
+            body.id = made[i];
+            body.filter.world = first + k;
+            body.start_pose = body.pose;
+            body.start = body.positions;
+            body.moved = false;
+            copies_.push_back(body);
+        }
+        for (const auto& [a, b] : excluded) excluded_.insert(pair_of(copy(a), copy(b)));
+    }
+}
+
+void Model::copy_places(const Call& call) {
+    const std::vector<ModelBody*> from = bodies_of(call.world), to = bodies_of(call.other_world);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        to[i]->pose = to[i]->start_pose = from[i]->pose;
+        to[i]->positions = from[i]->positions;
+        to[i]->start = to[i]->positions;
+        to[i]->finite = from[i]->finite;
+        to[i]->moved = false;
+    }
+}
+
 std::vector<const ModelBody*> Model::bodies() const {
     std::vector<const ModelBody*> all;
-    for (const ModelBody& b : bodies_)
-        if (b.used) all.push_back(&b);
+    for (const std::vector<ModelBody>* some : {&bodies_, &copies_})
+        for (const ModelBody& b : *some)
+            if (b.used) all.push_back(&b);
     std::ranges::sort(all, {}, [](const ModelBody* b) { return b->id.index; });
     return all;
 }
 
+bool Model::takes_part(const ModelBody& body) const {
+    return body.finite && !left_out_.contains(body.filter.world);
+}
+
+std::vector<std::int32_t> Model::worlds() const {
+    std::set<std::int32_t> found;
+    for (const ModelBody* b : bodies()) found.insert(b->filter.world);
+    found.erase(all_worlds);
+    return {found.begin(), found.end()};
+}
+
 bool Model::has_sheets() const {
-    return std::ranges::any_of(bodies_,
-                               [](const ModelBody& b) { return b.used && b.collision.sheet; });
+    return std::ranges::any_of(bodies(), [](const ModelBody* b) { return b->collision.sheet; });
 }
 
 bool Model::may_meet(const ModelBody& a, const ModelBody& b) const {
@@ -196,12 +273,27 @@ std::vector<Vec3d> Model::ends(const ModelBody& body) const {
 
 Player Model::fresh(const MakeBackend& backend, Temporal temporal,
                     std::shared_ptr<MeshPool> pool) const {
+    return made_of(bodies(), true, backend, temporal, std::move(pool));
+}
+
+Player Model::alone(std::int32_t world, const MakeBackend& backend, Temporal temporal,
+                    std::shared_ptr<MeshPool> pool, std::vector<const ModelBody*>& some) const {
+    some = bodies();
+    std::erase_if(some, [&](const ModelBody* b) {
+        return b->filter.world != world && b->filter.world != all_worlds;
+    });
+    return made_of(some, false, backend, temporal, std::move(pool));
+}
+
+Player Model::made_of(const std::vector<const ModelBody*>& some, bool with_worlds,
+                      const MakeBackend& backend, Temporal temporal,
+                      std::shared_ptr<MeshPool> pool) const {
     Settings settings = settings_;
     settings.temporal = temporal;
     Player player(backend, settings, std::move(pool));
     std::vector<std::uint32_t> number(meshes_.size(), std::numeric_limits<std::uint32_t>::max());
     std::uint32_t body = 0;
-    for (const ModelBody* b : bodies()) {
+    for (const ModelBody* b : some) {
         if (number[b->mesh] == std::numeric_limits<std::uint32_t>::max()) {
             number[b->mesh] = static_cast<std::uint32_t>(player.meshes().size());
             Call call{.kind = Call::Kind::add_mesh};
@@ -222,6 +314,7 @@ Player Model::fresh(const MakeBackend& backend, Temporal temporal,
         Call filter{.kind = Call::Kind::set_filter};
         filter.body = body;
         filter.filter = b->filter;
+        if (!with_worlds) filter.filter.world = all_worlds;
         player.play(filter);
         Call place{.kind = deforms ? Call::Kind::set_position_motion : Call::Kind::set_pose_motion};
         place.body = body;
@@ -236,15 +329,21 @@ Player Model::fresh(const MakeBackend& backend, Temporal temporal,
         player.play(place);
         ++body;
     }
-    const std::vector<const ModelBody*> all = bodies();
-    for (std::uint32_t a = 0; a < all.size(); ++a)
-        for (std::uint32_t b = a + 1; b < all.size(); ++b) {
-            if (!excluded_.contains(pair_of(all[a]->id, all[b]->id))) continue;
+    for (std::uint32_t a = 0; a < some.size(); ++a)
+        for (std::uint32_t b = a + 1; b < some.size(); ++b) {
+            if (!excluded_.contains(pair_of(some[a]->id, some[b]->id))) continue;
             Call exclude{.kind = Call::Kind::exclude};
             exclude.body = a;
             exclude.other = b;
             player.play(exclude);
         }
+    for (const std::int32_t world : with_worlds ? worlds() : std::vector<std::int32_t>{}) {
+        if (!left_out_.contains(world)) continue;
+        Call leave_out{.kind = Call::Kind::set_world_active};
+        leave_out.world = world;
+        leave_out.active = false;
+        player.play(leave_out);
+    }
     return player;
 }
 

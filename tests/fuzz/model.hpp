@@ -41,6 +41,11 @@ public:
     const MeshData& mesh(const ModelBody& body) const { return meshes_[body.mesh].surface; }
     bool has_inside(const ModelBody& body) const { return meshes_[body.mesh].has_inside; }
     bool has_sheets() const;
+    /// False for a body whose place is not usable, and in a world that is left out.
+    bool takes_part(const ModelBody& body) const;
+    bool is_active(std::int32_t world) const { return !left_out_.contains(world); }
+    /// The worlds that bodies are in, sorted, without all_worlds.
+    std::vector<std::int32_t> worlds() const;
     /// False for two bodies that are no pair by their filters, or because the pair is excluded.
     bool may_meet(const ModelBody& a, const ModelBody& b) const;
     /// [length] How near the two are in contact without overlapping.
@@ -53,6 +58,10 @@ public:
     /// A new world in the same state; its bodies are those of bodies(), in that order.
     Player fresh(const MakeBackend& backend, Temporal temporal,
                  std::shared_ptr<MeshPool> pool) const;
+    /// A new world of the bodies that are in `world` or in all worlds, as if there were no worlds.
+    /// `bodies`: those, in the order of the new world's.
+    Player alone(std::int32_t world, const MakeBackend& backend, Temporal temporal,
+                 std::shared_ptr<MeshPool> pool, std::vector<const ModelBody*>& bodies) const;
 
 private:
     Settings settings_;
@@ -70,8 +79,24 @@ private:
               has_inside(its_has_inside) {}
     };
 
+    void replicate(const Call& call, const Player& player);
+    void copy_places(const Call& call);
+    /// Of a world, in the order of their handles' indices.
+    std::vector<ModelBody*> bodies_of(std::int32_t world);
+    template <class See>
+    void each_body(const See& see) {
+        for (std::vector<ModelBody>* all : {&bodies_, &copies_})
+            for (ModelBody& b : *all)
+                if (b.used) see(b);
+    }
+    Player made_of(const std::vector<const ModelBody*>& bodies, bool with_worlds,
+                   const MakeBackend& backend, Temporal temporal,
+                   std::shared_ptr<MeshPool> pool) const;
+
     std::vector<ModelMesh> meshes_;
-    std::vector<ModelBody> bodies_;
+    std::vector<ModelBody> bodies_;  ///< by number
+    std::vector<ModelBody> copies_;  ///< that replicate() has made
+    std::set<std::int32_t> left_out_;
     std::set<std::pair<BodyId, BodyId>> excluded_;
 };
 

@@ -69,7 +69,7 @@ private:
     Surface surface(const ModelBody& b) const {
         Surface s;
         s.body = &b;
-        s.active = b.finite;
+        s.active = model_.takes_part(b);
         if (!s.active) return s;
         s.points = model_.ends(b);
         s.triangles = model_.mesh(b).triangles;

@@ -16,18 +16,50 @@ void put(std::ostream& text, Vec3d v) {
     for (int k = 0; k < 3; ++k) put(text, v[k]);
 }
 
-std::string to_text(const std::vector<std::optional<RayHit>>& hits) {
+template <class Found, class Put>
+std::string to_text(const Found& all, const Put& put_one) {
     std::ostringstream text;
-    for (const auto& hit : hits) {
-        if (!hit) {
+    for (const auto& one : all)
+        if (one)
+            put_one(text, *one);
+        else
             text << "nothing ";
-            continue;
-        }
-        text << hit->body.index << ' ' << hit->triangle << ' ';
-        put(text, hit->t);
-        put(text, hit->normal);
+    return text.str();
+}
+
+std::string to_text(const Overlap& overlap) {
+    std::ostringstream text;
+    for (double x : {overlap.volume, overlap.area_a, overlap.area_b}) put(text, x);
+    for (Vec3d v : {overlap.center, overlap.push, overlap.turn}) put(text, v);
+    for (const ContactPatch& patch : overlap.patches) {
+        for (double x : {patch.area, patch.depth_volume, patch.depth}) put(text, x);
+        for (Vec3d v : {patch.center, patch.normal, patch.deepest}) put(text, v);
     }
     return text.str();
+}
+
+std::string to_text(const Parting& parting) {
+    std::ostringstream text;
+    put(text, parting.direction);
+    put(text, parting.depth);
+    return text.str();
+}
+
+std::string to_text(const std::vector<ImpactContact>& impacts) {
+    std::ostringstream text;
+    for (const ImpactContact& i : impacts) {
+        text << std::dec << i.a.index << ' ' << i.b.index << ' ' << i.vertex << ' ' << i.triangle
+             << ' ';
+        for (double x : {i.time, i.gap}) put(text, x);
+        for (Vec3d v : {i.point, i.normal, i.start_a, i.start_b}) put(text, v);
+    }
+    return text.str();
+}
+
+std::vector<Vec3d> in_double(const std::vector<Vec3f>& all) {
+    std::vector<Vec3d> wide;
+    for (const Vec3f& v : all) wide.push_back(to_double(v));
+    return wide;
 }
 
 }  // namespace
@@ -114,6 +146,17 @@ std::string Player::answer(const Call& c) {
         case Kind::include:
             world_.include(body(c.body), body(c.other));
             break;
+        case Kind::replicate:
+            return std::to_string(world_.replicate(c.world, c.count));
+        case Kind::copy_places:
+            world_.copy_places(c.world, c.other_world);
+            break;
+        case Kind::remove_world:
+            world_.remove_world(c.world);
+            break;
+        case Kind::set_world_active:
+            world_.set_world_active(c.world, c.active);
+            break;
         case Kind::forget_sides:
             world_.forget_sides();
             break;
@@ -126,11 +169,30 @@ std::string Player::answer(const Call& c) {
         }
         case Kind::explain:
             return world_.explain(body(c.body), body(c.other), c.vertex).text();
-        case Kind::cast_rays: {
-            std::vector<Vec3d> directions;
-            for (const Vec3f& d : c.positions) directions.push_back(to_double(d));
-            return to_text(world_.cast_rays(c.pose.position, directions));
+        case Kind::cast_rays:
+            return to_text(world_.cast_rays(c.pose.position, in_double(c.positions)),
+                           [](std::ostream& text, const RayHit& hit) {
+                               text << std::dec << hit.body.index << ' ' << hit.triangle << ' ';
+                               put(text, hit.t);
+                               put(text, hit.normal);
+                           });
+        case Kind::probe:
+            return to_text(world_.probe(in_double(c.positions), in_double(c.start), c.radius),
+                           [](std::ostream& text, const ProbeContact& found) {
+                               text << std::dec << found.body.index << ' ' << found.triangle << ' ';
+                               put(text, found.distance);
+                               put(text, found.normal);
+                           });
+        case Kind::overlap: {
+            const auto found = world_.overlap(body(c.body), body(c.other));
+            return found ? to_text(*found) : "nothing";
         }
+        case Kind::parting: {
+            const auto found = world_.parting(body(c.body), body(c.other));
+            return found ? to_text(*found) : "nothing";
+        }
+        case Kind::impacts:
+            return to_text(world_.impacts(c.count));
         case Kind::restore:
             return {};  // of all backends at once: restore()
     }

@@ -36,6 +36,7 @@ public:
     void restore(const std::string& saved);
 
     World& world() { return world_; }
+    const World& world() const { return world_; }
     const std::vector<BodyId>& bodies() const { return bodies_; }
     const std::vector<MeshId>& meshes() const { return meshes_; }
 

@@ -25,10 +25,18 @@ constexpr const char* names[] = {"add_mesh",
                                  "set_filter",
                                  "exclude",
                                  "include",
+                                 "replicate",
+                                 "copy_places",
+                                 "remove_world",
+                                 "set_world_active",
                                  "forget_sides",
                                  "detect",
                                  "explain",
                                  "cast_rays",
+                                 "probe",
+                                 "overlap",
+                                 "parting",
+                                 "impacts",
                                  "restore"};
 static_assert(std::size(names) == static_cast<std::size_t>(Call::Kind::restore) + 1);
 
@@ -133,16 +141,22 @@ json call(const Call& c) {
         j["mesh"] = c.mesh;
     if (any_of({Kind::remove_body, Kind::set_collision, Kind::set_pose, Kind::set_positions,
                 Kind::set_pose_motion, Kind::set_position_motion, Kind::set_mesh, Kind::explain,
-                Kind::set_filter, Kind::exclude, Kind::include}))
+                Kind::set_filter, Kind::exclude, Kind::include, Kind::overlap, Kind::parting}))
         j["body"] = c.body;
     if (any_of({Kind::add_fixed_body, Kind::add_rigid_body, Kind::set_pose, Kind::set_pose_motion,
                 Kind::cast_rays}))
         j["pose"] = pose(c.pose);
     if (c.kind == Kind::set_pose_motion) j["start"] = pose(c.start_pose);
     if (any_of({Kind::add_deforming_body, Kind::set_positions, Kind::set_position_motion,
-                Kind::set_mesh, Kind::cast_rays}))
+                Kind::set_mesh, Kind::cast_rays, Kind::probe}))
         j["positions"] = points(c.positions);
-    if (c.kind == Kind::set_position_motion) j["start"] = points(c.start);
+    if (any_of({Kind::set_position_motion, Kind::probe})) j["start"] = points(c.start);
+    if (c.kind == Kind::probe) j["radius"] = number(c.radius);
+    if (any_of({Kind::replicate, Kind::copy_places, Kind::remove_world, Kind::set_world_active}))
+        j["world"] = c.world;
+    if (c.kind == Kind::copy_places) j["other_world"] = c.other_world;
+    if (any_of({Kind::replicate, Kind::impacts})) j["count"] = c.count;
+    if (c.kind == Kind::set_world_active) j["active"] = c.active;
     if (c.kind == Kind::set_collision) {
         j["self"] = static_cast<int>(c.collision.self);
         j["sheet"] = c.collision.sheet;
@@ -155,7 +169,7 @@ json call(const Call& c) {
         j["chain"] = c.filter.chain;
         j["world"] = c.filter.world;
     }
-    if (any_of({Kind::exclude, Kind::include})) j["other"] = c.other;
+    if (any_of({Kind::exclude, Kind::include, Kind::overlap, Kind::parting})) j["other"] = c.other;
     if (c.kind == Kind::explain) {
         j["other"] = c.other;
         j["vertex"] = c.vertex;
@@ -175,7 +189,13 @@ Call call_of(const json& j) {
     c.vertex = j.value("vertex", 0u);
     if (j.contains("pose")) c.pose = pose_of(j["pose"]);
     if (c.kind == Kind::set_pose_motion) c.start_pose = pose_of(j.at("start"));
-    if (c.kind == Kind::set_position_motion) c.start = points_of(j.at("start"));
+    if (c.kind == Kind::set_position_motion || c.kind == Kind::probe)
+        c.start = points_of(j.at("start"));
+    c.count = j.value("count", 0u);
+    c.active = j.value("active", true);
+    c.other_world = j.value("other_world", 0);
+    if (c.kind != Kind::set_filter) c.world = j.value("world", 0);
+    c.radius = number_of(j.value("radius", json(0.0)));
     if (c.kind == Kind::add_mesh) {
         c.data.positions = points_of(j.at("positions"));
         for (const json& t : j.at("triangles"))

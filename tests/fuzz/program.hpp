@@ -31,10 +31,18 @@ struct Call {
         set_filter,
         exclude,
         include,
+        replicate,  ///< the new bodies have no numbers
+        copy_places,
+        remove_world,
+        set_world_active,
         forget_sides,
         detect,
         explain,
         cast_rays,
+        probe,
+        overlap,
+        parting,
+        impacts,
         restore,  ///< save(), and restore() into a new world
     };
 
@@ -43,15 +51,20 @@ struct Call {
     Kind kind = Kind::detect;
     std::uint32_t mesh = 0;
     std::uint32_t body = 0;
-    std::uint32_t other = 0;   ///< body, of explain, exclude and include
+    std::uint32_t other = 0;   ///< body, of calls that name two
     std::uint32_t vertex = 0;  ///< of explain
     MeshData data{};
     Inside inside = Inside::automatic;  ///< of add_mesh, like the next one
     std::uint32_t before = no_mesh;     ///< the mesh that it comes from
     Pose start_pose{}, pose{};          ///< the position of `pose` is the origin of cast_rays, too
-    std::vector<Vec3f> start{}, positions{};  ///< the directions of cast_rays, too
+    std::vector<Vec3f> start{}, positions{};  ///< normals and points of probe, and directions of
+                                              ///< cast_rays, too
     Collision collision{};
     Filter filter{};
+    std::int32_t world = 0, other_world = 0;  ///< copy_places has both
+    std::uint32_t count = 0;                  ///< of replicate, and the most per pair of impacts
+    bool active = true;                       ///< of set_world_active
+    double radius = 0;                        ///< of probe
 };
 
 /// What a world is made with, and what is asked of it, one call after the other.

@@ -31,6 +31,8 @@ bool names_body(const Call& c) {
         case Kind::set_filter:
         case Kind::exclude:
         case Kind::include:
+        case Kind::overlap:
+        case Kind::parting:
             return true;
         default:
             return false;
@@ -38,7 +40,16 @@ bool names_body(const Call& c) {
 }
 
 bool names_two(const Call& c) {
-    return c.kind == Kind::explain || c.kind == Kind::exclude || c.kind == Kind::include;
+    switch (c.kind) {
+        case Kind::explain:
+        case Kind::exclude:
+        case Kind::include:
+        case Kind::overlap:
+        case Kind::parting:
+            return true;
+        default:
+            return false;
+    }
 }
 
 /// Without some calls, nor those that name what these would have added; the rest is numbered anew.

@@ -3,10 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <span>
 #include <vector>
-
-#include "pierce/mesh.hpp"
 
 namespace pierce {
 
@@ -28,14 +25,5 @@ public:
 private:
     std::vector<std::uint32_t> parent_;
 };
-
-/// The vertices, joined to sets by the triangles that connect them.
-inline DisjointSets connected_vertices(std::span<const Triangle> triangles,
-                                       std::size_t vertex_count) {
-    DisjointSets sets(vertex_count);
-    for (const Triangle& t : triangles)
-        for (int k = 1; k < 3; ++k) sets.join(t.vertex[k], t.vertex[0]);
-    return sets;
-}
 
 }  // namespace pierce

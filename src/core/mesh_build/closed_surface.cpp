@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
 
-#include "core/base/disjoint_sets.hpp"
 #include "core/mesh/coincident_vertices.hpp"
 #include "core/mesh_build/caps.hpp"
+#include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/covered_triangles.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
 #include "core/mesh_build/winding_tree.hpp"
@@ -81,13 +80,13 @@ double volume_of(std::span<const Vec3f> positions, const Triangle& t, Vec3d orig
 
 /// Turns parts with a negative volume, unless they lie in others, as the walls of cavities do.
 void turn_inside_out_parts(std::span<const Vec3f> positions, OrientedTriangles& surface) {
-    DisjointSets vertices = connected_vertices(surface.triangles, positions.size());
-    std::map<std::uint32_t, std::vector<std::uint32_t>> parts;
+    const ConnectedParts connected = connected_parts(surface.triangles, positions.size());
+    std::vector<std::vector<std::uint32_t>> parts(connected.count);
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-        parts[vertices.root(surface.triangles[t].vertex[0])].push_back(t);
+        parts[connected.part[t]].push_back(t);
     std::vector<std::uint32_t> turned;
     std::optional<WindingTree> winding;
-    for (const auto& [root, part] : parts) {
+    for (const std::vector<std::uint32_t>& part : parts) {
         Vec3d middle;
         for (std::uint32_t t : part) middle += middle_of(positions, surface.triangles[t]);
         middle = (1 / static_cast<double>(part.size())) * middle;

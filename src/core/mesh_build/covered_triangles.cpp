@@ -1,12 +1,11 @@
 #include "core/mesh_build/covered_triangles.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 #include <utility>
 
-#include "core/base/disjoint_sets.hpp"
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh_build/box_tree.hpp"
+#include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/winding_tree.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
@@ -28,17 +27,11 @@ struct PartsInBoxes {
 
 PartsInBoxes parts_in_boxes(std::span<const Triangle> triangles, std::size_t vertex_count,
                             std::span<const Box> boxes) {
-    PartsInBoxes result;
-    DisjointSets vertices = connected_vertices(triangles, vertex_count);
-    std::unordered_map<std::uint32_t, std::uint32_t> number;
+    ConnectedParts parts = connected_parts(triangles, vertex_count);
+    PartsInBoxes result{std::move(parts.part), std::vector<Box>(parts.count)};
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const std::uint32_t root = vertices.root(triangles[t].vertex[0]);
-        const auto [known, is_new] = number.try_emplace(
-            root, static_cast<std::uint32_t>(result.boxes.size()));
-        if (is_new) result.boxes.emplace_back();
-        result.part.push_back(known->second);
-        result.boxes[known->second].extend(boxes[t].lower);
-        result.boxes[known->second].extend(boxes[t].upper);
+        result.boxes[result.part[t]].extend(boxes[t].lower);
+        result.boxes[result.part[t]].extend(boxes[t].upper);
     }
     return result;
 }

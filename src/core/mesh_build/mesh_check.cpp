@@ -16,6 +16,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/closed_surface.hpp"
+#include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/self_intersections.hpp"
 #include "core/mesh_build/winding_tree.hpp"
@@ -210,14 +211,10 @@ struct Component {
 
 std::vector<Component> components_of(const MeshData& mesh, const Connections& connections,
                                      Vec3d origin) {
-    DisjointSets vertices = connected_vertices(mesh.triangles, mesh.positions.size());
-    std::map<std::uint32_t, std::size_t> index;
-    std::vector<Component> components;
+    const ConnectedParts parts = connected_parts(mesh.triangles, mesh.positions.size());
+    std::vector<Component> components(parts.count);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const auto [at, is_new] = index.try_emplace(vertices.root(mesh.triangles[t].vertex[0]),
-                                                    components.size());
-        if (is_new) components.emplace_back();
-        Component& component = components[at->second];
+        Component& component = components[parts.part[t]];
         const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
         component.triangles.push_back(t);
         for (Vec3d p : c) component.box.extend(p);

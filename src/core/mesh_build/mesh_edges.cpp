@@ -6,11 +6,11 @@
 #include <map>
 #include <numeric>
 
-#include "core/base/disjoint_sets.hpp"
 #include "core/device/bits.hpp"
 #include "core/mesh/edge_group.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/kept_order.hpp"
 #include "core/mesh_build/spatial_order.hpp"
 
