@@ -1,5 +1,6 @@
 """OBJ files, with every face and every group.
 
+`read_mesh()` knows no groups.
 Other readers leave out faces without three different corners, change the order of faces, or lose
 the names of groups.
 """
@@ -26,9 +27,9 @@ class ObjFile:
         points: list[list[float]] = []
         corners: list[tuple[int, int, int]] = []
         groups: list[int] = []
-        with open(path, encoding="utf-8", errors="replace") as lines:
+        with open(path, encoding="utf-8-sig", errors="replace") as lines:
             for number, line in enumerate(_joined(lines), 1):
-                word, *rest = line.split("#", 1)[0].split() or [""]
+                word, *rest = line.split() or [""]
                 try:
                     if word == "v":
                         points.append([float(rest[0]), float(rest[1]), float(rest[2])])
@@ -53,18 +54,22 @@ class ObjFile:
 
 
 def _joined(lines: Iterable[str]) -> Iterator[str]:
-    """Lines, of which those that end in a backslash are joined to the next ones."""
+    """Lines without comments, of which those that end in a backslash are joined to the next."""
     begun = ""
-    for line in lines:
-        if line.rstrip().endswith("\\"):
-            begun += line.rstrip()[:-1] + " "
+    for whole in lines:
+        line = whole.split("#", 1)[0].rstrip()
+        if line.endswith("\\"):
+            begun += line[:-1] + " "
         else:
             yield begun + line
             begun = ""
 
 
 def _fan(words: list[str], count: int) -> list[tuple[int, int, int]]:
-    """Triangles of a polygon; a negative number counts back from the last vertex."""
+    """Triangles of a polygon; a negative number counts back from the last vertex.
+
+    Fewer than three corners have none.
+    """
     corners = []
     for word in words:
         number = int(word.split("/", 1)[0])
@@ -72,6 +77,4 @@ def _fan(words: list[str], count: int) -> list[tuple[int, int, int]]:
         if not 0 <= corner or number == 0:
             raise ValueError(word)
         corners.append(corner)
-    if len(corners) < 3:
-        raise ValueError(words)
     return [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]

@@ -31,7 +31,7 @@ Vertices = NDArray[np.float32]
 Triangles = NDArray[np.uint32]
 
 _AT_ORIGIN = np.array([0.0, 0, 0, 0, 0, 0, 1])
-_OWN = (".ply", ".off")
+_OWN = (".obj", ".ply", ".off")
 _OF_SCENES = (".glb", ".gltf", ".dae", ".3mf")
 
 
@@ -76,8 +76,8 @@ def read_parts(path: str | Path, groups: bool = False, weld: bool = False) -> li
         raise InputError(f"cannot open '{path}'")
     kind = path.suffix.lower()
     try:
-        if kind == ".obj":
-            parts = _read_obj(path, groups)
+        if kind == ".obj" and groups:
+            parts = _read_groups(path)
         elif kind in _OWN:
             parts = [Part(path.stem, *read_mesh(str(path)), _AT_ORIGIN)]
         elif kind == ".stl":
@@ -136,10 +136,8 @@ def placed(
     return (np.asarray(vertices, np.float64) @ stretch.T).astype(np.float32), corners
 
 
-def _read_obj(path: Path, groups: bool) -> list[Part]:
+def _read_groups(path: Path) -> list[Part]:
     file = ObjFile(path)
-    if not groups:
-        return [Part(path.stem, file.vertices, file.triangles, _AT_ORIGIN)]
     return [
         Part(name, *_used(file.vertices, file.triangles[file.group == place]), _AT_ORIGIN)
         for place, name in enumerate(file.names)

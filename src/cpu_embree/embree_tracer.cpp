@@ -105,6 +105,8 @@ void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry,
     } else if (entry.positions_version != body.positions_version) {
         entry.tree->refit(body.surface(), body.world_box);
         ++done.refits;
+    } else {
+        entry.tree->see(body.surface());
     }
     entry.positions_version = body.positions_version;
 }

@@ -23,6 +23,8 @@ public:
 
     /// Takes over positions that moved, keeping the tree's shape. The triangles must be the same.
     void refit(const Surface& surface, const Box& box);
+    /// Takes over all but positions: what counts as covered, as a body may become a sheet.
+    void see(const Surface& surface) { surface_ = surface; }
 
     /// The triangle the ray crosses first; adds the number of triangles tested to `tests`.
     Hit trace(const Ray& ray, std::uint32_t& tests) const;

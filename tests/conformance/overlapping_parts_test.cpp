@@ -51,6 +51,29 @@ double distance_to_surface(Vec3d p, const MeshData& mesh, const Frame& frame) {
     return least;
 }
 
+TEST_P(OverlappingPartsTest, ASheetBecomesASolidWithoutMoving) {
+    const MeshData two = joined(scenes::box({-1, -1, -1}, {1, 1, 1}),
+                                scenes::box({-1, -1, -1}, {1, 1, 1}), {1, 0.3f, 0.2f});
+    const MeshData spike = {{{0, 0, 0}, {0.4f, 0, 2}, {-0.2f, 0.35f, 2}, {-0.2f, -0.35f, 2}},
+                            {{{0, 2, 1}}, {{0, 3, 2}}, {{0, 1, 3}}, {{1, 2, 3}}}};
+    const auto hash_after = [&](bool as_sheet) {
+        World world(GetParam().make());
+        const BodyId body = world.add_deforming_body(world.add_mesh("two", two));
+        world.add_rigid_body(world.add_mesh("spike", spike), {{0.5, 0.1, 0.5}, {}});
+        if (as_sheet) {
+            world.set_collision(body, {.sheet = true});
+            world.detect();
+            // A tree is made.
+            const Vec3d along[] = {{1, 0.1, 0.05}};
+            world.cast_rays({-3, 0.1, 0.05}, along);
+            world.set_collision(body, {});
+        }
+        world.detect();
+        return contact_hash(world.contacts());
+    };
+    EXPECT_EQ(hash_after(true), hash_after(false));
+}
+
 TEST(CoveredTrianglesTest, OnlyWhatLiesInOtherPartsIsCovered) {
     const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 1});
     const MeshData small = scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});

@@ -291,7 +291,9 @@ TEST_F(RecordingTest, BrokenNumbersAndIndicesAreHandedOn) {
     std::ofstream(folder / "nan.off")
         << "OFF\n4 1 0\n0 0 0\nnan 1 -inf\n+1.5e1 1e60 0\n0 0 1\n3 0 1 2\n";
     std::ofstream(folder / "nan.ply") << ply << "0 0 0\nnan 1 -inf\n15 1e60 0\n0 0 1\n3 0 1 2\n";
-    for (const char* file : {"nan.off", "nan.ply"}) {
+    std::ofstream(folder / "nan.obj")
+        << "v 0 0 0\nv nan 1 -inf\nv +1.5e1 1e60 0\nv 0 0 1\nf 1 2 3\n";
+    for (const char* file : {"nan.off", "nan.ply", "nan.obj"}) {
         const MeshData mesh = read_mesh(folder / file);
         EXPECT_TRUE(std::isnan(mesh.positions[1].x)) << file;
         EXPECT_EQ(mesh.positions[1].y, 1) << file;
@@ -305,12 +307,13 @@ TEST_F(RecordingTest, BrokenNumbersAndIndicesAreHandedOn) {
     std::ofstream(folder / "index.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 8\n";
     for (const char* file : {"index.off", "index.obj"})
         EXPECT_EQ(read_mesh(folder / file).triangles, (std::vector<Triangle>{{{0, 1, 7}}})) << file;
-    // OpenMesh leaves such a vertex out, and all later ones would change their ids.
-    for (const char* vertex : {"v nan 0 0", "v 1 0", "v 1e60 0 0"}) {
-        std::ofstream(folder / "nan.obj") << "v 0 0 0\n"
-                                          << vertex << "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-        EXPECT_THAT([&] { read_mesh(folder / "nan.obj"); },
-                    ThrowsMessage<InputError>(HasSubstr("nan.obj")))
+    // Without such a vertex all later ones would change their ids.
+    for (const char* vertex : {"v 1 0", "v 1 0 up", "v"}) {
+        std::ofstream(folder / "none.obj") << "v 0 0 0\n"
+                                           << vertex << "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        EXPECT_THAT(
+            [&] { read_mesh(folder / "none.obj"); },
+            ThrowsMessage<InputError>(testing::AllOf(HasSubstr("none.obj"), HasSubstr("line 2"))))
             << vertex;
     }
 }

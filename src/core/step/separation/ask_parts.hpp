@@ -8,28 +8,31 @@
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/ray_gen.hpp"
+#include "core/step/solids/rules.hpp"
 #include "core/trace/ray.hpp"
-#include "pierce/min_max.hpp"
 
 /// separation, first part: rays that tell whether a connected part of a body is inside the other.
 namespace pierce::stages {
 
-/// True if a vertex of a directed pair's source may be inside the target; writes the ray that shows
-/// whether it is, long enough to leave the target.
+/// True if a vertex of a directed pair's source may be inside the target.
 PIERCE_HD inline bool may_be_inside(View<const BodyView> bodies, const DirectedPair& d,
-                                    std::uint32_t vertex, Ray& ray) {
+                                    std::uint32_t vertex) {
     const BodyView& target = bodies[d.target];
     const Vec3d start = to_double(bodies[d.source].positions[vertex]);
-    const Vec3d in_fit = d.to_fit.to_parent(start);
-    const double free = max_of(target.fit_box.distance(in_fit),
-                               target.mesh.clearance()(in_fit) - target.deviation);
-    ray = {};
-    ray.origin = d.to_space.to_parent(start);
+    return rules::gap_to(target, d.to_fit.to_parent(start)).may_be_inside(target.touch);
+}
+
+/// A ray from a vertex of a directed pair's source that shows whether it is inside the target, long
+/// enough to leave the target.
+PIERCE_HD inline Ray ray_through(View<const BodyView> bodies, const DirectedPair& d,
+                                 std::uint32_t vertex) {
+    Ray ray;
+    ray.origin = d.to_space.to_parent(to_double(bodies[d.source].positions[vertex]));
     ray.direction = any_direction();
     ray.target = d.target;
     ray.touch = d.touch;
-    ray.t_max = range_through(target, ray.origin);
-    return !(free > 2 * target.touch);
+    ray.t_max = range_through(bodies[d.target], ray.origin);
+    return ray;
 }
 
 /// Per directed pair that has no contact with a depth and no vertex inside: lists the rays from the
@@ -63,7 +66,7 @@ struct AskParts {
         for (const MeshPart& part : bodies[d.source].mesh.parts) {
             if (!may_hold(d, part)) continue;
             for (std::uint32_t v : part.vertex) {
-                may_be_inside(bodies, d, v, rays[place]);
+                rays[place] = ray_through(bodies, d, v);
                 sources[place++] = {i / 2, part.vertex[0], static_cast<std::uint8_t>(i % 2)};
             }
         }
@@ -71,9 +74,8 @@ struct AskParts {
 
 private:
     PIERCE_HD bool may_hold(const DirectedPair& d, const MeshPart& part) const {
-        Ray ray;
         for (std::uint32_t v : part.vertex)
-            if (!may_be_inside(bodies, d, v, ray)) return false;
+            if (!may_be_inside(bodies, d, v)) return false;
         return true;
     }
 };

@@ -15,7 +15,7 @@ struct Gap {
 
     /// True if rounding may hide that the point is inside.
     PIERCE_HD bool may_be_inside(double touch) const {
-        return max_of(beyond_box, clearance) <= 2 * touch;
+        return !(max_of(beyond_box, clearance) > 2 * touch);
     }
 };
 
