@@ -34,7 +34,7 @@ void bind_enumerations(nb::module_& module) {
     nb::enum_<Coverage>(module, "Coverage", "Which parts of a body are looked for inside others.")
         .value("vertices", Coverage::vertices, "its vertices")
         .value("complete", Coverage::complete, "all its edges, too")
-        .value("overlaps", Coverage::overlaps, "edges where no vertex has a contact with a depth");
+        .value("overlaps", Coverage::overlaps, "edges where no vertex shows a way out");
     nb::enum_<Temporal>(module, "Temporal", "How the last step's results are used.")
         .value("off", Temporal::off, "not at all")
         .value("paper", Temporal::paper, "as in the paper")

@@ -1,7 +1,10 @@
 #include "bullet/followed_objects.hpp"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 
+#include <algorithm>
+#include <bit>
 #include <optional>
 #include <utility>
 
@@ -9,16 +12,46 @@
 #include "pierce/error.hpp"
 
 namespace pierce::bullet {
+namespace {
+
+/// Stands in objects that are bound, where Bullet has room for extensions: an object that comes to
+/// the same address has nothing there.
+const char mark_of_bound = 0;
+
+std::array<std::uint32_t, 9> size_of(const btCollisionShape& shape) {
+    btVector3 lower, upper;
+    shape.getAabb(btTransform::getIdentity(), lower, upper);
+    std::array<std::uint32_t, 9> size{};
+    const btVector3 scaling = shape.getLocalScaling();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto axis = static_cast<int>(k);
+        size[k] = std::bit_cast<std::uint32_t>(static_cast<float>(scaling[axis]));
+        size[3 + k] = std::bit_cast<std::uint32_t>(static_cast<float>(lower[axis]));
+        size[6 + k] = std::bit_cast<std::uint32_t>(static_cast<float>(upper[axis]));
+    }
+    return size;
+}
+
+}  // namespace
 
 FollowedObjects::Kind FollowedObjects::kind_of(const btCollisionObject& object) {
     const btSoftBody* soft = btSoftBody::upcast(&object);
     const btBroadphaseProxy* proxy = object.getBroadphaseHandle();
-    return {.object = &object,
-            .shape = object.getCollisionShape(),
-            .proxy = proxy != nullptr ? proxy->getUid() : -1,
-            .fixed = object.isStaticObject(),
-            .nodes = soft != nullptr ? soft->m_nodes.size() : 0,
-            .faces = soft != nullptr ? soft->m_faces.size() : 0};
+    Kind kind{.object = &object,
+              .mark = object.internalGetExtensionPointer(),
+              .shape = object.getCollisionShape(),
+              .proxy = proxy != nullptr ? proxy->getUid() : -1,
+              .fixed = object.isStaticObject()};
+    if (soft == nullptr) {
+        if (kind.shape != nullptr && is_triangle_mesh(*kind.shape))
+            kind.size = size_of(*kind.shape);
+        return kind;
+    }
+    kind.nodes = soft->m_nodes.size();
+    kind.faces = soft->m_faces.size();
+    if (kind.nodes > 0) kind.first_node = &soft->m_nodes[0];
+    if (kind.faces > 0) kind.first_face = &soft->m_faces[0];
+    return kind;
 }
 
 bool FollowedObjects::follow() {
@@ -51,18 +84,30 @@ bool FollowedObjects::follow() {
         if (alone != alone_.end() && alone->second == kind_of(*object)) continue;
         made_.emplace(object, make(*object));
     }
+    // What is bound has its mark now.
+    for (Kind& kind : seen_) kind = kind_of(*kind.object);
     return true;
 }
 
 void FollowedObjects::leave(const btCollisionObject& object) {
     alone_.insert_or_assign(&object, kind_of(object));
+    std::erase_if(left_, [&](const LeftToBullet& left) { return left.object == &object; });
     if (const auto last = made_.find(&object); last != made_.end()) {
         remove(last->second);
         made_.erase(last);
     }
 }
 
+bool FollowedObjects::has_made(BodyId body) const {
+    return std::ranges::any_of(made_, [&](const auto& entry) { return entry.second.body == body; });
+}
+
 void FollowedObjects::remove_all() {
+    // What is not in the world may be deleted.
+    const btCollisionObjectArray& objects = bullet_.getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); ++i)
+        if (objects[i]->internalGetExtensionPointer() == &mark_of_bound)
+            objects[i]->internalSetExtensionPointer(nullptr);
     for (const auto& [object, made] : made_) remove(made);
     made_.clear();
     seen_.clear();
@@ -75,8 +120,17 @@ void FollowedObjects::remove(const Made& made) {
     world.remove_body(made.body);
     if (--users_[made.mesh] > 0) return;
     users_.erase(made.mesh);
-    std::erase_if(meshes_, [&](const auto& entry) { return entry.second == made.mesh; });
-    world.remove_mesh(made.mesh);
+    remove_unused(made.mesh);
+}
+
+void FollowedObjects::remove_unused(MeshId mesh) {
+    if (users_.contains(mesh)) return;
+    std::erase_if(meshes_, [&](const auto& entry) { return entry.second == mesh; });
+    coupling_.world().remove_mesh(mesh);
+}
+
+void FollowedObjects::leave_to_bullet(const btCollisionObject& object, std::string why) {
+    left_.push_back({&object, std::move(why)});
 }
 
 /// The mesh of a shape; bodies with the same shape share it. A null handle if the shape is no
@@ -93,6 +147,12 @@ FollowedObjects::Made FollowedObjects::make(btCollisionObject& object) {
     World& world = coupling_.world();
     btSoftBody* soft = btSoftBody::upcast(&object);
     if (btGhostObject::upcast(&object) != nullptr) return made;
+    const auto* dynamic = dynamic_cast<const btDynamicsWorld*>(&bullet_);
+    if (soft != nullptr && dynamic != nullptr &&
+        dynamic->getWorldType() == BT_DEFORMABLE_MULTIBODY_DYNAMICS_WORLD) {
+        leave_to_bullet(object, "a deformable world's solver does not read contacts of others");
+        return made;
+    }
     MeshId mesh;
     try {
         if (soft == nullptr)
@@ -100,17 +160,15 @@ FollowedObjects::Made FollowedObjects::make(btCollisionObject& object) {
         else if (soft->m_faces.size() > 0)
             mesh = world.add_mesh("soft body", mesh_of(*soft));
     } catch (const InputError& error) {
-        left_.push_back({&object, error.what()});
+        leave_to_bullet(object, error.what());
         return made;
     }
     if (!mesh) return made;
     const MeshInside inside = world.mesh(mesh).inside();
-    if (!inside.exists()) {
-        left_.push_back({&object, describe(inside)});
-        if (!users_.contains(mesh)) {
-            std::erase_if(meshes_, [&](const auto& entry) { return entry.second == mesh; });
-            world.remove_mesh(mesh);
-        }
+    const bool inside_out = soft != nullptr && volume_of(world.mesh(mesh)) < 0;
+    if (!inside.exists() || inside_out) {
+        leave_to_bullet(object, inside_out ? "its faces face inward" : describe(inside));
+        remove_unused(mesh);
         return made;
     }
     made.mesh = mesh;
@@ -120,6 +178,10 @@ FollowedObjects::Made FollowedObjects::make(btCollisionObject& object) {
         world.set_collision(made.body, {.self = SelfCollision::on});
     } else {
         made.body = made.kind.fixed ? world.add_fixed_body(mesh) : world.add_rigid_body(mesh);
+    }
+    if (made.kind.mark == nullptr) {
+        object.internalSetExtensionPointer(const_cast<char*>(&mark_of_bound));
+        made.kind.mark = &mark_of_bound;
     }
     coupling_.bind(object, soft, made.body);
     return made;

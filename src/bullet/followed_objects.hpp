@@ -2,7 +2,10 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
 
+#include <array>
+#include <cstdint>
 #include <map>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -23,6 +26,8 @@ public:
     bool follow();
     /// Ends what was made for the object, which is not followed any more.
     void leave(const btCollisionObject& object);
+    /// True if the body was made here, for some object.
+    bool has_made(BodyId body) const;
     /// Removes all bindings, bodies and meshes that were made here.
     void remove_all();
     const std::vector<LeftToBullet>& left_to_bullet() const { return left_; }
@@ -31,11 +36,16 @@ private:
     /// What a binding was made for; another one at the same address differs in it.
     struct Kind {
         const btCollisionObject* object = nullptr;
+        const void* mark = nullptr;  ///< that bound objects have, and new ones have not
         const btCollisionShape* shape = nullptr;
-        int proxy = 0;  ///< Bullet's number of the object in its broad phase, which is not used
-                        ///< again
+        std::array<std::uint32_t, 9> size{};  ///< scaling and local box of a rigid object's shape,
+                                              ///< as the bits of float32
+        int proxy = 0;  ///< Bullet's number of the object in its broad phase; some broad phases use
+                        ///< numbers again
         bool fixed = false;
-        int nodes = 0, faces = 0;  ///< of a soft body
+        const void* first_node = nullptr;  ///< of a soft body, like the next three
+        const void* first_face = nullptr;
+        int nodes = 0, faces = 0;
 
         friend bool operator==(const Kind&, const Kind&) = default;
     };
@@ -48,7 +58,9 @@ private:
 
     static Kind kind_of(const btCollisionObject& object);
     Made make(btCollisionObject& object);
+    void leave_to_bullet(const btCollisionObject& object, std::string why);
     void remove(const Made& made);
+    void remove_unused(MeshId mesh);
     MeshId mesh_for(const btCollisionShape& shape);
 
     const btCollisionWorld& bullet_;

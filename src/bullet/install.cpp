@@ -83,8 +83,10 @@ struct Installation::State final : public btActionInterface {
                               const btDispatcherInfo& info);
     void meet(btBroadphasePair& pair, Binding& a, Binding& b);
     PairAlgorithm& algorithm_of(btBroadphasePair& pair);
+    void follow();
     void begin_pass();
     void detect();
+    void bind(btCollisionObject& object, btSoftBody* soft, BodyId body);
     void forget_pairs_of(const btCollisionObject* object);
 
     /// Bullet calls this when rigid bodies have moved, and before soft bodies are solved.
@@ -107,12 +109,18 @@ struct Installation::State final : public btActionInterface {
     double response = 0, last_response = 0;  ///< [ms]
 };
 
+/// A program may have deleted objects at any time: they are looked for before bodies are looked at.
+void Installation::State::follow() {
+    if (options.automatic && followed.follow()) has_changed = true;
+}
+
 /// A pass is one look of Bullet's at all pairs whose boxes overlap.
 void Installation::State::begin_pass() {
-    pass_begins = false;
+    const bool in_step = !std::exchange(pass_begins, false);
     ++pass;
-    // Before anything is looked at: a program may have deleted objects.
-    if (options.automatic && followed.follow()) has_changed = true;
+    follow();
+    // Since a look outside of a step, anything may have moved.
+    if (in_step && coupling.any_has_moved()) has_detected = false;
     coupling.begin_step();
     fast = options.continuous && bullet.getDispatchInfo().m_useContinuous
                ? coupling.going_fast()
@@ -122,6 +130,7 @@ void Installation::State::begin_pass() {
 }
 
 void Installation::State::detect() {
+    follow();
     coupling.detect();
     coupling.look_ahead(fast);
     has_detected = true;
@@ -139,8 +148,6 @@ PairAlgorithm& Installation::State::algorithm_of(btBroadphasePair& pair) {
 }
 
 void Installation::State::meet(btBroadphasePair& pair, Binding& a, Binding& b) {
-    if (!may_meet(dispatcher, a, b)) return;
-    if (Coupling::has_moved(a) || Coupling::has_moved(b)) detect();
     const auto begin = std::chrono::steady_clock::now();
     PairAlgorithm& algorithm = algorithm_of(pair);
     coupling.write(algorithm, a, b);
@@ -157,8 +164,17 @@ void Installation::State::near_callback(btBroadphasePair& pair, btCollisionDispa
         const auto* ours = dynamic_cast<const PairAlgorithm*>(pair.m_algorithm);
         // A program may look at all pairs several times in a step.
         if (state.pass_begins || (ours != nullptr && ours->pass == state.pass)) state.begin_pass();
-        Binding* a = state.coupling.find(&object_of(*pair.m_pProxy0));
-        Binding* b = state.coupling.find(&object_of(*pair.m_pProxy1));
+        const auto bound = [&](const btBroadphaseProxy& proxy) {
+            return state.coupling.find(&object_of(proxy));
+        };
+        Binding *a = bound(*pair.m_pProxy0), *b = bound(*pair.m_pProxy1);
+        if (a != nullptr && b != nullptr) {
+            if (!may_meet(dispatcher, *a, *b)) return;
+            if (Coupling::has_moved(*a) || Coupling::has_moved(*b)) state.detect();
+            // What has become of the two is known now.
+            a = bound(*pair.m_pProxy0);
+            b = bound(*pair.m_pProxy1);
+        }
         if (a != nullptr && b != nullptr) {
             state.meet(pair, *a, *b);
             return;
@@ -182,7 +198,10 @@ void Installation::State::forget_pairs_of(const btCollisionObject* object) {
 
 void Installation::State::updateAction(btCollisionWorld* /*world*/, btScalar /*dt*/) {
     const std::scoped_lock lock(one_at_a_time);
-    if (pass_begins) begin_pass();
+    if (pass_begins)
+        begin_pass();
+    else
+        follow();
     // What has moved away from all others is in no pair.
     if (!has_detected && (has_changed || coupling.any_has_moved())) detect();
     coupling.write_self();
@@ -201,12 +220,19 @@ void Installation::State::debugDraw(btIDebugDraw* drawer) {
                                  drawer->getDefaultColors().m_contactPoint);
 }
 
+void Installation::State::bind(btCollisionObject& object, btSoftBody* soft, BodyId body) {
+    if (followed.has_made(body))
+        throw InputError("body " + std::to_string(body.index) +
+                         " was made for an object that is followed, and goes with it");
+    followed.leave(object);
+    coupling.bind(object, soft, body);
+}
+
 Installation::Installation(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Installation::~Installation() = default;
 
 void Installation::bind(btCollisionObject& object, BodyId body) {
-    state_->followed.leave(object);
-    state_->coupling.bind(object, nullptr, body);
+    state_->bind(object, nullptr, body);
 }
 
 void Installation::bind(btSoftBody& soft, BodyId body) {
@@ -216,8 +242,7 @@ void Installation::bind(btSoftBody& soft, BodyId body) {
         throw InputError("soft body has " + std::to_string(soft.m_nodes.size()) + " nodes, mesh '" +
                          mesh.name() + "' has " + std::to_string(mesh.positions().size()) +
                          " vertices");
-    state_->followed.leave(soft);
-    state_->coupling.bind(soft, &soft, body);
+    state_->bind(soft, &soft, body);
 }
 
 void Installation::unbind(const btCollisionObject& object) {
@@ -271,7 +296,7 @@ void uninstall(btDiscreteDynamicsWorld& bullet) {
     if (configuration == nullptr) return;
     Installation* installation = &configuration->installation();
     Installation::State& state = *installation->state_;
-    state.followed.follow();
+    state.follow();
     state.forget_pairs_of(nullptr);
     // What is not in the world may be deleted.
     const btCollisionObjectArray& objects = bullet.getCollisionObjectArray();

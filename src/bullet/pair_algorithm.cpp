@@ -83,17 +83,19 @@ btManifoldPoint make_point(const FramedContact& contact, const btCollisionObject
     point.m_positionWorldOnA = on_a;
     point.m_positionWorldOnB = on_b;
     point.m_partId0 = point.m_partId1 = 0;
-    point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(&a, &b);
-    point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(&a, &b);
-    point.m_combinedRollingFriction = btManifoldResult::calculateCombinedRollingFriction(&a, &b);
-    point.m_combinedSpinningFriction = btManifoldResult::calculateCombinedSpinningFriction(&a, &b);
-    if ((a.getCollisionFlags() | b.getCollisionFlags()) &
-        btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
-        point.m_combinedContactDamping1 = btManifoldResult::calculateCombinedContactDamping(&a, &b);
-        point.m_combinedContactStiffness1 = btManifoldResult::calculateCombinedContactStiffness(&a,
-                                                                                                &b);
+    // A program may have put its own functions there.
+    point.m_combinedFriction = gCalculateCombinedFrictionCallback(&a, &b);
+    point.m_combinedRestitution = gCalculateCombinedRestitutionCallback(&a, &b);
+    point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback(&a, &b);
+    point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback(&a, &b);
+    const int flags = a.getCollisionFlags() | b.getCollisionFlags();
+    if (flags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
+        point.m_combinedContactDamping1 = gCalculateCombinedContactDampingCallback(&a, &b);
+        point.m_combinedContactStiffness1 = gCalculateCombinedContactStiffnessCallback(&a, &b);
         point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
     }
+    if (flags & btCollisionObject::CF_HAS_FRICTION_ANCHOR)
+        point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
     return point;
 }
 

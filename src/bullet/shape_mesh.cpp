@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -32,6 +33,21 @@ public:
     std::vector<Corners> triangles;
 };
 
+/// [length^3] Of a closed surface, or with cones to the first vertex in its holes; negative if it
+/// faces inward.
+double volume_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
+    double volume = 0;
+    const Vec3d origin = to_double(positions[0]);
+    for (const Triangle& t : triangles) {
+        Vec3d corner[3];
+        for (int k = 0; k < 3; ++k) corner[k] = to_double(positions[t.vertex[k]]) - origin;
+        volume += dot(corner[0], cross(corner[1], corner[2])) / 6;
+    }
+    return volume;
+}
+
+}  // namespace
+
 bool is_triangle_mesh(const btCollisionShape& shape) {
     switch (shape.getShapeType()) {
         case TRIANGLE_MESH_SHAPE_PROXYTYPE:
@@ -44,7 +60,7 @@ bool is_triangle_mesh(const btCollisionShape& shape) {
     }
 }
 
-}  // namespace
+double volume_of(const Mesh& mesh) { return volume_of(mesh.positions(), mesh.triangles()); }
 
 std::optional<MeshData> mesh_of(const btCollisionShape& shape) {
     if (!is_triangle_mesh(shape)) return {};
@@ -68,6 +84,9 @@ std::optional<MeshData> mesh_of(const btCollisionShape& shape) {
         }
         mesh.triangles.push_back(triangle);
     }
+    // Bullet does not care which way triangles face, and scaling may mirror them.
+    if (volume_of(mesh.positions, mesh.triangles) < 0)
+        for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
     return mesh;
 }
 

@@ -9,9 +9,15 @@ class btSoftBody;
 
 namespace pierce::bullet {
 
+bool is_triangle_mesh(const btCollisionShape& shape);
+
 /// The triangles of a shape that is a triangle mesh, in its own frame, with its scale; nothing for
-/// any other shape. Corners at the same place become one vertex.
+/// any other shape. Corners at the same place become one vertex. A mesh that faces inward as a
+/// whole, as a mirrored one does, is turned.
 std::optional<MeshData> mesh_of(const btCollisionShape& shape);
+
+/// [length^3] Negative if a closed mesh faces inward.
+double volume_of(const Mesh& mesh);
 
 /// A soft body's nodes, where they are, and its faces.
 MeshData mesh_of(const btSoftBody& soft);

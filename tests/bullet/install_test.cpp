@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/error.hpp"
@@ -558,6 +560,149 @@ TEST(InstallTest, LinkedRingsAreNotPushedThroughEachOther) {
     }
     EXPECT_TRUE(separates);
     EXPECT_GT(deepest, -0.05);
+}
+
+/// A program looks at pairs, deletes a body, moves another one into contact, and goes on.
+TEST(InstallTest, WhatIsDeletedAfterALookIsNotLookedAt) {
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& first = scene.add(*shape->shape, 1, at(0, 0, 0));
+    btRigidBody& second = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    scene.add(*shape->shape, 1, at(0, 0.2f, -0.4f));
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_GT(scene.points(), 0);
+    scene.remove_rigid(2);
+    second.setWorldTransform(at(9, 0, 0));
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_EQ(scene.points(), 0) << "of a body that was put elsewhere after the look";
+    second.setWorldTransform(first.getWorldTransform());
+    second.translate({btScalar(0.3), 0, btScalar(0.3)});
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_GT(scene.points(), 0);
+}
+
+/// The height of the bound mesh of an object.
+double height_of(const StockWorld& scene, const bullet::Installation& installed,
+                 const btCollisionObject& object) {
+    Box box;
+    const BodyId body = installed.body_of(object);
+    for (Vec3f p : scene.contacts.mesh(scene.contacts.mesh_of(body)).positions())
+        box.extend(to_double(p));
+    return box.upper.z - box.lower.z;
+}
+
+TEST(InstallTest, AShapeThatTakesAnothersPlaceIsSeen) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    btTriangleMesh small, large;
+    const auto fill = [](btTriangleMesh& triangles, float size) {
+        const MeshData box = scenes::box({-size, -size, -size}, {size, size, size});
+        for (const Triangle& t : box.triangles)
+            triangles.addTriangle(bullet::to_bullet(box.positions[t.vertex[0]]),
+                                  bullet::to_bullet(box.positions[t.vertex[1]]),
+                                  bullet::to_bullet(box.positions[t.vertex[2]]));
+    };
+    fill(small, 0.1f);
+    fill(large, 0.4f);
+    std::optional<btGImpactMeshShape> shape;
+    shape.emplace(&small);
+    shape->updateBound();
+    btRigidBody& body = scene.add(*shape, 1, at(0, 0, 0));
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_NEAR(height_of(scene, installed, body), 0.2, 1e-6);
+    shape.emplace(&large);
+    shape->updateBound();
+    body.setCollisionShape(&*shape);
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_NEAR(height_of(scene, installed, body), 0.8, 1e-6);
+    shape->setLocalScaling({2, 2, 2});
+    shape->updateBound();
+    scene.bullet.stepSimulation(dt, 0);
+    EXPECT_NEAR(height_of(scene, installed, body), 1.6, 1e-6);
+}
+
+/// Where a ball comes to rest on a floor.
+double height_on(bool mirrored, bool reversed) {
+    StockWorld scene(10);
+    bullet::install(scene.bullet, scene.contacts);
+    MeshData floor = scenes::box({-5, -5, -1}, {5, 5, 0});
+    if (reversed)
+        for (Triangle& t : floor.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    const auto ground = MeshShape::bvh(floor);
+    const auto ball = MeshShape::gimpact(scenes::sphere(0.5, 2));
+    if (mirrored) ground->shape->setLocalScaling({-1, 1, 1});
+    scene.add(*ground->shape, 0, at(0, 0, 0));
+    btRigidBody& body = scene.add(*ball->shape, 1, at(0.1f, 0.2f, 0.6f));
+    for (int i = 0; i < 120; ++i) scene.bullet.stepSimulation(dt, 0);
+    return static_cast<double>(body.getWorldTransform().getOrigin().z());
+}
+
+TEST(InstallTest, AMeshThatFacesInwardIsTurned) {
+    for (const bool mirrored : {false, true})
+        for (const bool reversed : {false, true})
+            EXPECT_NEAR(height_on(mirrored, reversed), 0.5, 0.05) << mirrored << reversed;
+}
+
+btScalar combined(const btCollisionObject* /*a*/, const btCollisionObject* /*b*/) {
+    return btScalar(0.123);
+}
+
+TEST(InstallTest, TheProgramsOwnFunctionsCombineMaterials) {
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    scene.add(*shape->shape, 1, at(0, 0, 0));
+    btRigidBody& anchored = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    anchored.setCollisionFlags(anchored.getCollisionFlags() |
+                               btCollisionObject::CF_HAS_FRICTION_ANCHOR);
+    const auto friction = std::exchange(gCalculateCombinedFrictionCallback, &combined);
+    const auto restitution = std::exchange(gCalculateCombinedRestitutionCallback, &combined);
+    scene.bullet.performDiscreteCollisionDetection();
+    gCalculateCombinedFrictionCallback = friction;
+    gCalculateCombinedRestitutionCallback = restitution;
+    ASSERT_GT(scene.points(), 0);
+    const btManifoldPoint& point = scene.dispatcher.getManifoldByIndexInternal(0)->getContactPoint(
+        0);
+    EXPECT_EQ(point.m_combinedFriction, btScalar(0.123));
+    EXPECT_EQ(point.m_combinedRestitution, btScalar(0.123));
+    EXPECT_NE(point.m_contactPointFlags & BT_CONTACT_FLAG_FRICTION_ANCHOR, 0);
+}
+
+TEST(InstallTest, WhatIsUnboundIsNotListedAndWhatIsFollowedIsNotShared) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    const auto terrain = MeshShape::bvh(scenes::grid(2, 2, 4, 4));
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& ground = scene.add(*terrain->shape, 0, at(0, 0, 0));
+    btRigidBody& body = scene.add(*shape->shape, 1, at(0, 0, 0));
+    btBoxShape box({1, 1, 1});
+    btRigidBody& other = scene.add(box, 1, at(0, 0, 9));
+    scene.bullet.stepSimulation(dt, 0);
+    ASSERT_EQ(installed.left_to_bullet().size(), 1u);
+    installed.unbind(ground);
+    EXPECT_TRUE(installed.left_to_bullet().empty());
+    EXPECT_THROW(installed.bind(other, installed.body_of(body)), InputError);
+    EXPECT_TRUE(installed.body_of(body));
+}
+
+/// Cubes of two triangles a side, which stand on few points.
+TEST(InstallTest, CubesStandOnEachOther) {
+    for (const Vec3d offset : {Vec3d{0.1, 0, 0}, Vec3d{0.1, 0.15, 0}, Vec3d{0, 0, 0}}) {
+        StockWorld scene(10);
+        bullet::install(scene.bullet, scene.contacts);
+        const auto floor = MeshShape::bvh(scenes::box({-50, -50, -1}, {50, 50, 0}));
+        const auto cube = MeshShape::gimpact(
+            scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}));
+        scene.add(*floor->shape, 0, at(0, 0, 0));
+        scene.add(*cube->shape, 1, at(0, 0, 0.52f));
+        btRigidBody& upper = scene.add(
+            *cube->shape, 1,
+            at(static_cast<btScalar>(offset.x), static_cast<btScalar>(offset.y), 1.54f));
+        for (int i = 0; i < 300; ++i) scene.bullet.stepSimulation(dt, 0);
+        EXPECT_NEAR(static_cast<double>(upper.getWorldTransform().getOrigin().z()), 1.5, 0.06)
+            << offset.x << " " << offset.y;
+    }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/geometry/closest_point.hpp"
 #include "core/geometry/continuous.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh_build/mesh_edges.hpp"
@@ -71,6 +72,113 @@ TEST_P(SheetsTest, LayersThatMoveTogetherDoNotMeet) {
             EXPECT_GT(contacts.size(), 0u) << "with absolute velocities they do (hard case 25)";
         else
             EXPECT_EQ(contacts.size(), 0u);
+    }
+}
+
+/// A sheet that is creased sharply: nothing meets, seen along the crease's middle, but its two
+/// halves are near.
+TEST_P(SheetsTest, TheHalvesOfACreaseAreNear) {
+    const MeshData rest = flat(4, 1, {-2, -2, 0});
+    std::vector<Vec3f> creased = rest.positions;
+    const double half = 0.17;  // radians
+    for (Vec3f& p : creased) {
+        const double x = static_cast<double>(p.x);
+        if (x < 0) p.y += 0.3f;
+        p.x = static_cast<float>(x * std::sin(half));
+        p.z = static_cast<float>(std::fabs(x) * std::cos(half));
+    }
+    const double thickness = 0.5;
+    const BodyId body = add_sheet(world_, rest, thickness);
+    const auto contacts = step(world_, body, creased, creased);
+    int near = 0;
+    for (std::uint32_t v = 0; v < creased.size(); ++v)
+        for (std::uint32_t t = 0; t < rest.triangles.size(); ++t) {
+            const auto& vertex = rest.triangles[t].vertex;
+            if (std::ranges::find(vertex, v) != std::end(vertex)) continue;
+            const auto at = [](const std::vector<Vec3f>& positions, std::uint32_t w) {
+                return to_double(positions[w]);
+            };
+            const Vec3d a = at(creased, vertex[0]), b = at(creased, vertex[1]),
+                        c = at(creased, vertex[2]), p = at(creased, v), n = cross(b - a, c - a);
+            const double first = dot(n, cross(c - b, p - b)), second = dot(n, cross(a - c, p - c)),
+                         all = dot(n, n), clear = 1e-3 * all;
+            if (first < clear || second < clear || first + second > all - clear) continue;
+            const double distance = std::fabs(dot(n, p - a)) / std::sqrt(all);
+            const Vec3d r = at(rest.positions, v);
+            const double at_rest = length(r - closest_on_triangle(r, at(rest.positions, vertex[0]),
+                                                                  at(rest.positions, vertex[1]),
+                                                                  at(rest.positions, vertex[2])));
+            if (distance > std::min(thickness, at_rest / 2) - 1e-3) continue;
+            ++near;
+            EXPECT_EQ(std::ranges::count_if(contacts,
+                                            [&](const Contact& k) {
+                                                return !k.is_edge() && k.vertex == v &&
+                                                       k.triangle == t;
+                                            }),
+                      1)
+                << "vertex " << v << " and triangle " << t << " are " << distance << " apart";
+        }
+    EXPECT_GT(near, 5);
+}
+
+/// The vertex of a sheet that comes out of a solid and stays nearer than the thickness.
+TEST_P(SheetsTest, AVertexThatLeavesASolidIsNearInTheSameStep) {
+    world_.add_fixed_body(world_.add_mesh("box", scenes::box({-1, -1, -1}, {1, 1, 0})));
+    const MeshData mesh = flat(1, 0.4f, {-0.23f, -0.21f, -0.1f});
+    const BodyId body = add_sheet(world_, mesh, 0.1, SelfCollision::off);
+    const auto outside = moved(mesh.positions, {0.01f, 0.02f, 0.11f});
+    const auto heights = [&](std::span<const Contact> contacts) {
+        std::vector<double> found;
+        for (const Contact& c : contacts)
+            if (!c.is_edge() && c.source_body() == body) found.push_back(c.distance);
+        return found;
+    };
+    const std::vector<double> moving = heights(step(world_, body, mesh.positions, outside)),
+                              still = heights(step(world_, body, outside, outside));
+    ASSERT_EQ(still.size(), 4u);
+    ASSERT_EQ(moving.size(), 4u);
+    for (double height : moving) EXPECT_NEAR(height, 0.01, 1e-6);
+}
+
+/// What a vertex has been through is known however fast it goes on.
+TEST_P(SheetsTest, AVertexThatSinksFastIsRemembered) {
+    const BodyId ground = add_sheet(world_, flat(6, 1, {-3, -3, 0}), 0.1, SelfCollision::off);
+    const MeshData spike = {{{0.1f, 0.2f, 0.05f}, {0.5f, 0.2f, 1}, {0.1f, 0.6f, 1}}, {{{0, 1, 2}}}};
+    const BodyId body = add_sheet(world_, spike, 0.1, SelfCollision::off);
+    world_.detect();
+    std::vector<Vec3f> at = spike.positions;
+    for (int k = 1; k <= 6; ++k) {
+        at[0].z -= 0.12f;
+        world_.set_positions(body, at);
+        world_.detect();
+        const auto deep = std::ranges::find_if(world_.contacts(), [&](const Contact& c) {
+            return !c.is_edge() && c.source_body() == body && c.vertex == 0;
+        });
+        ASSERT_NE(deep, world_.contacts().end()) << k;
+        EXPECT_EQ(deep->target_body(), ground);
+        EXPECT_NEAR(deep->distance, 0.05 - 0.12 * k, 1e-5) << k;
+    }
+}
+
+/// A side that is known stays known when something changes that has nothing to do with it.
+TEST_P(SheetsTest, SidesOutlastChangesOfMarginsAndOfOtherPairs) {
+    add_sheet(world_, flat(6, 1, {-3, -3, 0}), 0.1, SelfCollision::off);
+    const MeshData spike = {{{0.1f, 0.2f, 0.05f}, {0.5f, 0.2f, 1}, {0.1f, 0.6f, 1}}, {{{0, 1, 2}}}};
+    const BodyId body = add_sheet(world_, spike, 0.1, SelfCollision::off);
+    world_.detect();
+    std::vector<Vec3f> at = spike.positions;
+    at[0].z = -0.05f;
+    world_.set_positions(body, at);
+    world_.detect();
+    for (const SelfCollision self : {SelfCollision::off, SelfCollision::on, SelfCollision::off}) {
+        world_.set_collision(body, {self, true, 0.1, self == SelfCollision::on ? 0.01 : -1.0});
+        world_.detect();
+        const auto c = std::ranges::find_if(world_.contacts(), [&](const Contact& found) {
+            return !found.is_edge() && found.source_body() == body && found.vertex == 0;
+        });
+        ASSERT_NE(c, world_.contacts().end());
+        EXPECT_EQ(c->found, Found::remembered);
+        EXPECT_LT(c->distance, 0);
     }
 }
 

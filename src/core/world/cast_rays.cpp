@@ -1,10 +1,11 @@
-#include <algorithm>
+#include <cmath>
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/direction.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/trace/meeting.hpp"
+#include "core/world/ray_start.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
@@ -28,19 +29,14 @@ std::vector<std::optional<RayHit>> World::cast_rays(Vec3d origin,
         for (std::uint32_t b = 0; b < views.size(); ++b) {
             if (!views[b].active) continue;
             const Frame to_fit = relative_frame({}, views[b].fit);
-            const Stretch inside = stretch_inside(views[b].fit_box, to_fit.to_parent(origin),
-                                                  to_fit.rotation * direction);
-            if (inside.begin > inside.end || inside.end < 0) continue;
+            const double start = start_near(views[b].fit_box, to_fit.to_parent(origin),
+                                            to_fit.rotation * direction, views[b].touch);
+            if (std::isinf(start)) continue;
             const Frame to_space = relative_frame({}, views[b].space);
             Ray ray;
-            // The ray starts just outside the box, so that a surface in the box's face still lies
-            // ahead; from far away, by as much as the way there is rounded.
-            const double before = 2 * views[b].touch +
-                                  constants::double_rounding * std::max(inside.begin, 0.0);
-            ray.origin = to_space.to_parent(origin +
-                                            std::max(inside.begin - before, 0.0) * direction);
+            ray.origin = to_space.to_parent(origin + start * direction);
             ray.direction = to_space.rotation * direction;
-            ray.t_max = views[b].fit_box.extent() + 2 * before;
+            ray.t_max = views[b].fit_box.extent() + 2 * start_before(start, views[b].touch);
             ray.target = b;
             ray.touch = views[b].touch;
             rays.push_back(ray);

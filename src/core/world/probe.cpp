@@ -6,6 +6,7 @@
 #include "core/geometry/direction.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/trace/meeting.hpp"
+#include "core/world/ray_start.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 struct ProbeRay {
     std::size_t probe = 0;
     bool inward = false;
+    double start = 0;  ///< [length] how far from the point it starts
 };
 
 }  // namespace
@@ -54,18 +56,20 @@ std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> poi
             const double away = box.distance(to_fit.to_parent(points[i]));
             if (away > radius) continue;
             const Frame to_space = relative_frame({}, views[b].space);
-            const auto add = [&](bool inward, double t_max) {
+            const auto add = [&](bool inward, double start, double t_max) {
                 Ray ray;
-                ray.origin = to_space.to_parent(points[i]);
+                ray.origin = to_space.to_parent(points[i] + start * normal);
                 ray.direction = to_space.rotation * (inward ? -normal : normal);
                 ray.t_max = t_max;
                 ray.target = b;
                 ray.touch = views[b].touch;
                 rays.push_back(ray);
-                of_probe.push_back({i, inward});
+                of_probe.push_back({i, inward, start});
             };
-            if (away == 0) add(true, box.extent());
-            add(false, radius);
+            if (away == 0) add(true, 0, box.extent());
+            const double start = start_near(views[b].fit_box, to_fit.to_parent(points[i]),
+                                            to_fit.rotation * normal, views[b].touch);
+            if (start <= radius) add(false, start, radius - start);
         }
     }
     std::vector<Hit> hits(rays.size());
@@ -78,9 +82,9 @@ std::vector<std::optional<ProbeContact>> World::probe(std::span<const Vec3d> poi
         const Meeting m = meet(rays[r], body.surface(), hits[r].triangle);
         // From outside, the inward ray meets nothing that is pressed against the probe; from
         // inside, the outward ray leaves the body at its far side.
-        const auto [probe, inward] = of_probe[r];
+        const auto [probe, inward, start] = of_probe[r];
         if (m.exit != inward) continue;
-        const double distance = inward ? -m.t : m.t;
+        const double distance = inward ? -m.t : start + m.t;
         std::optional<ProbeContact>& best = found[probe];
         if (best && best->distance <= distance) continue;
         best = ProbeContact{.body = state_->ids[rays[r].target],

@@ -140,5 +140,26 @@ TEST(ProbeTest, RefusesWhatItCannotAnswer) {
     EXPECT_THROW(world.probe(points, normals, 1), InputError);
 }
 
+TEST(ProbeTest, SeesBodiesFromFarAway) {
+    test::Random random(10);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    World world(bvh_backend());
+    world.add_fixed_body(world.add_mesh("ball", scenes::sphere(1, 2)));
+    world.detect();
+    for (const double away : {10.0, 1e6, 1e8}) {
+        std::vector<Vec3d> points, normals;
+        for (int i = 0; i < 50; ++i) {
+            const Vec3d direction = normalized(random.in_box(1));
+            points.push_back(away * direction);
+            normals.push_back(-direction);
+        }
+        for (const auto& found : world.probe(points, normals, 2 * away)) {
+            ASSERT_TRUE(found) << away;
+            EXPECT_NEAR(found->distance, away - 1, 0.15) << away;
+        }
+        for (const auto& found : world.probe(points, normals, away - 1.2)) EXPECT_FALSE(found);
+    }
+}
+
 }  // namespace
 }  // namespace pierce

@@ -92,8 +92,7 @@ inline constexpr std::int64_t crossing_weight = half_turn / 2;
 /// lies in no plane that meshes often have. Not of length 1.
 inline constexpr double any_direction[3] = {3, 5, 7};
 
-/// A hit whose ray meets the face at a smaller sine than this is flagged as grazing [1]: its depth
-/// changes a thousand times faster than the vertex moves.
+/// At a smaller sine between ray and face, depth changes a thousand times faster than the vertex.
 inline constexpr double grazing_sine = 1e-3;
 
 /// The key of a pair, where bodies have worlds: so many bits for each body, the rest for the world.
@@ -126,8 +125,9 @@ inline constexpr double edge_skin_steps = 16, edge_skin_least = 1.0 / 16, edge_s
 inline constexpr double uneven_parts = 1.2, ghost_work = 0.5, spare_reach = 0.5, large_body = 4;
 inline constexpr std::uint32_t part_cells = 64, cut_rounds = 3, many_bodies = 4096;
 
-/// For how many steps a pair that has contacts without its edges keeps them.
-inline constexpr std::uint32_t edge_unasked_steps = 16;
+/// For how many steps a pair that has contacts without its edges keeps them; and bodies with no
+/// more edges are coarse: few of their vertices are inside each other where two of them meet.
+inline constexpr std::uint32_t edge_unasked_steps = 16, coarse_edges = 64;
 
 /// A proof that an edge crosses one triangle at most looks as far as the bodies move in
 /// `edge_look_steps`, but not less far than `edge_look_least` [mean edge length]: looking further

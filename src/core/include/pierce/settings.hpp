@@ -23,10 +23,10 @@ enum class Coverage : std::uint8_t {
                ///< of the pairs in piles (docs/accuracy.md)
     complete,  ///< all its edges, too: takes 1.4 to 2.5 times as long as overlaps, and adds the
                ///< places where edges alone cross in pairs that have contacts of vertices elsewhere
-    overlaps,  ///< its vertices, the edges of pairs in which no vertex has a contact with a depth,
-               ///< and bodies inside one another: of the piles it misses no pair that is
-               ///< deeper than the touch tolerance; docs/trust.md lists the rare random pairs
-               ///< that it misses
+    overlaps,  ///< its vertices, the edges of pairs in which these show no way out, or are few
+               ///< (docs/step.md), and bodies inside one another: of the piles it misses no pair
+               ///< that is deeper than the touch tolerance; docs/trust.md lists the rare random
+               ///< pairs that it misses
 };
 
 /// How a world detects contacts. Every field has a default that suits any scale.

@@ -20,7 +20,9 @@ struct PairMarks {
         vertex_touches = 128,                          ///< a vertex has a contact without a depth
         holds_chord = 256,   ///< a part of an edge of one body is inside the other
         contained = 512,     ///< one body is inside the other as a whole
-        runs_inside = 1024;  ///< a vertex only touches, but its ray runs inside
+        runs_inside = 1024,  ///< a vertex only touches, but its ray runs inside
+        has_way_out = 2048;  ///< a vertex has a contact with a depth whose way out may be that of
+                             ///< the pair: its edges need not be looked at
 
     View<std::uint32_t> words;
     View<std::uint32_t> deep;  ///< two per pair: how many vertices of the body of each side are

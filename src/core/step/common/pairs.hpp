@@ -201,19 +201,24 @@ struct TestPair {
     }
 };
 
-/// The identity of a pair.
+/// The identity of a pair. What a body does with itself is no matter of its other pairs, and sheets
+/// have no margin.
 PIERCE_HD inline PairIdentity identity_of(View<const BodyView> bodies, View<const BodyId> ids,
                                           Pair pair) {
     const BodyView &a = bodies[pair.a], &b = bodies[pair.b];
+    const auto self_of = [&](const BodyView& body) {
+        return pair.is_self() ? body.collision.self : SelfCollision::off;
+    };
+    const bool has_sheet = a.collision.sheet || b.collision.sheet;
     return {.a = ids[pair.a],
             .b = ids[pair.b],
             .mesh_a = a.mesh_key,
             .mesh_b = b.mesh_key,
-            .self_a = a.collision.self,
-            .self_b = b.collision.self,
+            .self_a = self_of(a),
+            .self_b = self_of(b),
             .sheet_a = a.collision.sheet,
             .sheet_b = b.collision.sheet,
-            .margin = max_of(a.margin, b.margin)};
+            .margin = has_sheet ? 0.0 : max_of(a.margin, b.margin)};
 }
 
 inline constexpr std::uint32_t no_pair = 0xffffffffu;

@@ -30,8 +30,8 @@ struct JoinLate {
 
 }  // namespace stages
 
-/// Looks for chords in pairs that have no contact with a depth so far, and takes their rays through
-/// trace, classify and reproject.
+/// Looks for chords in pairs in which no vertex has a contact that shows a way out, and takes their
+/// rays through trace, classify and reproject.
 template <Executor E, Tracer<E> T>
 class LateChords {
 public:
@@ -47,7 +47,7 @@ public:
         const View<const BodyView> bodies = step.scene.bodies;
         late_.clear();
         late_routes_.clear();
-        const stages::GenerateChordRays generate = edges.find(step, stages::PairMarks::has_depth,
+        const stages::GenerateChordRays generate = edges.find(step, stages::PairMarks::has_way_out,
                                                               late_, late_routes_);
         const auto count = count_of(late_.rays);
         tools_.trace_between(bodies, late_.rays, late_.hits, generate, NoStage{});

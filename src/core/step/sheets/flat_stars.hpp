@@ -39,7 +39,10 @@ struct alignas(16) FlatCorners {
 /// except where they hang together: they go around the vertex once, and each of them keeps facing
 /// one common direction. Seen along that direction, they are sectors that share no more than their
 /// sides at any time: a sector has less than half a turn while its triangle faces that way, and the
-/// number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994).
+/// number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994). Nor are
+/// features of such triangles without a common corner nearer than the thickness in the end: seen
+/// so, each end of a sector's side is at least as far from the other side as that, and from all
+/// sectors beyond.
 struct FindFlatStars {
     SheetBodies bodies;
     View<std::uint32_t> flat;
@@ -80,6 +83,13 @@ private:
         return min_of(cross(u.start, w.start), min_of(middle, cross(u.end, w.end)));
     }
 
+    /// True if an end of one of a sector's sides is nearer to the other side than the thickness.
+    PIERCE_HD static bool is_narrow(Seen u, Seen w, double thickness) {
+        const double area = cross(u, w),
+                     longest = max_of(u.x * u.x + u.y * u.y, w.x * w.x + w.y * w.y);
+        return !(area * area >= thickness * thickness * longest);
+    }
+
     PIERCE_HD static bool is_flat(const SheetBody& body, std::uint32_t v) {
         const std::uint32_t begin = body.mesh.corner_offsets[v],
                             end = body.mesh.corner_offsets[v + 1];
@@ -101,13 +111,14 @@ private:
         }
         const SlabFrame frame(n);
         const Sight sight{frame.axis[1], frame.axis[2]};
-        const double least = constants::motion_rounding * size;
+        const double least = constants::motion_rounding * size,
+                     thickness = body.view.collision.thickness;
         const MovingSeen first = sight(last);
         std::uint32_t turns = 0;
         MovingSeen u = first;
         for (std::uint32_t c = begin; c < end; ++c) {
             const MovingSeen w = sight(way_to(c));
-            if (!(facing(u, w) > least)) return false;
+            if (!(facing(u, w) > least) || is_narrow(u.end, w.end, thickness)) return false;
             turns += cross(u.start, first.start) >= 0 && cross(first.start, w.start) > 0;
             u = w;
         }

@@ -184,7 +184,7 @@ struct PlaceGroups {
             drifting.write(first + k, DriftingTriangle(p));
         });
         own_boxes.each([&](std::uint32_t k, QuickBox& box) {
-            box = triangles.at(k).box();
+            box = with_tolerance(triangles.at(k).box());
             write_whole(triangle_boxes[first + k], box);
         });
         const QuickBox box = box_around(own_boxes);
@@ -196,6 +196,13 @@ struct PlaceGroups {
     }
 
 private:
+    /// Features that come as close as the meeting tolerance meet: boxes around them must be near
+    /// then, by more than a half of it for each of the two triangles.
+    PIERCE_HD static QuickBox with_tolerance(const QuickBox& box) {
+        constexpr auto twice = static_cast<float>(2 * constants::meeting_tolerance);
+        return box.empty() ? box : box.inflated(twice * largest_of(box.upper - box.lower));
+    }
+
     PIERCE_HD Slab slab_around(const Sixteen<PlacedTriangle>& triangles, const QuickBox& box,
                                [[maybe_unused]] std::uint32_t group) const {
         const SlabFrame frame(triangles.joined<Vec3d>(

@@ -150,9 +150,12 @@ private:
         std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
         // A vertex inside a solid is pushed out along a ray. But a vertex that leaves the solid
         // here and still ends behind the triangle, or on it, has come in again, and may have
-        // slipped around the triangle's border before.
+        // slipped around the triangle's border before. One that ends outside may be near.
         if (pair.is_solid[1 - side_of(f.kind)] && its_side < 0) {
-            if (!met || remembered != 0 || !(height <= rounding_of(face, p))) return {};
+            if (height > rounding_of(face, p))
+                met = false;
+            else if (!met || remembered != 0)
+                return {};
             its_side = 1;
         }
 

@@ -30,7 +30,8 @@ struct alignas(16) SheetPair {
     std::uint8_t padding[4] = {};
     double thickness = 0;  ///< [length]
     double margin = 0;     ///< [length] vertices this close to triangles matter; more than the
-                           ///< thickness if some vertices are through
+                           ///< thickness if some vertices are through: as deep as they were, and as
+                           ///< far as the bodies have come since
     float quick_thickness = 0, quick_margin = 0;  ///< the same in float32, not less
     std::uint32_t more_padding[2] = {};
     BodyId ids[2];
@@ -67,9 +68,10 @@ struct PlanSheetPair {
         s.is_solid[1] = bodies[pair.b].is_solid();
         const std::uint32_t link = forgets[0] != 0 ? no_pair : links[i];
         sheet_links[i] = link;
-        if (link < last_deepest.size) {
-            s.margin += static_cast<double>(std::bit_cast<float>(last_deepest[link]));
-            s.was_through = last_deepest[link] != 0;
+        if (link < last_deepest.size && last_deepest[link] != 0) {
+            s.was_through = true;
+            s.margin += static_cast<double>(std::bit_cast<float>(last_deepest[link])) +
+                        bodies[pair.a].travel + bodies[pair.b].travel;
         }
         s.quick_thickness = round_up(s.thickness);
         s.quick_margin = round_up(s.margin);

@@ -7,8 +7,10 @@
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/step/common/pair_marks.hpp"
+#include "core/step/solids/ray_gen.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/trace/ray.hpp"
+#include "pierce/constants.hpp"
 
 namespace pierce::stages {
 
@@ -41,15 +43,20 @@ struct ContainedBodies {
 };
 
 /// Per candidate from `begin` on: decides whether it is a contact of its own, and tells its pair
-/// whether it is inside, not only touching, whether it is a contact, and whether that has any
-/// depth. Notes the contacts of chords that have none: another one may replace them.
+/// whether it is inside, not only touching, whether it is a contact, whether that has any depth,
+/// and whether its way out may be the pair's. Where a corner is a hair behind a face that its body
+/// stands beside, the closest point lies there, and the way to it leads the body in: edges say more
+/// of such a pair, and of two coarse bodies, few of whose vertices are inside. Notes the
+/// contacts of chords that have no depth: another one may replace them.
 struct MarkCandidate {
     View<const RaySource> sources;
-    View<const Meeting> meetings;  ///< per ray
+    View<const Ray> rays;  ///< per ray, like the next one
+    View<const Meeting> meetings;
     View<const std::uint32_t> candidates;
     View<std::uint32_t> keep;
-    View<const Meeting> moved;           ///< per candidate; this and the next are empty if contacts
-                                         ///< do not move to the closest point
+    View<const Ray> moved_rays;  ///< per candidate; this and the next two are empty if
+                                 ///< contacts do not move to the closest point
+    View<const Meeting> moved;
     View<const std::uint32_t> accepted;  ///< per candidate: it has moved
     ContainedBodies contained;
     Number begin;              ///< the first candidate that is not marked yet
@@ -77,7 +84,31 @@ struct MarkCandidate {
                                               (of_ray > 0 ? PairMarks::runs_inside : 0u)
                                         : 0u);
         if (bits != 0) marks.set(from.pair, bits);
+        if (keep[candidate] && is_deep && is_vertex &&
+            !marks.any(from.pair, PairMarks::has_way_out) &&
+            shows_way_out(
+                from, (has_moved ? moved_rays[candidate] : rays[candidates[candidate]]).direction))
+            marks.set(from.pair, PairMarks::has_way_out);
         if (keep[candidate] && !is_deep && !is_vertex) flat[from.item] = candidate;
+    }
+
+private:
+    static constexpr std::uint32_t points_that_hold = 3;  ///< a body that stands on them
+
+    /// True unless a vertex's way out of the target, in the target's space, leads against the
+    /// inward direction of its body, or both bodies are coarse and have fewer than three vertices
+    /// in each other.
+    PIERCE_HD bool shows_way_out(const RaySource& from, Vec3d way) const {
+        const Pair pair = contained.pairs[from.pair];
+        const BodyView &source = contained.bodies[pair.source(from.side)],
+                       &target = contained.bodies[pair.source(1 - from.side)];
+        if (contained.are_asked_for && source.mesh.edges.size <= constants::coarse_edges &&
+            target.mesh.edges.size <= constants::coarse_edges &&
+            marks.deep[2 * from.pair] + marks.deep[2 * from.pair + 1] < points_that_hold)
+            return false;
+        return !source.is_solid() ||
+               dot(source.space.rotation * inward_direction(source, from.item),
+                   target.space.rotation * way) > 0;
     }
 };
 

@@ -37,9 +37,11 @@ public:
         if (plan.reprojects) move(step, batch, begin, count, chords, routes, contained);
         tools_.executor.for_each(count,
                                  stages::MarkCandidate{.sources = view_of(batch.sources),
+                                                       .rays = view_of(batch.rays),
                                                        .meetings = view_of(batch.meetings),
                                                        .candidates = view_of(batch.candidates),
                                                        .keep = view_of(batch.keep),
+                                                       .moved_rays = view_of(aimed_.rays),
                                                        .moved = view_of(aimed_.meetings),
                                                        .accepted = view_of(accepted_),
                                                        .contained = contained,

@@ -97,7 +97,7 @@ struct DirectPair {
         // A pair in which nothing has moved keeps its contacts: nothing is to be looked for.
         if (marks.words.size > 0 && i % 2 == 0)
             marks.begin(i / 2, d.still ? PairMarks::vertex_inside | PairMarks::in_contact |
-                                             PairMarks::has_depth
+                                             PairMarks::has_depth | PairMarks::has_way_out
                                        : 0u);
         return is_asked(source, target, d.is_self(), i % 2) ? block_count(source.mesh) : 0;
     }

@@ -15,15 +15,15 @@ namespace pierce::bullet {
 
 /// What install() does by itself.
 struct InstallOptions {
-    /// Binds every triangle mesh (GImpact, BVH, scaled) and every soft body that has an inside, as
-    /// soon as it is near another one, and follows what is added, removed and changed. False: only
-    /// what bind() names is bound.
+    /// Binds every triangle mesh (GImpact, BVH, scaled) and every soft body that has an inside, at
+    /// the next step, and follows what is added, removed and changed. False: only what bind() names
+    /// is bound.
     bool automatic = true;
     std::uint32_t most_per_pair = 24;  ///< contacts of two rigid bodies that reach the solver
     /// Two rigid bodies that are apart get contacts before they touch, if one of them is fast:
     /// where it moves further in a step than its `setCcdMotionThreshold()`, as with Bullet's own
-    /// continuous collisions, which know convex shapes only. Then it does not pass through the
-    /// other one. Bodies whose threshold is 0, Bullet's default, are never fast.
+    /// continuous collisions, which know convex shapes only. Bodies whose threshold is 0, Bullet's
+    /// default, are never fast.
     bool continuous = true;
 };
 
@@ -48,10 +48,11 @@ public:
 
     /// Binds an object that is not soft: from now on its world transform moves `body`, and contacts
     /// of `body` push it. Here and below, what the object or the body was bound to before is
-    /// unbound. An object that was bound by hand stays so until unbind().
+    /// unbound. An object that was bound by hand stays so until unbind(). Throws InputError for a
+    /// body that was made for another object, which is followed.
     void bind(btCollisionObject& object, BodyId body);
     /// Binds a soft body, which must have one node per vertex of the mesh, in their order. Throws
-    /// InputError if the counts differ. If they change later, as where the body tears, bind it
+    /// InputError if the counts differ, too. If they change later, as where the body tears, bind it
     /// again.
     void bind(btSoftBody& soft, BodyId body);
     /// Ends a binding, at any time between two steps; nothing happens if there is none. Nothing in
@@ -93,7 +94,8 @@ Installation& install(btDiscreteDynamicsWorld& bullet, World& contacts,
                       const InstallOptions& options = {});
 
 /// Ends all bindings and leaves the Bullet world as it was before install(); nothing happens if
-/// Pierce is not installed. The bodies and meshes that install() has made are removed.
+/// Pierce is not installed. The bodies and meshes that install() has made are removed. Must be
+/// called before the Bullet world ends if its dispatcher lives on.
 void uninstall(btDiscreteDynamicsWorld& bullet);
 
 }  // namespace pierce::bullet
