@@ -9,10 +9,17 @@ _SAME = 1e-6
 """[1] A stretch that differs less from none is rounding: matrices often come from float32."""
 
 
+_RIGID = 1e-5
+"""[1] A rotation whose products differ less from those of the axes is one to rounding."""
+
+
 def matrix_of(pose: ArrayLike) -> Floats:
     """The matrix (4, 4) of a pose of seven numbers, or of what is a rigid matrix already."""
     given = np.asarray(pose, np.float64)
     if given.shape == (4, 4):
+        turn = given[:3, :3]
+        if not np.allclose(turn.T @ turn, np.eye(3), atol=_RIGID) or np.linalg.det(turn) < 0:
+            raise ValueError("the matrix stretches or mirrors: no pose does")
         return given
     if given.shape != (7,):
         raise ValueError(f"expected a pose of seven numbers or a matrix (4, 4), got {given.shape}")

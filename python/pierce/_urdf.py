@@ -35,6 +35,11 @@ def read_urdf(
         for given in (*collisions, *visuals):
             reader.add(link.name, given)
     names = urdf.actuated_joint_names
+    stiff = [
+        f"does not move: {joint.type} joint '{joint.name}'"
+        for joint in urdf.robot.joints
+        if joint.type in ("floating", "planar")
+    ]
     robot = Robot(
         name=urdf.robot.name or path.stem,
         meshes=tuple(reader.meshes),
@@ -42,7 +47,7 @@ def read_urdf(
         joints={name: slice(place, place + 1) for place, name in enumerate(names)},
         rest=np.zeros(len(names)),
         meets=_meets(urdf.robot, [shape.link for shape in reader.shapes]),
-        notes=tuple(f"left out: {what}" for what in reader.left_out),
+        notes=(*(f"left out: {what}" for what in reader.left_out), *stiff),
         kinematics=_Kinematics(urdf, [shape.link for shape in reader.shapes], reader.offsets),
     )
     return robot, reader.left_out

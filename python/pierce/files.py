@@ -11,6 +11,7 @@ Nothing is merged, unless `weld` asks for it.
 
 from __future__ import annotations
 
+import json
 import warnings
 from dataclasses import dataclass
 from importlib import import_module
@@ -171,8 +172,33 @@ def _read_stl(path: Path, groups: bool) -> list[Part]:
     return [Part(path.stem, vertices, np.concatenate(triangles), _AT_ORIGIN)]
 
 
+_TRIANGLE_FAN = 6
+
+
+def _refuse_what_is_misread(path: Path) -> None:
+    """Raises InputError for glTF of which trimesh makes something else."""
+    content = path.read_bytes()
+    if content[:4] == b"glTF":  # twelve bytes, and the length and the kind of the first chunk
+        content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
+    described = json.loads(content)
+    modes = [
+        primitive.get("mode")
+        for mesh in described.get("meshes", [])
+        for primitive in mesh.get("primitives", [])
+    ]
+    for is_there, what in (
+        ("KHR_mesh_quantization" in described.get("extensionsUsed", []), "quantized positions"),
+        (any("sparse" in each for each in described.get("accessors", [])), "sparse accessors"),
+        (_TRIANGLE_FAN in modes, "triangle fans"),
+    ):
+        if is_there:
+            raise InputError(f"cannot read '{path}': it has {what}, which trimesh misreads")
+
+
 def _read_scene(path: Path) -> list[Part]:
     trimesh = need("trimesh", "trimesh", f"reading {path.suffix}")
+    if path.suffix.lower() in (".gltf", ".glb"):
+        _refuse_what_is_misread(path)
     scene = trimesh.load_scene(str(path), process=False)
     parts, left_out = [], []
     for node in scene.graph.nodes_geometry:

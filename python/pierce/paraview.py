@@ -55,7 +55,10 @@ def write_series(
     for frame in range(recording.frame_count):
         written = {"bodies": _bodies(meshio, recording, frame)}
         if steps is not None:
-            written["contacts"] = _points(meshio, next(steps))
+            found = next(steps, None)
+            if found is None:
+                raise ValueError(f"there are contacts of {frame} frames only")
+            written["contacts"] = _points(meshio, found)
         for part, (kind, mesh) in enumerate(written.items()):
             file = folder / f"{kind}_{frame:06d}.vtu"
             mesh.write(file, binary=True)

@@ -38,7 +38,12 @@ class Recorder:
             frames.append(np.asarray(self._place(body), np.float32))
 
     def recording(self) -> Recording:
-        """The frames that were added; write() puts it into a folder."""
+        """The frames that were added; write() puts it into a folder.
+
+        Raises ValueError if there are none.
+        """
+        if not self._frames or not self._frames[0]:
+            raise ValueError("nothing was recorded: there is no frame, or no body")
         numbers: dict[MeshId, int] = {}
         for mesh in self._meshes:
             numbers.setdefault(mesh, len(numbers))

@@ -113,11 +113,15 @@ def _listed(path: Path) -> tuple[list[Path], list[float]]:
     return [path.parent / name for _, name in entries], seconds
 
 
+_NUMBER = re.compile(r"(?<![\d.])\d+\.\d+(?![\d.])|\d+")
+"""A decimal number, or a whole one; of 1.2.3, three whole ones."""
+
+
 def _matching(pattern: Path) -> list[Path]:
     found = list(pattern.parent.glob(pattern.name))
     if not found:
         raise InputError(f"no file matches '{pattern}'")
-    return sorted(found, key=lambda path: [int(n) for n in re.findall(r"\d+", path.stem)])
+    return sorted(found, key=lambda path: [float(n) for n in _NUMBER.findall(path.stem)])
 
 
 def _of_files(paths: list[Path], seconds: list[float] | None) -> Series:

@@ -245,10 +245,12 @@ void bind_meshes(nb::module_& module) {
         "Repairs a mesh. Returns ((vertices, triangles), the place of each vertex in the given "
         "mesh, what was done). Raises InputError as Mesh.make() does.");
     module.def(
-        "read_mesh", [](const std::string& file) { return arrays_of(scenes::read_mesh(file)); },
+        "read_mesh",
+        [](const std::filesystem::path& file) { return arrays_of(scenes::read_mesh(file)); },
         nb::arg("file"),
-        nb::sig("def read_mesh(file: str) -> tuple[numpy.typing.NDArray[numpy.float32], "
-                "numpy.typing.NDArray[numpy.uint32]]"),
+        nb::sig(
+            "def read_mesh(file: str | os.PathLike) -> tuple[numpy.typing.NDArray[numpy.float32], "
+            "numpy.typing.NDArray[numpy.uint32]]"),
         "Reads (vertices, triangles) from an OBJ, PLY, STL or OFF file, in the file's order.");
 }
 

@@ -27,7 +27,14 @@ struct PyPage {
 json json_of(nb::handle value) {
     const nb::object dumps = nb::module_::import_("json").attr("dumps");
     try {
-        return json::parse(nb::cast<std::string>(dumps(value, nb::arg("allow_nan") = false)));
+        // NumPy's numbers are none of Python's.
+        const nb::object number_of = nb::cpp_function([](nb::handle object) -> nb::object {
+            if (!nb::hasattr(object, "item"))
+                throw nb::type_error("a value of a page is no number, text, list or dict");
+            return object.attr("item")();
+        });
+        return json::parse(nb::cast<std::string>(
+            dumps(value, nb::arg("allow_nan") = false, nb::arg("default") = number_of)));
     } catch (nb::python_error& error) {
         if (!error.matches(PyExc_ValueError)) throw;
         throw InputError("a value of a page is not finite, or holds itself");
@@ -38,9 +45,12 @@ void make_page(PyPage* self, std::shared_ptr<PyWorld> world, std::string title, 
                double dt, bool reasons) {
     std::vector<std::string> by_index;
     for (const auto& [body, name] : names) {
-        const auto id = nb::cast<BodyId>(body);
+        BodyId id;
+        std::string text;
+        if (!nb::try_cast(body, id) || !nb::try_cast(name, text))
+            throw nb::type_error("names: a dict of bodies and strings");
         by_index.resize(std::max<std::size_t>(by_index.size(), id.index + 1));
-        by_index[id.index] = nb::cast<std::string>(name);
+        by_index[id.index] = std::move(text);
     }
     new (self) PyPage{std::move(world), std::make_unique<page::ScenePage>(page::ScenePage::Options{
                                             .title = std::move(title),
@@ -57,15 +67,14 @@ void add(PyPage& self, const nb::kwargs& figures) {
     self.page->add(*world, all);
 }
 
-void write(const PyPage& self, const std::string& file, const nb::kwargs& made_with) {
+void write(const PyPage& self, const std::filesystem::path& file, const nb::kwargs& made_with) {
     json about{{"versions", {{"pierce", PIERCE_VERSION}}}};
-    {
-        const Use world(*self.world);
-        about["backend"] = {{"name", world->backend()}};
-        about["plan"] = page::plan_figures(world->plan());
-        about["notes"] = world->plan().notes;
-    }
     about.update(json_of(made_with));
+    // Nobody adds a frame meanwhile.
+    const Use world(*self.world);
+    about["backend"] = {{"name", world->backend()}};
+    about["plan"] = page::plan_figures(world->plan());
+    about["notes"] = world->plan().notes;
     const nb::gil_scoped_release release;
     self.page->write(file, about);
 }
@@ -87,7 +96,7 @@ void bind_pages(nb::module_& module) {
              "Keeps the world after detect(), as the next frame. `figures`: numbers that charts "
              "show beside times and counts; a dict of numbers has a chart of its own.")
         .def("write", write, nb::arg("file"), nb::arg("made_with"),
-             nb::sig("def write(self, file: str, **made_with: object) -> None"),
+             nb::sig("def write(self, file: str | os.PathLike, **made_with: object) -> None"),
              "Writes the page. `made_with`: dicts that the page shows under \"About\".")
         .def_prop_ro(
             "frame_count", [](const PyPage& p) { return p.page->frame_count(); },

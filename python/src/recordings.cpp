@@ -156,6 +156,7 @@ std::shared_ptr<Recording> simulate(const std::string& scene, std::uint32_t coun
         scene, {.count = count, .soft = soft, .seed = seed});
     scenes::Simulation simulation(setup, scenes::method_named(method), rays);
     auto recording = std::make_shared<Recording>(scenes::start_recording(setup, dt));
+    if (!(seconds > 0)) throw InputError("seconds must be positive");
     const double steps = std::max(1.0, seconds / dt + 0.5);
     if (!(steps < constants::max_elements)) throw InputError("seconds are too many time steps");
     const auto count_of_steps = static_cast<std::uint32_t>(steps);
@@ -186,14 +187,14 @@ void bind_recording(nb::module_& module) {
              "(frames, vertices, 3) positions. Raises InputError.")
         .def_static(
             "read",
-            [](const std::string& folder) {
+            [](const std::filesystem::path& folder) {
                 const nb::gil_scoped_release release;
                 return std::make_shared<Recording>(scenes::read_recording(folder));
             },
             nb::arg("folder"), "Reads a recording. Raises InputError for anything else.")
         .def(
             "write",
-            [](const Recording& recording, const std::string& folder) {
+            [](const Recording& recording, const std::filesystem::path& folder) {
                 const nb::gil_scoped_release release;
                 scenes::write_recording(recording, folder);
             },

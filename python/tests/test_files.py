@@ -252,6 +252,19 @@ def test_polygons_are_fans_in_their_order(tmp_path):
     np.testing.assert_array_equal(part.triangles, expected)
 
 
+def test_what_trimesh_misreads(tmp_path):
+    pytest.importorskip("trimesh", reason="trimesh is not installed")
+    for name, described in {
+        "quantized": {"extensionsUsed": ["KHR_mesh_quantization"]},
+        "sparse": {"accessors": [{"sparse": {}}]},
+        "fans": {"meshes": [{"primitives": [{"mode": 6}]}]},
+    }.items():
+        document = {"asset": {"version": "2.0"}} | described
+        (tmp_path / f"{name}.gltf").write_text(json.dumps(document))
+        with pytest.raises(pierce.InputError, match=f"{name}.*misreads"):
+            files.read_parts(tmp_path / f"{name}.gltf")
+
+
 def test_what_cannot_be_read(tmp_path, monkeypatch):
     with pytest.raises(pierce.InputError, match=r"cannot open '.*nothing\.stl'"):
         files.read_parts(tmp_path / "nothing.stl")
@@ -265,7 +278,7 @@ def test_what_cannot_be_read(tmp_path, monkeypatch):
             files.read_parts(tmp_path / "far.obj", weld=weld)
     (tmp_path / "latin.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \xe9\n")
     with pytest.raises(pierce.InputError, match=r"latin\.obj"):
-        pierce.read_mesh(str(tmp_path / "latin.obj"))
+        pierce.read_mesh(tmp_path / "latin.obj")
     meshio = pytest.importorskip("meshio", reason="meshio is not installed")
     curved = meshio.Mesh(np.eye(6, 3), [("triangle6", [[0, 1, 2, 3, 4, 5]])])
     meshio.write(tmp_path / "curved.vtu", curved)

@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+import threading
 
 import numpy as np
 import pierce
@@ -308,3 +309,41 @@ def test_sheets_and_bodies_that_come_and_go(browser, tmp_path):
     assert "Why it has no contact" in said or "Its contacts" in said
     assert "not on this page" not in said
     assert browser.complaints() == []
+
+
+def test_nobody_adds_a_frame_while_a_page_is_written(tmp_path):
+    world = pierce.World("embree", 1)
+    for _ in range(20):
+        world.add_rigid_body(world.add_mesh(torus()))
+    world.detect()
+    page = pierce.Page(world)
+    for _ in range(30):
+        page.add(number=np.int64(3), real=np.float32(0.5))
+    done = threading.Event()
+
+    def write():
+        for place in range(5):
+            page.write(tmp_path / f"{place}.html")
+        done.set()
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    refused = 0
+    while not done.is_set():
+        try:
+            page.add()
+        except RuntimeError:
+            refused += 1
+    writer.join()
+    assert refused > 0
+
+
+def test_what_a_page_cannot_hold():
+    world = pierce.World("embree", 1)
+    body = world.add_rigid_body(world.add_mesh(box()))
+    world.detect()
+    page = pierce.Page(world, names={body: "box"})
+    with pytest.raises(TypeError, match="no number, text, list or dict"):
+        page.add(thing=object())
+    with pytest.raises(TypeError, match="bodies and strings"):
+        pierce.Page(world, names={"box": "box"})

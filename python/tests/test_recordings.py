@@ -16,8 +16,8 @@ def pile():
 
 
 def test_round_trip(pile, tmp_path):
-    pile.write(str(tmp_path / "pile"))
-    again = pierce.Recording.read(str(tmp_path / "pile"))
+    pile.write(tmp_path / "pile")
+    again = pierce.Recording.read(tmp_path / "pile")
     assert again.frame_count == pile.frame_count and again.body_names == pile.body_names
     for body in range(len(pile.body_names)):
         np.testing.assert_array_equal(again.motion(body), pile.motion(body))

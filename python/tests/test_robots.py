@@ -320,6 +320,9 @@ def test_bodies_follow_joints(tmp_path):
             now = world.vertex_position(body, int(first))
             np.testing.assert_allclose(now, corners[0, 0], atol=1e-5)
     assert bodies.shape(12345) is None
+    for stretched in (np.diag([2.0, 2, 2, 1]), np.diag([1.0, 1, -1, 1])):
+        with pytest.raises(ValueError, match="stretches or mirrors"):
+            bodies.set([1, 0, -0.5], stretched)
     with pytest.raises(KeyError, match="no joint 'elbow'"):
         bodies.set({"elbow": 1})
     with pytest.raises(ValueError, match=r"3 joint values, got shape \(2,\)"):

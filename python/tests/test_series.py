@@ -50,6 +50,19 @@ def test_numbered_files(kind, tmp_path):
     assert last.seconds.tolist() == list(range(FRAMES))
 
 
+def test_decimal_numbers_are_sorted_as_such(tmp_path):
+    vertices, triangles = torus()
+    heights = {"d_0.5": 2, "d_0.25": 1, "d_0.125": 0, "d_10": 4, "d_9.75": 3}
+    for name, height in heights.items():
+        points = vertices + [0, 0, height]
+        lines = [f"v {x} {y} {z}" for x, y, z in points]
+        lines += ["f " + " ".join(str(v + 1) for v in t) for t in triangles]
+        (tmp_path / f"{name}.obj").write_text("\n".join(lines))
+    read = series.read_series(tmp_path / "d_*.obj")
+    lowest = [float(points[:, 2].min()) for _, points in read]
+    assert np.diff(lowest).tolist() == pytest.approx([1, 1, 1, 1])
+
+
 @pytest.mark.parametrize("kind", ["pvd", "vtu.series"])
 def test_lists_of_paraview(kind, tmp_path):
     meshio = pytest.importorskip("meshio", reason="meshio is not installed")

@@ -66,6 +66,8 @@ pierce_status pierce_add_deforming_body(pierce_world* world, pierce_mesh_id mesh
     return guarded([&] {
         auto& inner = world_of(world);
         required(body, "body");
+        if (positions != nullptr && vertex_count == 0)
+            throw pierce::InputError("positions has no elements");
         *body = number(inner.add_deforming_body(mesh_handle(mesh),
                                                 vectors(positions, vertex_count, "positions")));
     });

@@ -1,6 +1,7 @@
 #include <cuda_runtime.h>
 
 #include <array>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "gpu_cuda/place_fetcher.cuh"
 #include "gpu_cuda/reach_meter.cuh"
 #include "gpu_cuda/scene_mirror.cuh"
+#include "gpu_cuda/turns.hpp"
 #include "pierce/cuda_backend.hpp"
 #include "pierce/device_contacts.hpp"
 #include "pierce/error.hpp"
@@ -193,11 +195,7 @@ private:
     /// After a step that failed: the next one begins from nothing. What was launched is awaited,
     /// and what failed is no longer CUDA's last error.
     void start_over() {
-        if (state_ && cuda::is_captured(stream())) {
-            cudaGraph_t captured = nullptr;
-            cudaStreamEndCapture(stream(), &captured);
-            cudaGraphDestroy(captured);
-        }
+        const std::scoped_lock turn(cuda::captures_and_waits());
         cudaDeviceSynchronize();
         restart();
         state_.reset();
@@ -240,13 +238,7 @@ private:
             ++warm_;
             bounded_stages(stats);
         } else {
-            check(cudaStreamBeginCapture(stream(), cudaStreamCaptureModeThreadLocal),
-                  "capture of a step");
-            bounded_stages(stats);
-            cudaGraph_t captured = nullptr;
-            check(cudaStreamEndCapture(stream(), &captured), "capture of a step");
-            check(cudaGraphInstantiate(&graph, captured, 0), "a graph of a step");
-            cudaGraphDestroy(captured);
+            graph = captured_stages(stats);
         }
         stats.stages.clear();
         if (graph != nullptr) {
@@ -265,6 +257,31 @@ private:
         mirror().restore_seen();
         restart();
         exact_step(stats);
+    }
+
+    cudaGraphExec_t captured_stages(StepStats& stats) {
+        const std::scoped_lock turn(cuda::captures_and_waits());
+        check(cudaStreamBeginCapture(stream(), cudaStreamCaptureModeThreadLocal),
+              "capture of a step");
+        try {
+            bounded_stages(stats);
+        } catch (...) {
+            end_capture();
+            throw;
+        }
+        cudaGraph_t captured = nullptr;
+        check(cudaStreamEndCapture(stream(), &captured), "capture of a step");
+        cudaGraphExec_t graph = nullptr;
+        check(cudaGraphInstantiate(&graph, captured, 0), "a graph of a step");
+        cudaGraphDestroy(captured);
+        return graph;
+    }
+
+    /// Of a capture that failed.
+    void end_capture() {
+        cudaGraph_t captured = nullptr;
+        cudaStreamEndCapture(stream(), &captured);
+        if (captured != nullptr) cudaGraphDestroy(captured);
     }
 
     void bounded_stages(StepStats& stats) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <mutex>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "core/device/view.hpp"
 #include "gpu_cuda/cuda_check.hpp"
 #include "gpu_cuda/device_count.hpp"
+#include "gpu_cuda/turns.hpp"
 
 namespace pierce::cuda {
 
@@ -30,6 +32,7 @@ public:
     ~DeviceBuffer() {
         if (data_ == nullptr)
             return;  // buffers are exchanged while a step is captured, when CUDA forbids waiting
+        const std::scoped_lock turn(captures_and_waits());
         cudaDeviceSynchronize();
         cudaFreeAsync(data_, nullptr);
     }
@@ -61,6 +64,7 @@ private:
         T* larger = nullptr;
         check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr),
               "allocation of device memory");
+        const std::scoped_lock turn(captures_and_waits());
         check(cudaDeviceSynchronize(), "waiting for the device");
         if (count_.bound() > 0)
             check(cudaMemcpyAsync(larger, data_, count_.bound() * sizeof(T),

@@ -62,20 +62,17 @@ void ScenePage::write(const std::filesystem::path& file, const json& made_with,
                      {"figures", state_->figures},
                      {"made_with", made_with}};
     state_->store.pack(arrays, description);
-    WholeFile whole(file);
-    std::ofstream out(whole.part(), std::ios::binary);
-    std::string_view rest(page_template);
-    for (const auto& [mark, text] :
-         {std::pair("<!--title-->", escaped(state_->options.title)),
-          std::pair("<!--data-->", arrays.text(std::move(description), progress))}) {
-        const std::size_t at = rest.find(mark);
-        out << rest.substr(0, at) << text;
-        rest.remove_prefix(at + std::string_view(mark).size());
-    }
-    out << rest;
-    if (!out.flush()) refuse_to_write(file);
-    out.close();
-    whole.keep();
+    write_whole_file(file, [&](std::ostream& out) {
+        std::string_view rest(page_template);
+        for (const auto& [mark, text] :
+             {std::pair("<!--title-->", escaped(state_->options.title)),
+              std::pair("<!--data-->", arrays.text(std::move(description), progress))}) {
+            const std::size_t at = rest.find(mark);
+            out << rest.substr(0, at) << text;
+            rest.remove_prefix(at + std::string_view(mark).size());
+        }
+        out << rest;
+    });
 }
 
 }  // namespace pierce::page

@@ -8,6 +8,7 @@
 
 #include "app/commands/commands.hpp"
 #include "app/output/frame_log.hpp"
+#include "app/output/interrupt.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/provenance.hpp"
 #include "app/output/waiting.hpp"
@@ -104,7 +105,10 @@ void fix(const fs::path& file, const fs::path& out) {
     std::optional<Waiting> waiting("repairing " + file.string());
     const MeshData mesh = scenes::read_mesh(file);
     const FixedMesh fixed = fix_mesh(mesh);
-    scenes::write_obj(out, fixed.mesh);
+    {
+        const InterruptDelay delay;
+        scenes::write_obj(out, fixed.mesh);
+    }
     waiting.reset();
     const MeshInside& done = fixed.done;
     fmt::print(
@@ -138,7 +142,7 @@ int check(const CheckOptions& options) {
             meshes.push_back(to_json(file.string(), report));
             worst = std::max(worst, report.sound() ? sound : has_findings);
         } catch (const InputError& error) {
-            fmt::print("{}: unreadable: {}\n", file.string(), error.what());
+            fmt::print(stderr, "{}: unreadable: {}\n", file.string(), error.what());
             meshes.push_back({{"file", file.string()}, {"error", error.what()}});
             worst = unreadable;
         }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/commands/detection_page.hpp"
 #include "app/measure/compare.hpp"
@@ -62,7 +63,10 @@ bool has_own_size(const scenes::SceneSetup& scene) {
 }
 
 std::uint32_t step_count(double seconds, double dt) {
-    return std::max(1u, static_cast<std::uint32_t>(std::lround(seconds / dt)));
+    const double steps = std::round(seconds / dt);
+    if (!(steps <= std::numeric_limits<std::uint32_t>::max()))
+        throw InputError("too many time steps");
+    return std::max(1u, static_cast<std::uint32_t>(steps));
 }
 
 /// Says, here and in what the files hold, that they hold some of the frames only.

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
+#include <iostream>
+#include <string>
 
 #include "app/commands/add_commands.hpp"
 #include "app/output/backends.hpp"
@@ -39,6 +42,26 @@ void say(const std::exception& error) {
     if (pierce::app::is_first_rank()) fmt::print(stderr, "pierce: {}\n", error.what());
 }
 
+/// Names what is no command; CLI11 says only that one is missing.
+void require_known_command(const CLI::App& app, int argc, char** argv) {
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        if (word.starts_with('-')) continue;
+        if (app.get_subcommands(
+                   [&](const CLI::App* command) { return command->get_name() == word; })
+                .empty())
+            throw pierce::InputError("there is no command '" + word +
+                                     "'; 'pierce --help' lists all");
+        return;
+    }
+}
+
+/// What was printed is there: a full disk shows here at the latest.
+void flush_output() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+        throw pierce::InputError("cannot write to the standard output");
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"Contacts between triangle meshes by ray tracing"};
     app.set_version_flag("--version", pierce::app::version_text,
@@ -60,11 +83,14 @@ int run(int argc, char** argv) {
     // Commands would take it over.
     app.footer(footer);
     try {
+        require_known_command(app, argc, argv);
         app.parse(argc, argv);
+        flush_output();
         return code;
     } catch (const CLI::ParseError& error) {
         const int shown = app.exit(error);
-        return shown == 0 ? 0 : exit_bad_input;
+        if (shown == 0) std::cout.flush();
+        return shown == 0 && std::cout.good() ? 0 : exit_bad_input;
     } catch (const pierce::app::Interrupted& stop) {
         fmt::print(stderr, "pierce: {}: {}\n", stop.what(), stop.missing);
         return exit_failure;

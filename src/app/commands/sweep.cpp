@@ -129,7 +129,13 @@ void flatten(const json& value, const std::string& name, json& row) {
 /// The rows of a run: one, or one for each method or mode that it compares.
 std::vector<json> rows_of(const Sweep& sweep, const SweepRun& run) {
     std::vector<json> rows;
-    const auto read = [](const fs::path& file) { return json::parse(std::ifstream(file)); };
+    const auto read = [](const fs::path& file) {
+        try {
+            return json::parse(std::ifstream(file));
+        } catch (const json::exception& error) {
+            throw InputError("'" + file.string() + "' is damaged: " + error.what());
+        }
+    };
     const json result = read(sweep.compares ? run.comparison() : run.result());
     for (const char* list : {"methods", "modes"})
         for (const json& part : result.value(list, json::array()))
@@ -152,34 +158,39 @@ std::size_t gather(const Sweep& sweep, const fs::path& file) {
             rows.emplace_back(&run, std::move(row));
         }
     }
-    WholeFile whole(file);
-    std::ofstream out(whole.part());
-    out << "run";
-    for (const std::string& name : sweep.names) out << ',' << cell(name);
-    for (const std::string& name : columns) out << ',' << cell(name);
-    out << '\n';
-    for (const auto& [run, row] : rows) {
-        out << run->number;
-        for (const std::string& value : run->values) out << ',' << cell(value);
-        for (const std::string& name : columns) out << ',' << cell(row.value(name, json()));
+    write_whole_file(file, [&](std::ostream& out) {
+        out << "run";
+        for (const std::string& name : sweep.names) out << ',' << cell(name);
+        for (const std::string& name : columns) out << ',' << cell(name);
         out << '\n';
-    }
-    out.close();
-    if (!out) refuse_to_write(file);
-    whole.keep();
+        for (const auto& [run, row] : rows) {
+            out << run->number;
+            for (const std::string& value : run->values) out << ',' << cell(value);
+            for (const std::string& name : columns) out << ',' << cell(row.value(name, json()));
+            out << '\n';
+        }
+    });
     return done;
+}
+
+/// A word of a shell's command line.
+std::string quoted(const std::string& word) {
+    std::string text = "'";
+    for (const char c : word) c == '\'' ? text += "'\\''" : text += c;
+    return text + "'";
 }
 
 /// A job array that runs what is missing.
 void print_slurm(std::span<const SweepRun* const> missing, const fs::path& file) {
+    if (missing.empty()) return fmt::print("#!/usr/bin/env bash\n# No run is missing.\n");
     std::vector<std::uint32_t> numbers;
     for (const SweepRun* run : missing) numbers.push_back(run->number);
     fmt::print(
         "#!/usr/bin/env bash\n#SBATCH --job-name=pierce-sweep\n#SBATCH --array={}\n"
-        "#SBATCH --output=/dev/null\nexec '{}' --quiet sweep '{}' --only "
+        "#SBATCH --output=/dev/null\nexec {} --quiet sweep {} --only "
         "\"$SLURM_ARRAY_TASK_ID\"\n",
-        fmt::join(numbers, ","), fs::read_symlink("/proc/self/exe").string(),
-        fs::absolute(file).string());
+        fmt::join(numbers, ","), quoted(fs::read_symlink("/proc/self/exe").string()),
+        quoted(fs::absolute(file).string()));
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #include "app/output/json_file.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <ostream>
 
+#include "app/output/interrupt.hpp"
 #include "app/output/waiting.hpp"
 #include "core/base/whole_file.hpp"
 
@@ -18,13 +19,8 @@ void write_json_file(const fs::path& file, const nlohmann::json& content) {
 }
 
 void write_text_file(const fs::path& file, const std::string& text) {
-    WholeFile whole(file);
-    {
-        std::ofstream out(whole.part(), std::ios::binary);
-        out << text;
-        if (!out.flush()) refuse_to_write(file);
-    }
-    whole.keep();
+    const InterruptDelay delay;
+    write_whole_file(file, [&](std::ostream& out) { out << text; });
 }
 
 void check_folder_writable(const fs::path& folder) {

@@ -133,10 +133,15 @@ void write_picture(World& world, std::span<const BodyId> ground, const Shot& sho
     image.width = width;
     image.height = height;
     image.format = PNG_FORMAT_RGB;
-    WholeFile whole(file);
-    if (png_image_write_to_file(&image, whole.part().c_str(), 0, pixels.data(), 0, nullptr) == 0)
+    // Into memory first: libpng removes a file that it cannot write, also if that is a device.
+    png_alloc_size_t size = 0;
+    if (png_image_write_get_memory_size(image, size, 0, pixels.data(), 0, nullptr) == 0)
         throw InputError("cannot write '" + file.string() + "': " + image.message);
-    whole.keep();
+    std::string content(size, '\0');
+    if (png_image_write_to_memory(&image, content.data(), &size, 0, pixels.data(), 0, nullptr) == 0)
+        throw InputError("cannot write '" + file.string() + "': " + image.message);
+    content.resize(size);
+    write_whole_file(file, [&](std::ostream& out) { out << content; });
 }
 
 }  // namespace pierce::app

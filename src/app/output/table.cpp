@@ -32,21 +32,19 @@ std::string as_cell(std::string name) {
 }  // namespace
 
 void Table::write_csv(const fs::path& file, const std::string& made_with_now) const {
-    WholeFile whole(file);
-    std::ofstream out(whole.part());
-    if (!made_with_now.empty()) out << "# " << made_with_now << '\n';
-    if (!labels.empty()) out << label_name << ',';
-    for (std::size_t c = 0; c < names.size(); ++c) out << (c > 0 ? "," : "") << as_cell(names[c]);
-    out << '\n';
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        if (!labels.empty()) out << as_cell(labels[r]) << ',';
-        for (std::size_t c = 0; c < rows[r].size(); ++c)
-            out << (c > 0 ? "," : "") << fmt::format("{:.6g}", rows[r][c]);
+    write_whole_file(file, [&](std::ostream& out) {
+        if (!made_with_now.empty()) out << "# " << made_with_now << '\n';
+        if (!labels.empty()) out << label_name << ',';
+        for (std::size_t c = 0; c < names.size(); ++c)
+            out << (c > 0 ? "," : "") << as_cell(names[c]);
         out << '\n';
-    }
-    if (!out.flush()) refuse_to_write(file);
-    out.close();
-    whole.keep();
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            if (!labels.empty()) out << as_cell(labels[r]) << ',';
+            for (std::size_t c = 0; c < rows[r].size(); ++c)
+                out << (c > 0 ? "," : "") << fmt::format("{:.6g}", rows[r][c]);
+            out << '\n';
+        }
+    });
 }
 
 double Table::number(std::size_t row, const std::string& name) const {

@@ -18,7 +18,9 @@ namespace {
 /// False for what has no place of its own in a folder: another file cannot take that.
 bool can_be_replaced(const fs::path& file) {
     const std::string name = fs::absolute(file).lexically_normal().string();
-    if (name.starts_with("/dev/") || name.starts_with("/proc/")) return false;
+    // Of /dev, only its folder for shared memory has files like others.
+    if (name.starts_with("/proc/") || (name.starts_with("/dev/") && !name.starts_with("/dev/shm/")))
+        return false;
     std::error_code failed;
     const fs::file_status status = fs::status(file, failed);
     return !fs::exists(status) || fs::is_regular_file(status);
@@ -60,6 +62,15 @@ void WholeFile::keep() {
         if (failed) refuse_to_write(file_);
     }
     kept_ = true;
+}
+
+void write_whole_file(const fs::path& file, const std::function<void(std::ostream&)>& write) {
+    WholeFile whole(file);
+    std::ofstream out(whole.part(), std::ios::binary);
+    write(out);
+    out.close();
+    if (!out) refuse_to_write(file);
+    whole.keep();
 }
 
 bool can_be_written(const fs::path& file) {

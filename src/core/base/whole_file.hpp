@@ -1,12 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 
 namespace pierce {
 
 /// A file that is there as a whole or not at all: it is written under another name beside its own,
 /// and takes its own when it is kept. What was there before stays until then. A link stays one.
-/// Devices and pipes, and files in folders that nothing can be added to, are written as they are.
+/// Devices and pipes, files of /proc, and files in folders that nothing can be added to, are
+/// written as they are.
 class WholeFile {
 public:
     explicit WholeFile(std::filesystem::path file);
@@ -24,6 +27,10 @@ private:
     std::filesystem::path file_, part_;
     bool kept_ = false;
 };
+
+/// Writes a WholeFile. Throws InputError if not all of it can be written.
+void write_whole_file(const std::filesystem::path& file,
+                      const std::function<void(std::ostream&)>& write);
 
 /// True if a WholeFile can be put there. What is there is neither opened nor changed.
 bool can_be_written(const std::filesystem::path& file);

@@ -53,26 +53,23 @@ MeshData read_mesh(const std::filesystem::path& file) {
 }
 
 void write_obj(const std::filesystem::path& file, const MeshData& mesh) {
-    WholeFile whole(file);
-    std::ofstream out(whole.part());
-    fmt::memory_buffer text;
-    const auto write = [&] {
-        out.write(text.data(), static_cast<std::streamsize>(text.size()));
-        text.clear();
-    };
-    for (Vec3f p : mesh.positions) {
-        fmt::format_to(std::back_inserter(text), "v {} {} {}\n", p.x, p.y, p.z);
-        if (text.size() > enough) write();
-    }
-    for (const Triangle& t : mesh.triangles) {
-        fmt::format_to(std::back_inserter(text), "f {} {} {}\n", t.vertex[0] + 1, t.vertex[1] + 1,
-                       t.vertex[2] + 1);
-        if (text.size() > enough) write();
-    }
-    write();
-    out.close();
-    if (!out) refuse_to_write(file);
-    whole.keep();
+    write_whole_file(file, [&](std::ostream& out) {
+        fmt::memory_buffer text;
+        const auto write = [&] {
+            out.write(text.data(), static_cast<std::streamsize>(text.size()));
+            text.clear();
+        };
+        for (Vec3f p : mesh.positions) {
+            fmt::format_to(std::back_inserter(text), "v {} {} {}\n", p.x, p.y, p.z);
+            if (text.size() > enough) write();
+        }
+        for (const Triangle& t : mesh.triangles) {
+            fmt::format_to(std::back_inserter(text), "f {} {} {}\n", t.vertex[0] + 1,
+                           t.vertex[1] + 1, t.vertex[2] + 1);
+            if (text.size() > enough) write();
+        }
+        write();
+    });
 }
 
 }  // namespace pierce::scenes

@@ -66,14 +66,8 @@ FloatArray read_npy(const std::filesystem::path& file) {
 void write_npy(const std::filesystem::path& file, std::span<const std::size_t> shape,
                std::span<const float> values) {
     const std::vector<std::size_t> dimensions(shape.begin(), shape.end());
-    try {
-        WholeFile whole(file);
-        xt::dump_npy(whole.part().string(),
-                     xt::adapt(values.data(), values.size(), xt::no_ownership(), dimensions));
-        whole.keep();
-    } catch (const std::exception& error) {
-        throw InputError("cannot write '" + file.string() + "': " + error.what());
-    }
+    const auto array = xt::adapt(values.data(), values.size(), xt::no_ownership(), dimensions);
+    write_whole_file(file, [&](std::ostream& out) { out << xt::dump_npy(array); });
 }
 
 }  // namespace pierce::scenes

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/base/usable.hpp"
 #include "core/base/whole_file.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
@@ -241,11 +242,23 @@ void require_lasting_meshes(const Recording& recording, const std::string& what)
                              "' changes");
 }
 
+namespace {
+
+/// A pose that a new body may have: that of the first frame that has one. A body whose pose is not
+/// usable is left out of a frame.
+Pose first_pose(const Recording& recording, std::uint32_t body) {
+    for (std::uint32_t f = 0; f < recording.frame_count; ++f)
+        if (const Pose pose = recording.pose(body, f); is_usable(pose)) return pose;
+    return {};
+}
+
+}  // namespace
+
 SceneSetup scene_of(const Recording& recording) {
     SceneSetup scene{"recording", recording.meshes, {}};
     for (std::uint32_t b = 0; b < recording.bodies.size(); ++b) {
         const RecordedBody& body = recording.bodies[b];
-        const Pose pose = body.motion == Motion::deforming ? Pose{} : recording.pose(b, 0);
+        const Pose pose = body.motion == Motion::deforming ? Pose{} : first_pose(recording, b);
         scene.bodies.push_back(
             {body.name, body.mesh, body.motion, pose, body.ground, body.collision});
     }
@@ -274,8 +287,10 @@ void write_recording(const Recording& recording, const fs::path& folder,
     const fs::path scene_file = folder / "scene.json";
     std::error_code failed;
     fs::create_directories(folder, failed);
-    // Without this file, which comes last, the folder is no recording.
-    fs::remove(scene_file, failed);
+    // Without this file, which comes last, the folder is no recording. The truth is that of the
+    // motion that was there before.
+    for (const fs::path& old : {scene_file, folder / "truth.json", folder / "sheets.json"})
+        fs::remove(old, failed);
     const bool changes = std::ranges::any_of(
         recording.bodies, [](const RecordedBody& b) { return !b.mesh_changes.empty(); });
     json scene{{"format", format_name},
@@ -314,13 +329,10 @@ void write_recording(const Recording& recording, const fs::path& folder,
             scene["bodies"].back()["collision"] = collision_json(body.collision);
         if (progress) progress(share(b + 1, recording.bodies.size()));
     }
-    WholeFile whole(scene_file);
-    std::ofstream out(whole.part());
-    // Names need not be UTF-8.
-    out << scene.dump(2, ' ', false, json::error_handler_t::replace) << '\n';
-    if (!out.flush()) refuse_to_write(scene_file);
-    out.close();
-    whole.keep();
+    write_whole_file(scene_file, [&](std::ostream& out) {
+        // Names need not be UTF-8.
+        out << scene.dump(2, ' ', false, json::error_handler_t::replace) << '\n';
+    });
 }
 
 Recording read_recording(const fs::path& folder, const std::function<void(double)>& progress) {

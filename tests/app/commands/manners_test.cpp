@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <limits>
 #include <regex>
 #include <sstream>
 #include <vector>
@@ -264,6 +266,77 @@ TEST_F(MannersTest, FilesTakeTheirPlaceAsAWhole) {
     EXPECT_EQ(pierce(run + "/dev/null", folder).code, 0);
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
     EXPECT_THAT(parts(), testing::IsEmpty());
+}
+
+/// The command, where no file may be longer than some blocks of 512 or 1024 bytes, as on a full
+/// disk. Returns its exit code.
+int with_little_room(int blocks, const std::string& arguments, const fs::path& folder) {
+    const std::string command = "cd '" + folder.string() + "' && trap '' XFSZ && ulimit -f " +
+                                std::to_string(blocks) + " && " + PIERCE_APP + " " + arguments +
+                                " > /dev/null 2>&1";
+    return WEXITSTATUS(std::system(command.c_str()));
+}
+
+TEST_F(MannersTest, AFullDiskIsNoSuccess) {
+    write_boxes();
+    EXPECT_EQ(with_little_room(40, "run tori --count 1 --soft --seconds 0.5 --record r", folder),
+              2);
+    EXPECT_FALSE(fs::exists(folder / "r/scene.json"));
+    EXPECT_EQ(with_little_room(0, "check a.obj --fix fixed.obj", folder), 2);
+    EXPECT_EQ(with_little_room(0, "run tori --count 1 --seconds 0.02 --png last.png", folder), 2);
+    for (const char* file : {"fixed.obj", "last.png"}) EXPECT_FALSE(fs::exists(folder / file));
+    EXPECT_THAT(parts(), testing::IsEmpty());
+    if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+    EXPECT_EQ(pierce("-q run tori --count 1 --seconds 0.02 --png /dev/full", folder).code, 2);
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+    EXPECT_EQ(pierce("-q check a.obj --fix /dev/full", folder).code, 2);
+    for (const char* command : {"scenes", "--version", "--help", "check a.obj"})
+        EXPECT_EQ(WEXITSTATUS(std::system(("cd '" + folder.string() + "' && " + PIERCE_APP + " " +
+                                           command + " > /dev/full 2> /dev/null")
+                                              .c_str())),
+                  2)
+            << command;
+}
+
+TEST_F(MannersTest, AnotherMotionHasAnotherTruth) {
+    ASSERT_EQ(pierce("-q run tori --count 2 --seconds 0.1 --record motion", folder).code, 0);
+    for (const char* file : {"motion/truth.json", "motion/sheets.json"})
+        std::ofstream(folder / file) << "of the first motion";
+    ASSERT_EQ(pierce("-q run tori --count 2 --seconds 0.1 --seed 2 --record motion", folder).code,
+              0);
+    for (const char* file : {"motion/truth.json", "motion/sheets.json"})
+        EXPECT_FALSE(fs::exists(folder / file));
+}
+
+TEST_F(MannersTest, WhatCannotBeIsNamed) {
+    expect_refused("replya motion", "'replya'");
+    expect_refused("-q check nothing.obj", "nothing.obj");
+    expect_refused("run tori --count 1 --seconds 1e300", "too many time steps");
+    expect_refused("run tori --count 1 --seconds 71582788.3", "too many time steps");
+    fs::create_directory(folder / "it's");
+    std::ofstream(folder / "it's/sweep.json")
+        << R"({"format": "pierce-sweep", "version": 1, "command": ["run", "tori", "--seconds",
+               "0.02", "--count", "1"], "parameters": {"--seed": [1]}})";
+    const Outcome script = pierce("sweep \"it's/sweep.json\" --slurm | bash -n", folder);
+    EXPECT_EQ(script.code, 0) << script.text;
+    ASSERT_EQ(pierce("-q sweep \"it's/sweep.json\"", folder).code, 0);
+    const Outcome done = pierce("sweep \"it's/sweep.json\" --slurm", folder);
+    EXPECT_EQ(done.code, 0);
+    EXPECT_THAT(done.text, HasSubstr("No run is missing"));
+}
+
+TEST_F(MannersTest, ABodyMayBeLeftOutOfTheFirstFrame) {
+    ASSERT_EQ(pierce("-q run tori --count 2 --seconds 0.1 --record motion", folder).code, 0);
+    std::fstream poses(folder / "motion/body_1.npy",
+                       std::ios::in | std::ios::out | std::ios::binary);
+    const std::string content = text_of(folder / "motion/body_1.npy");
+    const float nothing = std::numeric_limits<float>::quiet_NaN();
+    poses.seekp(static_cast<std::streamoff>(content.size() - 6 * 7 * sizeof(float)));
+    poses.write(reinterpret_cast<const char*>(&nothing), sizeof nothing);
+    poses.close();
+    const Outcome replay = pierce("replay motion --json replay.json", folder);
+    EXPECT_EQ(replay.code, 0) << replay.text;
+    EXPECT_THAT(replay.text, HasSubstr("left out"));
 }
 
 TEST_F(MannersTest, APipeGetsAllAtOnce) {

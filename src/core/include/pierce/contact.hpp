@@ -16,7 +16,7 @@ enum class Found : std::uint8_t {
     prediction,  ///< by a walk to a triangle that the vertex was predicted to enter through
     self,        ///< by a ray from a vertex that is inside its own body
     near,        ///< of a solid: outside, and closer than the margin; of a sheet: closer than its
-                 ///< thickness, and in all known steps on this side
+                 ///< thickness, and not known to have met
     crossing,    ///< of a sheet: the two meet during the step
     remembered,  ///< of a sheet: the two met in an earlier step and are still on the wrong side of
                  ///< each other
@@ -57,7 +57,7 @@ struct alignas(16) Contact {
                                    ///< sheets
     std::uint32_t triangle = 0;    ///< of the target
     std::uint32_t age = 0;  ///< steps in a row this vertex or edge has been in contact with this
-                            ///< body; 0: new
+                            ///< body or, between surfaces, this triangle or edge; 0: new
     std::uint32_t padding_b = 0;
     double along = 0;  ///< where on the edge: 0 at its first vertex, 1 at its second
     double time = 1;   ///< when in the step the two of a sheet's contact first meet [0: the step's

@@ -112,7 +112,8 @@ public:
     /// Sets which other bodies the body meets; by default those of all groups and worlds. Pairs
     /// that filters leave out cost no ray. Throws InputError for a world below all_worlds, and for
     /// one that is not below constants::most_worlds. When the first body gets a world, and when the
-    /// last one loses its, contacts begin a new age.
+    /// last one loses its, contacts begin a new age, and sheets forget their sides; so do those of
+    /// bodies that go to another world.
     void set_filter(BodyId body, const Filter& filter);
     const Filter& filter_of(BodyId body) const;
     /// Leaves out the pair of two bodies, whatever their filters, until include() takes it in
@@ -141,8 +142,9 @@ public:
     void copy_places(std::int32_t from, std::int32_t to);
     /// Removes all bodies of a world.
     void remove_world(std::int32_t world);
-    /// Leaves the bodies of a world out of steps, or takes them in again. Throws InputError for
-    /// all_worlds, and for a world without bodies.
+    /// Leaves the bodies of a world out of steps, or takes them in again. A world that has lost all
+    /// its bodies is left out no more. Throws InputError for all_worlds, and for a world without
+    /// bodies.
     void set_world_active(std::int32_t world, bool active);
     /// Which of the last step's contacts are of which world. Throws InputError if bodies were
     /// added, removed, moved or changed since.
@@ -207,8 +209,9 @@ public:
     void set_mesh(BodyId body, MeshId mesh);
 
     /// Makes the next detect() assume that no sheet is through anything when its step begins,
-    /// whatever the last detect() found. Everything remembered of sheets is forgotten, including
-    /// the age of their contacts. This is for solvers that try several ends of one step.
+    /// whatever the last detect() found. Everything remembered between surfaces is forgotten,
+    /// including the age of their contacts; contacts that rays find keep theirs. This is for
+    /// solvers that try several ends of one step.
     void forget_sides();
 
     /// Writes the world: settings, meshes, bodies, and what the last step keeps for the next one.
@@ -240,9 +243,9 @@ public:
     /// in this step and the last one, contacts get older and nothing else is done, unless steps
     /// run on a device, or there are sheets or a pair filter, or with Temporal::paper.
     const StepStats& detect();
-    /// The last step's contacts, sorted by (a, b, source, vertex), where bodies have worlds by
-    /// world before that: first those of solids, then those of sheets. Valid until the next
-    /// detect().
+    /// The last step's contacts: first those that rays have found, then those between surfaces,
+    /// which are those of sheets. Each part is sorted by pair, where bodies have worlds by world
+    /// before that, and then as docs/contacts.md says. Valid until the next detect().
     std::span<const Contact> contacts() const;
     /// The same contacts, valid for as long as they are kept: later steps write elsewhere. Nothing
     /// is copied unless there are contacts of sheets, or steps run on a device.
@@ -258,7 +261,7 @@ public:
     const Plan& plan();
     std::string backend() const;
 
-    /// A body and the world-space box it stands in.
+    /// A body and a world-space box around it, which need not be the smallest.
     struct BodyBox {
         BodyId body;
         Box box;
@@ -294,9 +297,9 @@ public:
     std::optional<Overlap> overlap(BodyId a, BodyId b, double same_direction = 0.9);
 
     /// The first body along each line of sight from `origin`, with bodies where the last detect()
-    /// saw them. Directions need not be unit; a zero direction meets nothing. Throws InputError for
-    /// an origin or a direction that is not finite, or if bodies were added, removed, moved or
-    /// changed since.
+    /// saw them. Directions need not be unit; a zero direction meets nothing. From further away
+    /// than constants::largest_coordinate, bodies may be missed. Throws InputError for an origin or
+    /// a direction that is not finite, or if bodies were added, removed, moved or changed since.
     std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
 
     /// What touches a sensor, such as the skin of a finger: `points` on it, with normals that point
