@@ -54,7 +54,7 @@ def test_decimal_numbers_are_sorted_as_such(tmp_path):
     vertices, triangles = torus()
     heights = {"d_0.5": 2, "d_0.25": 1, "d_0.125": 0, "d_10": 4, "d_9.75": 3}
     for name, height in heights.items():
-        points = vertices + [0, 0, height]
+        points = vertices + np.array([0, 0, height])
         lines = [f"v {x} {y} {z}" for x, y, z in points]
         lines += ["f " + " ".join(str(v + 1) for v in t) for t in triangles]
         (tmp_path / f"{name}.obj").write_text("\n".join(lines))
