@@ -7,7 +7,6 @@
 #include "core/trace/meeting.hpp"
 #include "core/world/ray_start.hpp"
 #include "core/world/world_state.hpp"
-#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce {
