@@ -9,6 +9,7 @@ with pierce.tables.ContactTable("contacts.parquet") as table:
 from __future__ import annotations
 
 import csv
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
@@ -59,6 +60,13 @@ def _names(values: NDArray[Any], kinds: Any) -> NDArray[Any]:
     return np.asarray(names[values])
 
 
+def _kind_of(path: Path) -> str:
+    kind = path.suffix.lower()
+    if kind not in (".csv", ".parquet"):
+        raise ValueError(f"'{path}': expected a name that ends in .csv or .parquet")
+    return kind
+
+
 class ContactTable:
     """A file that contacts are added to, step by step, until `close()` or the end of `with`.
 
@@ -71,15 +79,13 @@ class ContactTable:
         self._path = Path(path)
         self._parquet: Any = None
         self._csv: Any = None
-        kind = self._path.suffix.lower()
+        kind = _kind_of(self._path)
         if kind == ".csv":
             self._file = open(self._path, "w", newline="", encoding="utf-8")
             self._rows = csv.writer(self._file)
-        elif kind == ".parquet":
+        else:
             self._arrow = need("pyarrow", "pyarrow", "writing Parquet")
             need("pyarrow.parquet", "pyarrow", "writing Parquet")
-        else:
-            raise ValueError(f"'{path}': expected a name that ends in .csv or .parquet")
         self._kind = kind
         self._begun = False
 
@@ -118,7 +124,17 @@ class ContactTable:
 
 
 def write_contacts(path: str | Path, steps: Iterable[Contacts]) -> None:
-    """Writes the contacts of steps, whose frames are counted from 0; see `ContactTable`."""
-    with ContactTable(path) as table:
-        for frame, contacts in enumerate(steps):
-            table.add(frame, contacts)
+    """Writes the contacts of steps, whose frames are counted from 0; see `ContactTable`.
+
+    The file is there as a whole or not at all, and what was there before stays until then.
+    """
+    path = Path(path)
+    part = path.with_name(f"{path.stem}.part-{os.getpid()}{_kind_of(path)}")
+    try:
+        with ContactTable(part) as table:
+            for frame, contacts in enumerate(steps):
+                table.add(frame, contacts)
+        if part.exists():  # Parquet has no file without a step
+            part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

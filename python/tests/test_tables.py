@@ -86,3 +86,17 @@ def test_what_is_refused(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(ImportError, match="pip install pyarrow"):
         tables.ContactTable(tmp_path / "contacts.parquet")
+
+
+def test_a_table_is_whole_or_not_there(two_tori, tmp_path):
+    world, _, soft, positions = two_tori
+    (tmp_path / "contacts.csv").write_text("old")
+
+    def stops():
+        yield from steps(world, soft, positions)
+        raise OSError("no more")
+
+    with pytest.raises(OSError, match="no more"):
+        tables.write_contacts(tmp_path / "contacts.csv", stops())
+    assert (tmp_path / "contacts.csv").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["contacts.csv"]

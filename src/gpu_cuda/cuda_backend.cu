@@ -14,6 +14,7 @@
 #include "core/step/pipeline.hpp"
 #include "core/trace/bvh/bvh_tracer.hpp"
 #include "gpu_cuda/caller_stream.hpp"
+#include "gpu_cuda/capture.hpp"
 #include "gpu_cuda/contact_arrays.cuh"
 #include "gpu_cuda/cuda_executor.cuh"
 #include "gpu_cuda/on_device.hpp"
@@ -238,7 +239,7 @@ private:
             ++warm_;
             bounded_stages(stats);
         } else {
-            graph = captured_stages(stats);
+            graph = cuda::captured(stream(), [&] { bounded_stages(stats); });
         }
         stats.stages.clear();
         if (graph != nullptr) {
@@ -257,31 +258,6 @@ private:
         mirror().restore_seen();
         restart();
         exact_step(stats);
-    }
-
-    cudaGraphExec_t captured_stages(StepStats& stats) {
-        const std::scoped_lock turn(cuda::captures_and_waits());
-        check(cudaStreamBeginCapture(stream(), cudaStreamCaptureModeThreadLocal),
-              "capture of a step");
-        try {
-            bounded_stages(stats);
-        } catch (...) {
-            end_capture();
-            throw;
-        }
-        cudaGraph_t captured = nullptr;
-        check(cudaStreamEndCapture(stream(), &captured), "capture of a step");
-        cudaGraphExec_t graph = nullptr;
-        check(cudaGraphInstantiate(&graph, captured, 0), "a graph of a step");
-        cudaGraphDestroy(captured);
-        return graph;
-    }
-
-    /// Of a capture that failed.
-    void end_capture() {
-        cudaGraph_t captured = nullptr;
-        cudaStreamEndCapture(stream(), &captured);
-        if (captured != nullptr) cudaGraphDestroy(captured);
     }
 
     void bounded_stages(StepStats& stats) {
