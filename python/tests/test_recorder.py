@@ -52,6 +52,12 @@ def test_meshes_of_one_name_insides_and_sheets_are_recorded(tmp_path):
         assert [replay.step(frame).hash for frame in range(2)] == hashes
 
 
+def test_nothing_is_no_recording(two_tori):
+    recorder = pierce.Recorder(two_tori[0])
+    with pytest.raises(ValueError, match="nothing was recorded"):
+        recorder.recording()
+
+
 def test_a_body_with_another_mesh_is_refused(two_tori):
     world, rigid, _, _ = two_tori
     recorder = pierce.Recorder(world)

@@ -18,27 +18,6 @@ bool adds_body(const Call& c) {
 bool names_mesh(const Call& c) {
     return adds_body(c) || c.kind == Kind::remove_mesh || c.kind == Kind::set_mesh;
 }
-bool names_body(const Call& c) {
-    switch (c.kind) {
-        case Kind::remove_body:
-        case Kind::set_collision:
-        case Kind::set_pose:
-        case Kind::set_positions:
-        case Kind::set_pose_motion:
-        case Kind::set_position_motion:
-        case Kind::set_mesh:
-        case Kind::explain:
-        case Kind::set_filter:
-        case Kind::exclude:
-        case Kind::include:
-        case Kind::overlap:
-        case Kind::parting:
-            return true;
-        default:
-            return false;
-    }
-}
-
 bool names_two(const Call& c) {
     switch (c.kind) {
         case Kind::explain:
@@ -49,6 +28,22 @@ bool names_two(const Call& c) {
             return true;
         default:
             return false;
+    }
+}
+
+bool names_body(const Call& c) {
+    switch (c.kind) {
+        case Kind::remove_body:
+        case Kind::set_collision:
+        case Kind::set_pose:
+        case Kind::set_positions:
+        case Kind::set_pose_motion:
+        case Kind::set_position_motion:
+        case Kind::set_mesh:
+        case Kind::set_filter:
+            return true;
+        default:
+            return names_two(c);
     }
 }
 

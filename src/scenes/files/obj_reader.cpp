@@ -8,7 +8,7 @@
 namespace pierce::scenes {
 namespace {
 
-/// The line with those that it goes on in; empty text stays where it is.
+/// Joins a line that ends in a backslash to the next ones; `joined` then holds its text.
 void join_lines(TextScanner& text, std::string& joined) {
     const auto goes_on = [&] {
         const std::string_view line = text.line();
