@@ -14,6 +14,7 @@
 #include "pierce/mesh_fix.hpp"
 #include "records.hpp"
 #include "scenes/files/mesh_io.hpp"
+#include "without_gil.hpp"
 
 namespace pierce::python {
 namespace {
@@ -168,7 +169,7 @@ void bind_meshes(nb::module_& module) {
                const std::string& cache, std::uint32_t threads, nb::handle progress) {
                 MeshData data = mesh_data_of(mesh);
                 MeshOptions options = mesh_options(inside, cache, threads, progress);
-                const nb::gil_scoped_release release;
+                const WithoutGil without_gil;
                 return std::make_shared<Mesh>(name, std::move(data), std::move(options));
             },
             nb::arg("mesh"), nb::arg("name") = "mesh", nb::arg("inside") = "automatic",
@@ -226,7 +227,7 @@ void bind_meshes(nb::module_& module) {
         [](nb::handle mesh, bool self_intersections, nb::handle inside) {
             const MeshData data = mesh_data_of(mesh);
             const MeshCheckOptions options{self_intersections, choice<Inside>(inside, "inside")};
-            const nb::gil_scoped_release release;
+            const WithoutGil without_gil;
             return check_mesh(data, options);
         },
         nb::arg("mesh"), nb::arg("self_intersections") = false, nb::arg("inside") = "automatic",

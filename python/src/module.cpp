@@ -13,6 +13,7 @@
 #include "recordings.hpp"
 #include "results.hpp"
 #include "scenes/detect/method.hpp"
+#include "without_gil.hpp"
 #include "world.hpp"
 
 NB_MODULE(_core, module) {
@@ -41,6 +42,7 @@ NB_MODULE(_core, module) {
     module.attr("version") = PIERCE_VERSION;
     module.def("cuda_can_run", &pierce::scenes::cuda_can_run,
                "True if this build has CUDA and there is a device for it.");
+    python::bind_interpreter_end();
     python::bind_handles(module);
     python::bind_results(module);
     python::bind_meshes(module);

@@ -10,6 +10,7 @@
 #include "page/scene_page.hpp"
 #include "page/step_figures.hpp"
 #include "pierce/error.hpp"
+#include "without_gil.hpp"
 #include "world.hpp"
 
 namespace pierce::python {
@@ -75,7 +76,7 @@ void write(const PyPage& self, const std::filesystem::path& file, const nb::kwar
     about["backend"] = {{"name", world->backend()}};
     about["plan"] = page::plan_figures(world->plan());
     about["notes"] = world->plan().notes;
-    const nb::gil_scoped_release release;
+    const WithoutGil without_gil;
     self.page->write(file, about);
 }
 

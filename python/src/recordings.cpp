@@ -18,6 +18,7 @@
 #include "scenes/recording/recording.hpp"
 #include "scenes/simulate/simulation.hpp"
 #include "settings.hpp"
+#include "without_gil.hpp"
 #include "world.hpp"
 
 namespace pierce::python {
@@ -151,7 +152,7 @@ std::shared_ptr<Recording> simulate(const std::string& scene, std::uint32_t coun
     rays.threads = threads;
     rays.world = settings_from(settings, fields);
     scenes::check_time_step(dt, "dt");
-    const nb::gil_scoped_release release;
+    const WithoutGil without_gil;
     const scenes::SceneSetup setup = scenes::make_scene(
         scene, {.count = count, .soft = soft, .seed = seed});
     scenes::Simulation simulation(setup, scenes::method_named(method), rays);
@@ -174,7 +175,7 @@ scenes::Validation validate(const Recording& recording, const std::vector<std::s
     std::vector<scenes::Candidate> candidates;
     for (const std::string& name : backends)
         candidates.push_back({name, backend_named(name, threads)});
-    const nb::gil_scoped_release release;
+    const WithoutGil without_gil;
     return scenes::validate(recording, std::move(candidates), all, every);
 }
 
@@ -188,14 +189,14 @@ void bind_recording(nb::module_& module) {
         .def_static(
             "read",
             [](const std::filesystem::path& folder) {
-                const nb::gil_scoped_release release;
+                const WithoutGil without_gil;
                 return std::make_shared<Recording>(scenes::read_recording(folder));
             },
             nb::arg("folder"), "Reads a recording. Raises InputError for anything else.")
         .def(
             "write",
             [](const Recording& recording, const std::filesystem::path& folder) {
-                const nb::gil_scoped_release release;
+                const WithoutGil without_gil;
                 scenes::write_recording(recording, folder);
             },
             nb::arg("folder"), "Writes it into a folder.")

@@ -1,4 +1,5 @@
 #include "world.hpp"
+#include "without_gil.hpp"
 
 #include <optional>
 #include <sstream>
@@ -57,7 +58,7 @@ MeshId add_mesh(PyWorld& self, nb::handle mesh, const std::string& name, nb::han
     const Use world(self);
     const std::optional<MeshId> last = before.is_none() ? std::nullopt
                                                         : std::optional(nb::cast<MeshId>(before));
-    const nb::gil_scoped_release release;
+    const WithoutGil without_gil;
     return last ? world->add_mesh(name, std::move(data), *last, std::move(options))
                 : world->add_mesh(name, std::move(data), std::move(options));
 }
@@ -291,7 +292,7 @@ nb::object detect(nb::handle_t<PyWorld> self) {
     PyWorld& w = nb::cast<PyWorld&>(self);
     const Use world(w);
     {
-        const nb::gil_scoped_release release;
+        const WithoutGil without_gil;
         world->detect();
     }
     w.rethrow();

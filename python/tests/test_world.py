@@ -2,6 +2,7 @@
 
 import gc
 import re
+import subprocess
 import sys
 import threading
 import weakref
@@ -324,6 +325,34 @@ def test_one_world_in_two_threads_is_refused():
     thread.join()
     sys.setswitchinterval(interval)
     assert refused and all("another thread" in text for text in refused)
+
+
+def test_the_interpreter_ends_while_a_thread_takes_steps():
+    program = """
+import threading, time, pierce
+
+def run():
+    world = pierce.World("reference", coverage="complete")
+    corners = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+               [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    mesh = world.add_mesh(corners)
+    for _ in range(30):
+        world.add_rigid_body(mesh)
+    world.detect()
+    stepped.set()
+    while True:
+        world.detect()
+
+stepped = threading.Event()
+threading.Thread(target=run, daemon=True).start()
+stepped.wait()
+time.sleep(0.1)
+"""
+    for _ in range(3):
+        run = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, timeout=120
+        )
+        assert (run.returncode, run.stderr) == (0, "")
 
 
 def test_meshes_of_others():
