@@ -13,6 +13,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -48,9 +49,10 @@ Program program_of_seed(std::uint64_t seed) {
     return random_program(choices);
 }
 
+/// Does not look for a device: CUDA cannot be used in the children of a process that has used it.
 std::vector<std::string> names_of_backends() {
     std::vector<std::string> names;
-    for (const test::NamedBackend& backend : test::backends()) names.push_back(backend.name);
+    for (const test::NamedBackend& backend : test::known_backends()) names.push_back(backend.name);
     return names;
 }
 
@@ -59,6 +61,7 @@ std::vector<test::NamedBackend> chosen_backends(const std::vector<std::string>& 
     for (test::NamedBackend& backend : test::backends())
         if (names.empty() || std::ranges::count(names, backend.name) > 0)
             chosen.push_back(std::move(backend));
+    if (chosen.size() < names.size()) throw std::runtime_error("a backend cannot run here");
     return chosen;
 }
 

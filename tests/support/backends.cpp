@@ -45,11 +45,17 @@ std::unique_ptr<Backend> cuda_parts() {
     }();
     return cuda_backend({.devices = {0, has_two ? 1 : 0}});
 }
+
+std::vector<NamedBackend> cuda_backends() {
+    return {{"cuda", [] { return cuda_backend(); }},
+            {"cuda_stepwise", [] { return cuda_backend({.graph = false}); }},
+            {"cuda_parts", cuda_parts}};
+}
 #endif
 
 }  // namespace
 
-std::vector<NamedBackend> backends() {
+std::vector<NamedBackend> known_backends() {
     std::vector<NamedBackend> all = {{"reference", [] { return reference_backend(); }},
                                      {"bvh", [] { return bvh_backend(); }},
                                      {"embree_1", [] { return embree_backend(1); }},
@@ -61,11 +67,15 @@ std::vector<NamedBackend> backends() {
     all.push_back({"parallel", [] { return parallel_backend(); }});
 #endif
 #if PIERCE_HAS_CUDA
-    if (cuda_problem().empty()) {
-        all.push_back({"cuda", [] { return cuda_backend(); }});
-        all.push_back({"cuda_stepwise", [] { return cuda_backend({.graph = false}); }});
-        all.push_back({"cuda_parts", cuda_parts});
-    }
+    for (const NamedBackend& cuda : cuda_backends()) all.push_back(cuda);
+#endif
+    return all;
+}
+
+std::vector<NamedBackend> backends() {
+    std::vector<NamedBackend> all = known_backends();
+#if PIERCE_HAS_CUDA
+    if (!cuda_problem().empty()) all.resize(all.size() - cuda_backends().size());
 #endif
     return all;
 }

@@ -17,8 +17,11 @@ struct NamedBackend {
     std::function<std::unique_ptr<Backend>()> make;
 };
 
-/// Every backend that can run here: the reference, our own trees, Embree with one thread and with
-/// several, several backends that share a world, and CUDA.
+/// Every backend of this build: the reference, our own trees, Embree with one thread and with
+/// several, several backends that share a world, and CUDA. Does not look for a device.
+std::vector<NamedBackend> known_backends();
+
+/// Those that can run here.
 std::vector<NamedBackend> backends();
 
 /// True if a backend of this name can run here.
