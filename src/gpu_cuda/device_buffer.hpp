@@ -62,9 +62,9 @@ private:
     void grow(std::size_t least) {
         const std::size_t capacity = std::max(least, capacity_ + capacity_ / 2);
         T* larger = nullptr;
+        const std::scoped_lock turn(captures_and_waits());
         check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr),
               "allocation of device memory");
-        const std::scoped_lock turn(captures_and_waits());
         check(cudaDeviceSynchronize(), "waiting for the device");
         if (count_.bound() > 0)
             check(cudaMemcpyAsync(larger, data_, count_.bound() * sizeof(T),

@@ -329,6 +329,7 @@ private:
                   .level_begin = level_begin,
                   .box_nodes = view_of(std::as_const(node_views_)),
                   .plan = host.plan,
+                  .meshes_change = meshes_change_,
                   .forgets_sides = view_of(std::as_const(forgets_))};
         copy_items(host);
     }

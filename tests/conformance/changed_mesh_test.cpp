@@ -212,6 +212,72 @@ TEST_P(ChangedMeshTest, AFewOfManyBodiesChange) {
     EXPECT_GT(contacts, 1500u);
 }
 
+// Steps of sheets alone place them once for a plan. After steps without a change, some get more
+// vertices, and some another filter, which asks for a new plan, too.
+TEST_P(ChangedMeshTest, AFewOfManySheetsChange) {
+    constexpr double thickness = 0.05;
+    test::Random random(12);
+    World world(GetParam().make(), {});
+    struct Sheet {
+        MeshData data;
+        MeshId mesh;
+        BodyId id;
+        Filter filter;
+        std::vector<Vec3f> positions;
+    };
+    std::vector<Sheet> sheets(8);
+    const Collision collision{.sheet = true, .thickness = thickness};
+    for (std::size_t k = 0; k < sheets.size(); ++k) {
+        Sheet& sheet = sheets[k];
+        sheet.data = scenes::grid(1, 1, 6, 6);
+        for (Vec3f& p : sheet.data.positions)
+            p = to_float(to_double(p) + Vec3d{0, 0, thickness * (0.9 * static_cast<double>(k))} +
+                         0.2 * thickness * random.in_box(1));
+        sheet.mesh = world.add_mesh("sheet", sheet.data);
+        sheet.id = world.add_deforming_body(sheet.mesh, sheet.data.positions);
+        world.set_collision(sheet.id, collision);
+    }
+    std::size_t contacts = 0;
+    for (int step = 0; step < 30; ++step) {
+        // A backend captures its steps after some without a change.
+        if (step % 10 > 5) {
+            Sheet& sheet = sheets[static_cast<std::size_t>(random.integer(0, 7))];
+            if (random.integer(0, 2) == 0) {
+                sheet.filter.chain = static_cast<std::uint32_t>(random.integer(0, 20));
+                world.set_filter(sheet.id, sheet.filter);
+            } else {
+                const std::size_t before = sheet.data.positions.size();
+                while (sheet.data.positions.size() == before)
+                    sheet.data = changed(sheet.data, random);
+                sheet.mesh = world.add_mesh("changed", sheet.data, sheet.mesh);
+                world.set_mesh(sheet.id, sheet.mesh, sheet.data.positions);
+            }
+        }
+        for (Sheet& sheet : sheets) {
+            sheet.positions = sheet.data.positions;
+            for (Vec3f& p : sheet.positions)
+                p = to_float(to_double(p) + 0.01 * thickness * random.in_box(1));
+            world.set_motion(sheet.id, sheet.positions, sheet.positions);
+        }
+        world.forget_sides();
+        world.detect();
+
+        World fresh(bvh_backend(), {});
+        for (const Sheet& sheet : sheets) {
+            const BodyId body = fresh.add_deforming_body(fresh.add_mesh("fresh", sheet.data),
+                                                         sheet.positions);
+            fresh.set_collision(body, collision);
+            fresh.set_filter(body, sheet.filter);
+        }
+        fresh.detect();
+        ASSERT_EQ(hash_of(world), hash_of(fresh))
+            << "step " << step << ": " << world.contacts().size() << " contacts and "
+            << fresh.contacts().size();
+        contacts += world.contacts().size();
+    }
+    EXPECT_GT(contacts, 3000u);
+}
+
 TEST_P(ChangedMeshTest, PairsWithoutTheBodyRememberWhatTheyKnew) {
     World world(GetParam().make());
     const MeshData ball = scenes::sphere(1, 2);

@@ -12,8 +12,8 @@
 namespace pierce::test {
 
 /// Runs a stage's items in another order every time, asks emitting stages twice and lists what they
-/// find block by block, blocks in any order: what an executor with many threads may do, on one
-/// thread, so that it comes again the same.
+/// find block by block, blocks in any order, and does not let items write that find nothing: what
+/// an executor with many threads may do, on one thread, so that it comes again the same.
 class ShuffledExecutor : public HostExecutor {
 public:
     static constexpr ExecutorTraits traits{.host_reads = false,
@@ -59,7 +59,7 @@ public:
                 const auto found = finder.find(i);
                 const std::uint32_t end = place + finder.count(found);
                 (lists.resize(end), ...);
-                finder.write(i, found, place, lists.data()...);
+                if (end > place) finder.write(i, found, place, lists.data()...);
                 place = end;
             }
     }

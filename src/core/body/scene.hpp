@@ -69,7 +69,9 @@ struct Scene {
     LevelBegins level_begin{};            ///< where the levels begin there
     View<const View<BoxNode>> box_nodes;  ///< per body, where a deforming body's boxes go
     const Plan* plan = nullptr;
-    std::uint32_t part = 0;  ///< of the backends that share a scene, the one that steps
+    bool meshes_change = false;  ///< a step may be repeated as it was issued, after bodies have got
+                                 ///< meshes of other sizes
+    std::uint32_t part = 0;      ///< of the backends that share a scene, the one that steps
     View<const std::uint32_t> forgets_sides;  ///< one number; if it is not 0, sheets forget the
                                               ///< last step
 

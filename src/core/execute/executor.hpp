@@ -58,10 +58,11 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     { executor.select(ListId{}, n, detail::AnyTest{}, out) } -> std::same_as<typename E::Count>;
     // Makes a list of what a stage finds, or several lists side by side. Each item adds
     // `count(find(item))` things, which `write(item, found, place, lists...)` puts at places from
-    // `place` on. The order of things in a list is unspecified unless the stage asks for the order
-    // of their items: `static constexpr bool in_order = true`. Such a stage may also fill the lists
-    // past the last thing, where they have more room: `pad(place, lists...)`. `find` may be called
-    // twice for an item; what it writes must be the same both times.
+    // `place` on; it may be left out for an item that adds nothing. The order of things in a list
+    // is unspecified unless the stage asks for the order of their items: `static constexpr bool
+    // in_order = true`. Such a stage may also fill the lists past the last thing, where they have
+    // more room: `pad(place, lists...)`. `find` may be called twice for an item; what it writes
+    // must be the same both times.
     executor.emit(ListId{}, n, detail::AnyFinder{}, list);
     executor.sort(n, 64, keys, in, keys, out);
     // Adds up a term for every item; the stage is called once for each.

@@ -30,8 +30,8 @@ public:
     /// Places all bodies over the step, while other work runs; find() then skips that.
     void bound_all(const Scene& scene) {
         // In the first step of a plan the host knows the counts, and they hold for the plan's other
-        // steps.
-        if (planned_ != scene.plan->revision) {
+        // steps. A captured step that outlasts its plan has to count itself.
+        if (scene.meshes_change || planned_ != scene.plan->revision) {
             executor_.assign(places_.wanted, scene.bodies.size, 1u);
             place(scene);
             planned_ = scene.plan->revision;

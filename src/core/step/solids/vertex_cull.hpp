@@ -271,7 +271,10 @@ struct CullBlock {
                 }
             }
         }
-        if (temporal != Temporal::off && first == 0) records[i].kept = mask;
+        if (temporal != Temporal::off && first == 0) {
+            records[i].kept = mask;
+            records[i].first_patch = 0;
+        }
         return Share::mine(mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
@@ -349,6 +352,7 @@ struct CullVertices {
                         .expiry[p % constants::block_size] = record.expiry;
             }
         }
+        record.first_vertex = 0;
         if (temporal != Temporal::off && Share::first() == 0) records[i] = record;
         return Share::mine(record.mask);
     }
