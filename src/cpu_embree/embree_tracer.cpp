@@ -128,6 +128,8 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies,
             tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(),
                                           bodies[b].fit_box);
             ++s.counts.builds;
+        } else {
+            tree->see(bodies[b].surface());
         }
         s.trees[b] = tree.get();
     }

@@ -149,6 +149,9 @@ public:
     }
     void remember(const StepMemory& memory) override {
         const cuda::OnDevice here(device_);
+        contacts_.clear();
+        pairs_.clear();
+        fetched_ = true;
         pipeline().remember(memory);
         // Captured steps know where memory lay, and how much there was of it.
         restart();

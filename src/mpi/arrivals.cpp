@@ -22,9 +22,23 @@ void World::State::take_in(std::vector<std::string> all) {
 void World::State::take_meshes(std::vector<SavedMesh> meshes) {
     for (SavedMesh& mesh : meshes) {
         const std::uint64_t key = mesh.key;
-        if (!known_meshes.contains(key))
-            known_meshes[key] = inside.meshes.add(made_from(std::move(mesh)));
+        if (known_meshes.contains(key)) continue;
+        // Backends find by its key what they have of a mesh: there is one of each.
+        const auto& slots = inside.meshes.slots();
+        const auto same = std::ranges::find_if(
+            slots, [&](const auto& slot) { return slot.used && slot.thing.key == key; });
+        known_meshes[key] = inside.meshes.add(same != slots.end() ? MeshEntry(same->thing)
+                                                                  : made_from(std::move(mesh)));
     }
+}
+
+void World::State::drop_away() {
+    const auto& slots = inside.bodies.slots();
+    for (std::uint32_t b = 0; b < slots.size(); ++b)
+        if (slots[b].used && slots[b].thing.away) {
+            inside.bodies.take(id(b), "body");
+            inside.change();
+        }
 }
 
 /// Puts a body where its number says, with what this rank has measured of it.
@@ -44,7 +58,7 @@ void World::State::put(const WholeBody& body, std::uint32_t owner) {
 }
 
 void World::State::take_in(std::uint32_t from, GhostMessage message) {
-    auto& slots = inside.bodies.slots();
+    const auto& slots = inside.bodies.slots();
     take_meshes(std::move(message.meshes));
     for (const std::uint32_t b : message.left) {
         if (!belongs_to(b, from)) continue;
@@ -71,12 +85,7 @@ void World::State::take_in(std::uint32_t from, GhostMessage message) {
         }
     }
     if (inside.planned && message.forgotten.empty()) return;
-    // A new plan is made in any case.
-    for (std::uint32_t b = 0; b < slots.size(); ++b)
-        if (slots[b].used && slots[b].thing.away) {
-            inside.bodies.take(id(b), "body");
-            inside.change();
-        }
+    drop_away();  // a new plan is made in any case
     for (const std::uint64_t key : message.forgotten) {
         const auto known = known_meshes.find(key);
         if (known == known_meshes.end()) continue;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "core/partition/body_reach.hpp"
@@ -7,6 +8,7 @@
 #include "core/step/common/pairs.hpp"
 #include "mpi/items.hpp"
 #include "mpi/world_state.hpp"
+#include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 
 /// What all ranks have, in one place: contacts, and worlds that are saved and read.
@@ -14,6 +16,14 @@ namespace pierce::mpi {
 
 std::vector<Contact> World::gather_contacts(int root) const {
     const State& s = *state_;
+    const std::exception_ptr failure = failure_of([&] {
+        if (root < 0 || root >= ranks())
+            throw InputError("there is no rank " + std::to_string(root));
+        if (s.detected && !s.inside.planned)
+            throw InputError(
+                "gather_contacts needs a detect() after bodies were added, removed or changed");
+    });
+    if (any_failed(s.comm, failure)) throw_failure(s.comm, failure);
     const stages::PairKeys keys{s.by_world};
     const View<const BodyView> bodies = view_of(s.inside.views);
     std::vector<GatheredContact> mine;
@@ -69,7 +79,7 @@ void World::save(std::ostream& out) const {
         WorldInside::State& inside = WorldInside::state(whole);
         inside.next_key = *std::ranges::max_element(next_keys);
         inside.excluded = s.excluded;
-        inside.left_out = s.inside.left_out;
+        inside.left_out = s.left_out;
         inside.forgets_sides = s.forgets_sides;
         // Numbers that were used before have their generations.
         for (const auto& slot : s.inside.bodies.slots())
@@ -123,11 +133,11 @@ World World::restore(MPI_Comm ranks, std::istream& in, std::unique_ptr<Backend> 
     const std::vector<std::uint32_t> owners = s.cut(bodies);
     s.together([&] {
         StepMemory memory = from.backend->memory();
-        s.handed = memory_of_part(memory, from.bodies.slots(), owners, s.rank());
+        s.handed = memory_of_part(memory, facts_by_number(bodies), owners, s.rank());
         s.handed->bodies.resize(memory.bodies.size());
         s.hands_over = true;
         s.excluded = from.excluded;
-        s.inside.left_out = from.left_out;
+        s.left_out = s.inside.left_out = from.left_out;
         s.forgets_sides = from.forgets_sides;
         const BodySlots& slots = from.bodies.slots();
         for (std::uint32_t b = 0; b < slots.size(); ++b) {

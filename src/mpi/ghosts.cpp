@@ -30,6 +30,7 @@ void World::State::agree_on_news() {
     make_lists();
     news.kinds = {};
     for (const std::uint32_t b : own) news.kinds.add(inside.kinds_of(entry(b)));
+    if (!left_out.empty()) news.worlds = local.worlds();
     const std::vector<std::string> all = comm.all_gather(to_bytes(news));
     const std::vector<BodyId> added = std::exchange(news, {}).added;
     has_news = false;
@@ -44,33 +45,59 @@ void World::State::agree_on_news() {
 }
 
 void World::State::take_in_news(const std::vector<std::string>& all) {
+    std::vector<News> news_of;
+    for (const std::string& bytes : all) news_of.push_back(from_bytes<News>(bytes));
+    const std::string conflict = conflict_in(news_of);
     BodyKinds elsewhere;
-    std::string conflict;
-    std::map<std::uint32_t, std::uint32_t> adders;
-    for (std::uint32_t from = 0; from < all.size(); ++from) {
-        const News its = from_bytes<News>(all[from]);
+    std::set<std::int32_t> used;
+    for (std::uint32_t from = 0; from < news_of.size(); ++from) {
+        const News& its = news_of[from];
         for (const BodyIdPair& pair : its.included) excluded.erase(pair);
         excluded.insert(its.excluded.begin(), its.excluded.end());
+        used.insert(its.worlds.begin(), its.worlds.end());
         for (const BodyId body : its.removed) {
             std::erase_if(excluded,
                           [&](const BodyIdPair& pair) { return pair.a == body || pair.b == body; });
             if (from != rank() && !is_own(body)) inside.bodies.retire(body);
         }
         if (from != rank()) elsewhere.add(its.kinds);
-        for (const BodyId body : its.added) {
-            const auto [first, is_new] = adders.emplace(body.index, from);
-            const bool taken = from != rank() && belongs_to(body.index, rank());
-            if (is_new && !taken) continue;
-            conflict = "body " + std::to_string(body.index) + " was added on rank " +
-                       std::to_string(is_new ? rank() : first->second) + " and on rank " +
-                       std::to_string(from);
-        }
     }
     // Other bodies are elsewhere, and some pairs may not be wanted.
     inside.elsewhere = elsewhere;
     inside.change();
+    drop_away();
+    settle_worlds(used);
     exclude_pairs();
     if (!conflict.empty()) throw InputError(conflict);
+}
+
+std::string World::State::conflict_in(std::span<const News> news_of) const {
+    const auto on = [](std::uint32_t its) { return " on rank " + std::to_string(its); };
+    std::map<std::uint32_t, std::uint32_t> adders;  // by number
+    std::map<BodyId, std::uint32_t> removers;
+    for (std::uint32_t from = 0; from < news_of.size(); ++from)
+        for (const BodyId body : news_of[from].removed) removers.emplace(body, from);
+    std::string conflict;
+    for (std::uint32_t from = 0; from < news_of.size(); ++from)
+        for (const BodyId body : news_of[from].added) {
+            const auto [first, is_new] = adders.emplace(body.index, from);
+            const auto remover = removers.find(body);
+            const std::string name = "body " + std::to_string(body.index);
+            if (!is_new)
+                conflict = name + " was added" + on(first->second) + " and" + on(from);
+            else if (from != rank() && belongs_to(body.index, rank()))
+                conflict = name + " was added" + on(rank()) + " and" + on(from);
+            else if (remover != removers.end() && remover->second != from)
+                // Others would take the new one for the one that they know.
+                conflict = name + " was removed" + on(remover->second) + " and added" + on(from) +
+                           " in the same step";
+        }
+    return conflict;
+}
+
+void World::State::settle_worlds(const std::set<std::int32_t>& used) {
+    std::erase_if(left_out, [&](std::int32_t world) { return !used.contains(world); });
+    inside.left_out = left_out;
 }
 
 void World::State::make_lists() {
@@ -228,12 +255,16 @@ GhostMessage World::State::message_to(std::uint32_t to, const std::vector<NearBo
     }
     leave_until(UINT32_MAX);
     other.has = std::move(has);
-    for (auto key = other.meshes.begin(); key != other.meshes.end();) {
+    other.got.insert(other.meshes.begin(), other.meshes.end());
+    for (auto key = other.got.begin(); key != other.got.end();) {
         const bool is_kept = std::ranges::any_of(inside.meshes.slots(), [&](const auto& slot) {
             return slot.used && slot.thing.key == *key;
         });
-        if (!is_kept) message.forgotten.push_back(*key);
-        key = is_kept ? std::next(key) : other.meshes.erase(key);
+        if (!is_kept) {
+            message.forgotten.push_back(*key);
+            other.meshes.erase(*key);
+        }
+        key = is_kept ? std::next(key) : other.got.erase(key);
     }
     return message;
 }

@@ -51,6 +51,7 @@ struct News {
     BodyKinds kinds;  ///< of all its bodies
     std::vector<BodyId> added, removed;
     std::vector<BodyIdPair> excluded, included;
+    std::vector<std::int32_t> worlds;  ///< of all its bodies
 
     bool empty() const {
         return added.empty() && removed.empty() && excluded.empty() && included.empty();
@@ -98,7 +99,7 @@ void transfer(A& archive, GhostMessage& m) {
 
 template <class A>
 void transfer(A& archive, News& n) {
-    transfer_all(archive, n.kinds, n.added, n.removed, n.excluded, n.included);
+    transfer_all(archive, n.kinds, n.added, n.removed, n.excluded, n.included, n.worlds);
 }
 
 template <class A>

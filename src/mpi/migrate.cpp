@@ -9,18 +9,27 @@
 
 /// Bodies that go from one rank to another, with what is remembered of their pairs.
 namespace pierce::mpi {
-StepMemory memory_of_part(const StepMemory& all, const BodySlots& bodies,
+StepMemory memory_of_part(const StepMemory& all, std::span<const BodyFacts> facts,
                           std::span<const std::uint32_t> owners, std::uint32_t part) {
     StepMemory memory = part_of_memory(all, [&](Pair pair) {
-        const auto is_there = [&](std::uint32_t b) {
-            return b < bodies.size() && bodies[b].used && b < owners.size();
+        const auto is_there = [&](std::uint32_t b) { return b < facts.size() && facts[b].exists; };
+        const auto motion = [&](std::uint32_t b) {
+            return facts[b].moves ? Motion::rigid : Motion::fixed;
         };
         return is_there(pair.a) && is_there(pair.b) &&
-               part_of_pair(bodies[pair.a].thing.motion, owners[pair.a],
-                            bodies[pair.b].thing.motion, owners[pair.b]) == part;
+               part_of_pair(motion(pair.a), owners[pair.a], motion(pair.b), owners[pair.b]) == part;
     });
     memory.bodies.clear();
     return memory;
+}
+
+std::vector<BodyFacts> facts_by_number(std::span<const PlacedBody> all) {
+    std::vector<BodyFacts> facts;
+    for (const PlacedBody& body : all) {
+        facts.resize(std::max<std::size_t>(facts.size(), body.number + std::size_t{1}));
+        facts[body.number] = body.facts;
+    }
+    return facts;
 }
 
 std::vector<PlacedBody> World::State::all_placed() const {
@@ -49,14 +58,9 @@ PlacedBody placed(std::uint32_t number, const BodyView& view, const Box& reach) 
 }
 
 std::vector<std::uint32_t> World::State::cut(std::span<const PlacedBody> all) const {
-    std::vector<BodyFacts> facts;
-    std::vector<Box> reaches;
-    for (const PlacedBody& body : all) {
-        facts.resize(std::max<std::size_t>(facts.size(), body.number + std::size_t{1}));
-        reaches.resize(facts.size());
-        facts[body.number] = body.facts;
-        reaches[body.number] = body.reach;
-    }
+    const std::vector<BodyFacts> facts = facts_by_number(all);
+    std::vector<Box> reaches(facts.size());
+    for (const PlacedBody& body : all) reaches[body.number] = body.reach;
     const std::vector<double> equal(others.size(), 1.0);
     std::vector<double> shares = equal;
     SpaceCut space;
@@ -73,9 +77,12 @@ std::vector<std::uint32_t> World::State::cut(std::span<const PlacedBody> all) co
 
 StepMemory World::State::memory_to_share() {
     StepMemory memory;
-    together([&] { memory = handed ? *handed : remembered(); });
+    together([&] {
+        memory = handed ? *handed : remembered();
+        make_lists();
+    });
     // A rank whose last step has rested, or that proves nothing, does not know where bodies were.
-    const auto knows = static_cast<std::uint8_t>(!memory.bodies.empty());
+    const auto knows = static_cast<std::uint8_t>(!memory.bodies.empty() || own.empty());
     const std::vector<std::uint8_t> all = comm.all_gather(knows);
     if (std::ranges::find(all, 0) == all.end()) return memory;
     memory.bodies.clear();
@@ -91,7 +98,9 @@ Migration World::migrate() {
     State& s = *state_;
     s.agree_on_news();
     s.look_around();
-    const std::vector<std::uint32_t> owners = s.cut(s.all_placed());
+    const std::vector<PlacedBody> placed = s.all_placed();
+    const std::vector<BodyFacts> facts = facts_by_number(placed);
+    const std::vector<std::uint32_t> owners = s.cut(placed);
     Migration migration;
     std::vector<std::string> to(s.others.size());
     StepMemory memory = s.memory_to_share(), kept;
@@ -99,14 +108,13 @@ Migration World::migrate() {
         s.handed.emplace();
         s.handed->bodies = memory.bodies;
         s.hands_over = true;
-        const BodySlots& slots = s.inside.bodies.slots();
         std::vector<std::uint32_t> leaving;
         for (const std::uint32_t b : s.own)
             if (owners[b] != s.rank()) leaving.push_back(b);
         s.inside.bring_places(leaving);
         for (std::uint32_t other = 0; other < to.size(); ++other) {
             Handover handover;
-            handover.memory = memory_of_part(memory, slots, owners, other);
+            handover.memory = memory_of_part(memory, facts, owners, other);
             if (other == s.rank()) {
                 kept = std::move(handover.memory);
                 continue;
@@ -117,6 +125,7 @@ Migration World::migrate() {
                 s.add_mesh_to(handover.meshes, b, meshes);
                 handover.bodies.push_back(s.whole(b, &memory));
             }
+            s.others[other].got.insert(meshes.begin(), meshes.end());
             to[other] = to_bytes(handover);
         }
     });

@@ -29,7 +29,10 @@ World::State::State(MPI_Comm ranks, const std::function<pierce::World()>& make)
     : comm(ranks), local(made_together(comm, make)), inside(WorldInside::state(local)) {
     others.resize(static_cast<std::size_t>(comm.size()));
     inside.part = rank();
-    inside.next_key = ((inside.next_key >> rank_shift) + rank() + 1) << rank_shift;
+    const std::uint64_t used = inside.next_key >> rank_shift;
+    if (used + others.size() > largest_key >> rank_shift)
+        throw InputError("the saved world has been continued by too many ranks");
+    inside.next_key = (used + rank() + 1) << rank_shift;
 }
 
 World::World(MPI_Comm ranks, std::unique_ptr<Backend> backend, const Settings& settings)
@@ -59,7 +62,15 @@ MeshId World::add_mesh(std::shared_ptr<const Mesh> mesh) {
 MeshId World::add_mesh(std::string name, MeshData data, MeshId before, MeshOptions options) {
     return state_->local.add_mesh(std::move(name), std::move(data), before, std::move(options));
 }
-void World::remove_mesh(MeshId mesh) { state_->local.remove_mesh(mesh); }
+void World::remove_mesh(MeshId mesh) {
+    State& s = *state_;
+    const MeshEntry entry = s.inside.meshes.get(mesh, "mesh");
+    s.local.remove_mesh(mesh);
+    // Another rank that has sent it does so once.
+    const auto known = s.known_meshes.find(entry.key);
+    if (known != s.known_meshes.end() && known->second == mesh)
+        known->second = s.inside.meshes.add(entry);
+}
 const Mesh& World::mesh(MeshId mesh) const { return state_->local.mesh(mesh); }
 
 void World::State::check_free(std::uint32_t number) const {
@@ -125,6 +136,11 @@ void World::remove_body(BodyId body) {
     s.local.remove_body(body);
     s.removed.push_back(body.index);
     s.changed_bodies.erase(body.index);
+    const auto is_of_body = [&](const BodyIdPair& pair) {
+        return pair.a == body || pair.b == body;
+    };
+    std::erase_if(s.news.excluded, is_of_body);
+    std::erase_if(s.news.included, is_of_body);
     // Others need not hear of one that they have never heard of.
     if (std::erase(s.news.added, body) == 0) s.news.removed.push_back(body);
     s.has_news = s.own_changed = true;
@@ -197,32 +213,41 @@ void World::set_mesh(BodyId body, MeshId mesh) {
     state_->note_changed(body);
 }
 
-namespace {
-
-BodyIdPair pair_of(BodyId a, BodyId b) {
-    if (!a || !b) throw InputError("body handle is null");
+BodyIdPair World::State::pair_of(BodyId a, BodyId b) const {
+    const auto& slots = inside.bodies.slots();
+    for (const BodyId body : {a, b}) {
+        if (!body) throw InputError("body handle is null");
+        if (body.index < slots.size() && slots[body.index].generation > body.generation)
+            throw InputError("body " + std::to_string(body.index) + " was removed");
+    }
     if (a.index == b.index)
         throw InputError("body " + std::to_string(a.index) + " and itself are no pair");
     return {a, b};
 }
 
-}  // namespace
-
 void World::exclude(BodyId a, BodyId b) {
-    const BodyIdPair pair = pair_of(a, b);
+    const BodyIdPair pair = state_->pair_of(a, b);
     std::erase(state_->news.included, pair);
     state_->news.excluded.push_back(pair);
     state_->has_news = true;
 }
 void World::include(BodyId a, BodyId b) {
-    const BodyIdPair pair = pair_of(a, b);
+    const BodyIdPair pair = state_->pair_of(a, b);
     std::erase(state_->news.excluded, pair);
     state_->news.included.push_back(pair);
     state_->has_news = true;
 }
 void World::set_pair_filter(PairFilter filter) { state_->local.set_pair_filter(std::move(filter)); }
 void World::set_world_active(std::int32_t world, bool active) {
-    state_->local.set_world_active(world, active);
+    State& s = *state_;
+    WorldInside::State::check_filter({.world = world});
+    if (world == all_worlds) throw InputError("all worlds together are none that can be left out");
+    if (active)
+        s.left_out.erase(world);
+    else
+        s.left_out.insert(world);
+    s.inside.left_out = s.left_out;
+    for (const BodyId body : s.local.bodies_of(world)) s.inside.note_change(body);
 }
 void World::forget_sides() { state_->forgets_sides = true; }
 
@@ -232,11 +257,13 @@ const StepStats& World::detect() {
     s.agree_on_news();
     s.look_around();
     std::vector<std::string> all = Exchange(s.comm, s.messages()).finish();
+    s.motions = s.moved_bodies();
     s.together([&] {
         s.take_in(std::move(all));
         if (std::exchange(s.forgets_sides, false)) s.local.forget_sides();
         s.local.detect();
     });
+    s.motions.clear();
     s.by_world = !s.inside.world_begins.empty();
     s.detected = true;
     return s.local.stats();
@@ -261,8 +288,19 @@ pierce::World& World::nearby() { return state_->local; }
 const pierce::World& World::nearby() const { return state_->local; }
 
 void World::State::fail(const std::exception_ptr& failure) {
+    detected = false;
+    // Where the step has succeeded, motions have ended.
+    for (const BodyId body : std::exchange(motions, {}))
+        if (is_own(body)) entry(body.index).moved = true;
     start_over();
     throw_failure(comm, failure);
+}
+
+std::vector<BodyId> World::State::moved_bodies() const {
+    std::vector<BodyId> moved;
+    for (const std::uint32_t b : own)
+        if (inside.bodies.slots()[b].thing.moved) moved.push_back(id(b));
+    return moved;
 }
 
 void World::State::drop_ghosts() {

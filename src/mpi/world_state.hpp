@@ -29,7 +29,8 @@ using BodySlots = std::vector<SlotMap<BodyTag, BodyEntry>::Slot>;
 /// What this rank knows of another one, and has told it.
 struct OtherRank {
     std::vector<std::uint32_t> has;  ///< numbers of own bodies that are its ghosts, sorted
-    std::set<std::uint64_t> meshes;  ///< keys of those that it got
+    std::set<std::uint64_t> meshes;  ///< keys of those that it need not get again
+    std::set<std::uint64_t> got;     ///< keys of those that it was ever sent, and may still have
 };
 
 /// Where other ranks have seen a body last.
@@ -71,12 +72,14 @@ struct World::State {
     std::set<std::uint32_t> changed_bodies;        ///< own ones that others have to get anew
     std::vector<std::uint32_t> removed;            ///< numbers of own bodies since the last step
     std::set<BodyIdPair> excluded;                 ///< of all ranks
+    std::set<std::int32_t> left_out;               ///< worlds, wherever their bodies are
     std::map<std::uint64_t, MeshId> known_meshes;  ///< those of other ranks, by key
 
     bool hands_over = false;           ///< the next step's ghosts come with what is remembered
     std::optional<StepMemory> handed;  ///< what the next step is to remember
     bool by_world = false;             ///< how pairs of the last step's contacts are written
     bool detected = false;             ///< the last step has not failed
+    std::vector<BodyId> motions;       ///< own bodies that move in the step that is being taken
 
     /// Throws on all ranks what make(), which makes `local`, throws on one.
     State(MPI_Comm ranks, const std::function<pierce::World()>& make);
@@ -90,6 +93,8 @@ struct World::State {
     }
     /// Throws InputError unless this rank owns the bodies.
     void check_own(std::span<const BodyId> some) const;
+    /// Throws InputError for bodies that can be no pair, as far as this rank knows.
+    BodyIdPair pair_of(BodyId a, BodyId b) const;
     /// Throws InputError if there is a body of that number here.
     void check_free(std::uint32_t number) const;
     BodyEntry& entry(std::uint32_t number) { return inside.bodies.slots()[number].thing; }
@@ -109,6 +114,8 @@ struct World::State {
     }
     /// Collective, for when there is a failure on some rank.
     [[noreturn]] void fail(const std::exception_ptr& failure);
+    /// The own bodies that have moved since the last step.
+    std::vector<BodyId> moved_bodies() const;
     /// Forgets ghosts, and what is remembered.
     void start_over();
     void drop_ghosts();
@@ -120,6 +127,11 @@ struct World::State {
     void take_in(std::vector<std::string> all);
 
     void take_in_news(const std::vector<std::string>& all);
+    /// Says which body a rank has added although there is, or was in the last step, another one of
+    /// that number elsewhere; empty: none. `news_of`: by rank.
+    std::string conflict_in(std::span<const News> news_of) const;
+    /// Leaves worlds out as long as some rank has a body of theirs. `used`: of all ranks' bodies.
+    void settle_worlds(const std::set<std::int32_t>& used);
     Summary summary();
     void measure_on_device();
     /// Brings the places that others have to know from device memory. Bodies whose places there are
@@ -145,6 +157,9 @@ struct World::State {
     void add_mesh_to(std::vector<SavedMesh>& meshes, std::uint32_t number,
                      std::set<std::uint64_t>& has) const;
     void take_meshes(std::vector<SavedMesh> meshes);
+    /// Takes away bodies of other ranks that are not near; the next step makes a new plan if there
+    /// is one.
+    void drop_away();
     void put(const WholeBody& body, std::uint32_t owner);
     void make_lists();
     bool is_moving(std::uint32_t number) const {
@@ -163,8 +178,11 @@ struct World::State {
     std::vector<std::uint32_t> cut(std::span<const PlacedBody> all) const;
 };
 
-/// Of what is remembered, the pairs of one part. `owners`: by number.
-StepMemory memory_of_part(const StepMemory& all, const BodySlots& bodies,
+/// What there is to know of bodies, by number.
+std::vector<BodyFacts> facts_by_number(std::span<const PlacedBody> all);
+/// Of what is remembered, the pairs of one part. `facts`, `owners`: by number, of all ranks'
+/// bodies.
+StepMemory memory_of_part(const StepMemory& all, std::span<const BodyFacts> facts,
                           std::span<const std::uint32_t> owners, std::uint32_t part);
 
 }  // namespace pierce::mpi

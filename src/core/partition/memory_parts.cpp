@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/step/common/pairs.hpp"
+#include "core/step/sheets/sheet_features.hpp"
 
 namespace pierce {
 namespace {
@@ -104,11 +105,15 @@ private:
 
     void take_sheet_records(const Place& at, std::uint64_t here) {
         const StepMemory& f = from_[at.memory];
-        const int shift = static_cast<int>(joined_.sheet_bits) + 3;
-        for (std::size_t r = first_of(f.sheet_keys, at.pair, shift);
-             r < f.sheet_keys.size() && f.sheet_keys[r] >> shift == at.pair; ++r) {
-            const std::uint64_t feature = f.sheet_keys[r] & ((std::uint64_t{1} << shift) - 1);
-            joined_.sheet_keys.push_back(here << shift | feature);
+        // Parts may give numbers of features another count of bits.
+        const std::uint32_t bits = f.sheet_bits;
+        for (std::size_t r = first_of(f.sheet_keys, at.pair, static_cast<int>(bits) + 3);
+             r < f.sheet_keys.size() && stages::pair_of(f.sheet_keys[r], bits) == at.pair; ++r) {
+            const std::uint64_t key = f.sheet_keys[r];
+            joined_.sheet_keys.push_back(stages::feature_key(
+                static_cast<std::uint32_t>(here), static_cast<stages::FeatureKind>(key >> bits & 7),
+                static_cast<std::uint32_t>(key & ((std::uint64_t{1} << bits) - 1)),
+                joined_.sheet_bits));
             joined_.sheet_records.push_back(f.sheet_records[r]);
         }
     }

@@ -120,6 +120,13 @@ void PartitionedBackend::step(const Scene& whole, StepStats& stats) {
     merged_ = false;
 }
 
+void PartitionedBackend::remember(const StepMemory& memory) {
+    merged_ = true;
+    contacts_.clear();
+    pairs_.clear();
+    given_ = memory;
+}
+
 bool PartitionedBackend::step_at_rest() {
     if (std::ranges::any_of(parts_, &PartitionedBackend::is_on_device)) return false;
     for (Share& part : parts_)

@@ -58,7 +58,7 @@ public:
     void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override;
 
     StepMemory memory() const override;
-    void remember(const StepMemory& memory) override { given_ = memory; }
+    void remember(const StepMemory& memory) override;
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override;
 
 private:

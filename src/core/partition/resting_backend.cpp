@@ -35,7 +35,12 @@ public:
     bool certificates_pay() const override { return now().certificates_pay(); }
 
     void step(const Scene& scene, StepStats& stats) override {
-        follow(scene);
+        try {
+            follow(scene);
+        } catch (...) {
+            start_over();
+            throw;
+        }
         now().step(scene, stats);
         stats.part_milliseconds.clear();  // of parts that the caller knows nothing of
     }
@@ -61,7 +66,19 @@ public:
     }
 
 private:
-    Backend& now() const { return parts_ ? *parts_ : *one_; }
+    Backend& now() const {
+        if (parts_) return *parts_;
+        if (!one_) one_ = make_();
+        return *one_;
+    }
+    /// After memory has run out where backends are exchanged: there are no contacts, and nothing is
+    /// remembered.
+    void start_over() {
+        one_.reset();
+        parts_.reset();
+        owners_.clear();
+        planned_ = 0;
+    }
 
     /// Decides whether bodies at rest are a part in this step, and which bodies these are.
     void follow(const Scene& scene) {
@@ -102,7 +119,7 @@ private:
             owners[b] = quiet_.is_quiet(b) ? at_rest : awake;
         if (parts_ && owners == owners_) return;
         if (!parts_) {
-            const StepMemory memory = one_->memory();
+            const StepMemory memory = now().memory();
             std::vector<Part> parts;
             parts.push_back({.backend = make_()});
             parts.push_back({.backend = std::move(one_)});
@@ -130,7 +147,7 @@ private:
 
     std::function<std::unique_ptr<Backend>()> make_;
     RestRules rules_;
-    std::unique_ptr<Backend> one_;               ///< null: parts_ has it
+    mutable std::unique_ptr<Backend> one_;       ///< null: parts_ has it, or it is to be made
     std::unique_ptr<PartitionedBackend> parts_;  ///< null: there is one part
     std::string description_;
     std::uint64_t planned_ = 0;  ///< revision of the plan of the last step

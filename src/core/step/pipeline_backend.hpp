@@ -69,6 +69,7 @@ public:
     }
     void remember(const StepMemory& memory) override {
         steps_at_rest_ = 0;
+        contacts_.clear();
         pipeline_.remember(memory);
     }
 

@@ -8,6 +8,7 @@
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/patch.hpp"
+#include "core/step/common/step_memory.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
@@ -315,7 +316,15 @@ const StepStats& World::detect() {
     }
     s.stats = {};
     const bool still = s.planned && s.changed.empty();
-    s.refresh_views();
+    try {
+        s.refresh_views();
+    } catch (const InputError&) {
+        throw;
+    } catch (...) {
+        s.change();
+        s.backend->remember({});
+        throw;
+    }
     const std::uint32_t forgets_sides = s.forgets_sides;
     const bool certifies = s.plan.settings.temporal == Temporal::certified;
     const bool few_change = constants::memory_still * s.moved_bodies() <=

@@ -104,6 +104,7 @@ World World::restore(std::istream& in, std::unique_ptr<Backend> backend) {
     World world(std::move(backend), settings);
     State& s = *world.state_;
     transfer_all(archive, s.next_key, s.forgets_sides, s.rest);
+    require(s.next_key <= largest_key, "keys that are used up");
     require(s.rest.resting <= constants::memory_first_rest << constants::memory_doublings,
             "a rest that is too long");
     std::set<std::uint64_t> keys;

@@ -166,7 +166,9 @@ void World::State::arrange_worlds() {
     for (const BodyView& view : views) used.insert(view.filter.world);
     used.erase(all_worlds);
     worlds.assign(used.begin(), used.end());
-    std::erase_if(left_out, [&](std::int32_t world) { return !used.contains(world); });
+    // A world may have bodies elsewhere.
+    if (!elsewhere.worlds)
+        std::erase_if(left_out, [&](std::int32_t world) { return !used.contains(world); });
     world_begins.clear();
     plan.worlds = static_cast<std::uint32_t>(worlds.size());
     plan.excluded_pairs = static_cast<std::uint32_t>(excluded_pairs.size());
@@ -235,7 +237,7 @@ void World::State::make_plan() {
 
     BodyKinds kinds = elsewhere;
     for (const auto& slot : slots)
-        if (slot.used) kinds.add(kinds_of(slot.thing));
+        if (slot.used && !slot.thing.away) kinds.add(kinds_of(slot.thing));
     plan.sheets = kinds.sheets;
     plan.velocity_rays = kinds.velocity_rays;
     plan.meets_itself = kinds.meets_itself;

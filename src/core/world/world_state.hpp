@@ -24,6 +24,9 @@ namespace pierce {
 /// True if a body can be there: all coordinates are finite and none is too large.
 bool is_usable(std::span<const Vec3f> positions);
 
+/// Keys of saved worlds are not larger, so that none comes again.
+inline constexpr std::uint64_t largest_key = ~std::uint64_t{0} >> 1;
+
 /// A mesh of a world.
 struct MeshEntry {
     std::shared_ptr<const Mesh> mesh;

@@ -23,7 +23,8 @@ struct Migration {
 /// A world whose bodies are spread over the processes of an MPI communicator, its *ranks*. Every
 /// body belongs to one rank, its owner, which adds it, moves it and asks about it with the calls of
 /// pierce::World. Contacts are those of one world with all bodies, bit for bit, with their ages;
-/// each is found on one rank (docs/scale.md).
+/// each is found on one rank (docs/scale.md). Each rank decides for itself when proofs rest
+/// (Settings::may_rest), so Contact::found may tell another way to the same contact.
 ///
 /// Calls marked *collective* have to be made by all ranks in the same order. If one of them fails
 /// on a rank, it throws the same message on all ranks; then there are no contacts, and the next
@@ -52,7 +53,8 @@ public:
     const Mesh& mesh(MeshId mesh) const;
 
     // Bodies, as in pierce::World. This rank owns what it adds. Throw InputError for a number that
-    // this rank knows to be taken; the next detect() throws if two ranks have taken the same.
+    // this rank knows to be taken; the next detect() throws if two ranks have taken the same, or if
+    // another rank has removed the body of that number since the last one.
 
     BodyId add_fixed_body(std::uint32_t number, MeshId mesh, const Pose& pose = {});
     BodyId add_rigid_body(std::uint32_t number, MeshId mesh, const Pose& pose = {});
@@ -92,6 +94,9 @@ public:
     void include(BodyId a, BodyId b);
     /// As in pierce::World; all ranks have to set the same.
     void set_pair_filter(PairFilter filter);
+    /// As in pierce::World, also of a world whose bodies are on other ranks; all ranks have to set
+    /// the same. A world is left out until no rank has a body of it when bodies were added, removed
+    /// or changed before a step.
     void set_world_active(std::int32_t world, bool active);
     /// As in pierce::World, on all ranks if one calls it.
     void forget_sides();
@@ -105,6 +110,8 @@ public:
     /// What this rank's last step did.
     const StepStats& stats() const;
     /// Collective. All ranks' contacts in the order of one world, on rank `root`; empty on others.
+    /// Throws InputError if there is no such rank, and if bodies were added, removed or changed
+    /// since the last detect(), or have migrated.
     std::vector<Contact> gather_contacts(int root = 0) const;
 
     /// Collective. Gives ranks other bodies, so that all have the same work and what is near each
