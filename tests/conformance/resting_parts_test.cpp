@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -171,6 +172,38 @@ TEST_P(RestingPartsTest, AnswerQuestionsAsOneBackendDoes) {
     const auto way = pile.one.parting(c.a, c.b), its_way = pile.parts.parting(c.a, c.b);
     ASSERT_TRUE(way && its_way);
     EXPECT_EQ(its_way->translation(), way->translation());
+}
+
+// There may be too little memory for a second backend.
+TEST(RestingPartsMemoryTest, AStepThatCannotMakePartsIsForgotten) {
+    int made = 0;
+    const auto make = [&made] {
+        if (++made == 2) throw std::bad_alloc();
+        return bvh_backend();
+    };
+    World world(
+        resting_backend(make, {.bodies = 8, .steps = 2, .patience = 1, .most_patience = 1}));
+    const MeshId box = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    std::vector<BodyId> bodies;
+    for (int b = 0; b < 12; ++b) bodies.push_back(world.add_rigid_body(box, {{0.9 * b, 0, 0}, {}}));
+    auto step = [&, z = 0.0]() mutable {
+        world.set_pose(bodies[3], {{2.7, 0, z += 0.01}, {}});
+        world.detect();
+    };
+    bool has_failed = false;
+    for (int k = 0; k < 20; ++k) {
+        try {
+            step();
+        } catch (const std::bad_alloc&) {
+            has_failed = true;
+            EXPECT_TRUE(world.contacts().empty());
+            world.detect();
+            EXPECT_FALSE(world.contacts().empty());
+            for (const Contact& c : world.contacts()) EXPECT_EQ(c.age, 0u);
+        }
+    }
+    EXPECT_TRUE(has_failed);
+    EXPECT_GT(made, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,8 +1,12 @@
 // Saved worlds go on as they would have, on any backend, and nothing else is taken for one.
 #include <gmock/gmock.h>
 
+#include <cstring>
 #include <sstream>
 
+#include "core/base/archive.hpp"
+#include "core/world/archived.hpp"
+#include "core/world/world_state.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
@@ -114,6 +118,29 @@ TEST(WorldArchiveTest, WhatIsNoSavedWorldIsRefusedByWhatIsWrongWithIt) {
             random.integer(28, static_cast<int>(saved.size()) - 1))];
         byte = static_cast<char>(byte ^ (1 << random.integer(0, 7)));
         refused(damaged, "its checksum differs");
+    }
+}
+
+TEST(WorldArchiveTest, AWorldWhoseKeysAreUsedUpIsRefused) {
+    SavedRun run(reference_backend(), {});
+    run.next();
+    const std::string saved = run.saved();
+    ArchiveWriter settings;
+    Settings of_run;
+    transfer(settings, of_run);
+    constexpr std::size_t header = 28, sum_at = 20;
+    for (const std::uint64_t key : {largest_key, largest_key + 1, ~std::uint64_t{0}}) {
+        std::string body = saved.substr(header);
+        std::memcpy(body.data() + settings.bytes().size(), &key, sizeof key);
+        std::string changed = saved.substr(0, header) + body;
+        const std::uint64_t sum = checksum(body);
+        std::memcpy(changed.data() + sum_at, &sum, sizeof sum);
+        if (key <= largest_key) {
+            EXPECT_NO_THROW(restored(changed));
+            continue;
+        }
+        EXPECT_THAT([&] { restored(changed); },
+                    testing::ThrowsMessage<InputError>(HasSubstr("keys that are used up")));
     }
 }
 
